@@ -31,30 +31,39 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file) 
     return open(std::move(*bytes), *end, file.string(), "matroska", "Matroska");
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const SourceFile& file, EndOf end_of, const char* format,
-                                                     const std::string& name) {
-    auto bytes = bytes_of_file(file);
-    if (!bytes) return bytes.error();
-    const auto end = end_of(**bytes);
-    if (!end) return error_at(file.string(), end.error());
-    if (!*end) return input_error(file.string() + ": is truncated, or no " + name + " file");
-    return open(std::move(*bytes), **end, file.string(), format, name);
+Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(std::unique_ptr<ByteSource> bytes,
+                                                     const std::string& file, EndOf end_of,
+                                                     const char* format, const std::string& name) {
+    const auto end = end_of(*bytes);
+    if (!end) return error_at(file, end.error());
+    if (!*end) return input_error(file + ": is truncated, or no " + name + " file");
+    return open(std::move(bytes), **end, file, format, name);
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    return open_quicktime(std::move(*bytes), file.string());
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSource> bytes,
+                                                         const std::string& file) {
     const auto end_of_tables = [](ByteSource& bytes) -> Result<std::optional<std::uint64_t>> {
         auto end = end_of_boxes(bytes);
         if (!end || !*end) return end;
         if (auto checked = check_box_tables(bytes, **end); !checked) return checked.error();
         return end;
     };
-    return open_whole(file, end_of_tables, "mov", "QuickTime or MP4");
+    return open_whole(std::move(bytes), file, end_of_tables, "mov", "QuickTime or MP4");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
     const std::string begin = first_bytes(file, 4);
     if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
-    return begin == "RIFF" ? open_whole(file, end_of_riff, "avi", "AVI") : open_quicktime(file);
+    if (begin != "RIFF") return open_quicktime(file);
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    return open_whole(std::move(*bytes), file.string(), end_of_riff, "avi", "AVI");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
@@ -161,6 +170,39 @@ std::optional<std::int64_t> Demuxer::key_before(int stream, std::int64_t timesta
         avformat_index_get_entry_from_timestamp(container_->streams[stream], timestamp, AVSEEK_FLAG_BACKWARD);
     if (!entry) return std::nullopt;
     return entry->timestamp;
+}
+
+bool Demuxer::has_flag(int stream, int entry, int flag) const {
+    const AVIndexEntry* const found = avformat_index_get_entry(container_->streams[stream], entry);
+    return found && (found->flags & flag) != 0;
+}
+
+/// Its place in the index, which may begin with pictures that are only there to decode others.
+int Demuxer::entry_of(int stream, std::int64_t picture) const {
+    const int entries = avformat_index_get_entries_count(container_->streams[stream]);
+    int first = 0;
+    while (first + 1 < entries && has_flag(stream, first, AVINDEX_DISCARD_FRAME)) ++first;
+    return static_cast<int>(std::clamp<std::int64_t>(first + picture, first, std::max(first, entries - 1)));
+}
+
+std::int64_t Demuxer::pictures(int stream) const {
+    const int entries = avformat_index_get_entries_count(container_->streams[stream]);
+    std::int64_t shown = 0;
+    for (int k = 0; k < entries; ++k) shown += has_flag(stream, k, AVINDEX_DISCARD_FRAME) ? 0 : 1;
+    return shown;
+}
+
+std::int64_t Demuxer::key_picture(int stream, std::int64_t picture) const {
+    const int first = entry_of(stream, 0);
+    int at = entry_of(stream, picture);
+    while (at > first && !has_flag(stream, at, AVINDEX_KEYFRAME)) --at;
+    return at - first;
+}
+
+std::int64_t Demuxer::decoding_time(int stream, std::int64_t picture) const {
+    const AVIndexEntry* const entry =
+        avformat_index_get_entry(container_->streams[stream], entry_of(stream, picture));
+    return entry ? entry->timestamp : 0;
 }
 
 bool Demuxer::is_all_keys(int stream) const {

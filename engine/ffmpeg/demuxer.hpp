@@ -18,6 +18,9 @@ public:
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file);
     /// QuickTime, and MP4, which is made of the same boxes.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
+    /// The same of other bytes than the file's; `file` is how messages call it.
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(std::unique_ptr<ByteSource> bytes,
+                                                           const std::string& file);
 
     /// Any of these, or AVI, as its first bytes tell.
     static Result<std::unique_ptr<Demuxer>> open_video(const SourceFile& file);
@@ -47,6 +50,14 @@ public:
     /// before; nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there
     /// was one.
     std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
+
+    // Of a file whose index has every picture, as MP4's: these are counted in the order in which they are
+    // decoded, which begins anew with each that decoding can begin with.
+    std::int64_t pictures(int stream) const;
+    /// The last one up to this that decoding can begin with.
+    std::int64_t key_picture(int stream, std::int64_t picture) const;
+    /// When one is decoded, in the stream's time base: where `seek` finds it.
+    std::int64_t decoding_time(int stream, std::int64_t picture) const;
     /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
     bool is_all_keys(int stream) const;
     /// The packet that `next` gives; null at the end.
@@ -55,9 +66,12 @@ public:
 private:
     /// Where a kind of container ends; nothing where it is cut.
     using EndOf = Result<std::optional<std::uint64_t>> (*)(ByteSource&);
-    static Result<std::unique_ptr<Demuxer>> open_whole(const SourceFile& file, EndOf end_of,
+    static Result<std::unique_ptr<Demuxer>> open_whole(std::unique_ptr<ByteSource> bytes,
+                                                       const std::string& file, EndOf end_of,
                                                        const char* format, const std::string& name);
     Result<bool> read_one();
+    bool has_flag(int stream, int entry, int flag) const;
+    int entry_of(int stream, std::int64_t picture) const;
 
     std::string file_;
     InputPtr container_;

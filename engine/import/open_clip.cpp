@@ -95,7 +95,10 @@ bool is_ros_recording(const Candidate& candidate) {
 bool is_mpeg4(const Candidate& candidate) {
     if (candidate.begin.size() < 8 || candidate.begin.substr(4, 4) != "ftyp" || is_heic(candidate))
         return false;
-    if (!candidate.is_mpeg4) candidate.is_mpeg4 = is_mp4_clip(candidate.source);
+    if (!candidate.is_mpeg4) {
+        const bool is_described = candidate.described || !(candidate.known == SourceDescription());
+        candidate.is_mpeg4 = is_mp4_clip(candidate.source, is_described);
+    }
     return *candidate.is_mpeg4;
 }
 

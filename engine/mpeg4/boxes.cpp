@@ -5,6 +5,46 @@
 #include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
+namespace {
+
+constexpr std::size_t most_boxes = 1 << 16;
+/// Of a movie box without its tables, and of a table that stays.
+constexpr std::size_t most_head_bytes = std::size_t{16} << 20, longest_table = std::size_t{64} << 10;
+constexpr int most_nested = 8;
+
+bool is_box_of_boxes(std::string_view type) {
+    constexpr std::string_view known[] = {"trak", "mdia", "minf", "stbl", "udta", "meta"};
+    return std::find(std::begin(known), std::end(known), type) != std::end(known);
+}
+
+/// The boxes between two places, those too without their tables.
+Result<Bytes> heads_between(ByteSource& file, std::uint64_t at, std::uint64_t end, int depth) {
+    Bytes heads;
+    while (at + 8 <= end) {
+        const auto box = box_at(file, at, end);
+        if (!box) return box.error();
+        if (!*box)
+            return input_error("a box at byte " + std::to_string(at) + " is longer than what it is in");
+        const std::uint64_t size = (*box)->end - (*box)->content;
+        at = (*box)->end;
+        const bool opens = size > longest_table && depth < most_nested && is_box_of_boxes((*box)->type);
+        if (!opens && size > longest_table) continue;
+        const std::uint64_t version_bytes = opens && (*box)->type == "meta" ? 4 : 0;
+        auto content = bytes_at(file, (*box)->content, opens ? version_bytes : size);
+        if (!content) return content.error();
+        if (opens) {
+            const auto inner = heads_between(file, (*box)->content + version_bytes, (*box)->end, depth + 1);
+            if (!inner) return inner.error();
+            put_bytes(*content, *inner);
+        }
+        put_box(heads, (*box)->type, *content);
+        if (heads.size() > most_head_bytes)
+            return input_error("its movie box has more than 16 MiB beside its tables");
+    }
+    return heads;
+}
+
+}  // namespace
 
 Result<std::vector<Box>> boxes_in(BytesView bytes) {
     std::vector<Box> boxes;
@@ -23,6 +63,7 @@ Result<std::vector<Box>> boxes_in(BytesView bytes) {
             return input_error("box " + in_quotes(type) + " has " + std::to_string(size) +
                                " bytes: must be " + std::to_string(head) + " to " +
                                std::to_string(bytes.size()));
+        if (boxes.size() == most_boxes) return input_error("more than 65536 boxes in one");
         boxes.push_back({std::move(type), bytes.subspan(head, size - head)});
         bytes = bytes.subspan(size);
     }
@@ -43,6 +84,62 @@ BytesView content_at(BytesView bytes, std::initializer_list<std::string_view> pa
         bytes = found->content;
     }
     return bytes;
+}
+
+Bytes with_content(BytesView bytes, std::span<const std::string_view> path, BytesView content) {
+    Bytes made;
+    const auto boxes = boxes_in(bytes);
+    for (const Box& box : boxes ? *boxes : std::vector<Box>()) {
+        if (box.type != path.front())
+            put_box(made, box.type, box.content);
+        else if (path.size() == 1)
+            put_box(made, box.type, content);
+        else
+            put_box(made, box.type, with_content(box.content, path.subspan(1), content));
+    }
+    return made;
+}
+
+Result<std::optional<BoxPlace>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end) {
+    const std::uint64_t left = end - at;
+    const auto head = bytes_at(file, at, std::min<std::uint64_t>(16, left));
+    if (!head) return head.error();
+    const std::uint64_t stated = number_at(*head, 0, 4), before = stated == 1 ? 16 : 8;
+    const std::uint64_t size = stated == 0 ? left : stated == 1 ? number_at(*head, 8, 8) : stated;
+    if (left < before) return std::optional<BoxPlace>();
+    std::string type(reinterpret_cast<const char*>(head->data()) + 4, 4);
+    if (size < before)
+        return input_error("box " + in_quotes(type) + " at byte " + std::to_string(at) + " has " +
+                           std::to_string(size) + " bytes: must be " + std::to_string(before) + " at least");
+    if (size > left) return std::optional<BoxPlace>();
+    return std::optional(BoxPlace{std::move(type), at, at + before, at + size});
+}
+
+Result<std::optional<BoxPlace>> first_box(ByteSource& file, std::string_view type, std::uint64_t at,
+                                          std::uint64_t end) {
+    while (at < end) {
+        auto box = box_at(file, at, end);
+        if (!box || !*box || (*box)->type == type) return box;
+        at = (*box)->end;
+    }
+    return std::optional<BoxPlace>();
+}
+
+Result<Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count) {
+    if (count > file.size() || at > file.size() - count)
+        return input_error("is cut short: " + std::to_string(count) + " bytes at " + std::to_string(at) +
+                           " are not there");
+    Bytes bytes(count);
+    if (auto read = file.read(at, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
+        return read.error();
+    return bytes;
+}
+
+Result<Bytes> movie_head_of(ByteSource& file) {
+    const auto movie = first_box(file, "moov", 0, file.size());
+    if (!movie) return movie.error();
+    if (!*movie) return Bytes();
+    return heads_between(file, (*movie)->content, (*movie)->end, 0);
 }
 
 std::uint64_t number_at(BytesView bytes, std::size_t at, int count) {

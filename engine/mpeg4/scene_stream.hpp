@@ -34,5 +34,7 @@ Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadB
 /// reference vdep): ordinary players leave them alone.
 Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::uint32_t shown,
                                 std::uint64_t at);
+/// A movie box whose tracks of pictures are marked so, and that has no scene.
+Result<Bytes> with_auxiliary_tracks(BytesView moov, std::uint32_t shown);
 
 }  // namespace touchable::mpeg4

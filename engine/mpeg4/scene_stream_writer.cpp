@@ -168,30 +168,22 @@ bool shows_pictures(BytesView trak) {
     return number_at(content_at(trak, {"mdia", "hdlr"}), 8, 4) == 0x76696465;  // vide
 }
 
-/// The same track, as auxiliary to another one.
-Result<Bytes> auxiliary(BytesView trak, std::uint32_t shown) {
-    const auto parts = boxes_in(trak);
+/// The same track, as auxiliary to another one if it has pictures and is not that one.
+Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
+    if (track_id(trak) == shown || !shows_pictures(trak)) return Bytes(trak.begin(), trak.end());
+    constexpr std::string_view auxv = "auxv";
+    constexpr std::string_view handler[] = {"mdia", "hdlr"};
+    const BytesView kind = content_at(trak, {"mdia", "hdlr"});
+    Bytes auxiliary(kind.begin(), kind.end());
+    std::copy(auxv.begin(), auxv.end(), auxiliary.begin() + 8);
+    const Bytes changed = with_content(trak, handler, auxiliary);
+    const auto parts = boxes_in(changed);
     if (!parts) return parts.error();
-    Bytes reference;
+    Bytes made, reference;
     put_number(reference, shown, 4);
-    Bytes made;
     for (const Box& part : *parts) {
-        if (part.type != "mdia") {
-            put_box(made, part.type, part.content);
-            continue;
-        }
-        put_box(made, "tref", box_of("vdep", reference));
-        const auto media = boxes_in(part.content);
-        if (!media) return media.error();
-        Bytes content;
-        for (const Box& each : *media) {
-            Bytes body(each.content.begin(), each.content.end());
-            constexpr std::string_view auxv = "auxv";
-            if (each.type == "hdlr" && body.size() >= 12)
-                std::copy(auxv.begin(), auxv.end(), body.begin() + 8);
-            put_box(content, each.type, body);
-        }
-        put_box(made, "mdia", content);
+        if (part.type == "mdia") put_box(made, "tref", box_of("vdep", reference));
+        put_box(made, part.type, part.content);
     }
     return made;
 }
@@ -243,18 +235,30 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
         if (part.type != "trak") {
             if (!are_added) add_tracks();
             put_box(movie, part.type, part.content);
-        } else if (track_id(part.content) == shown || !shows_pictures(part.content)) {
-            put_box(movie, "trak", part.content);
         } else {
-            const auto marked = auxiliary(part.content, shown);
-            if (!marked) return marked.error();
-            put_box(movie, "trak", *marked);
+            const auto trak = marked(part.content, shown);
+            if (!trak) return trak.error();
+            put_box(movie, "trak", *trak);
         }
     }
     if (!are_added) add_tracks();
     Bytes made = box_of("mdat", samples);
     put_box(made, "moov", movie);
     return made;
+}
+
+Result<Bytes> with_auxiliary_tracks(BytesView moov, std::uint32_t shown) {
+    const auto parts = boxes_in(moov);
+    if (!parts) return parts.error();
+    Bytes movie;
+    for (const Box& part : *parts) {
+        const auto content = part.type == "trak"
+                                 ? marked(part.content, shown)
+                                 : Result<Bytes>(Bytes(part.content.begin(), part.content.end()));
+        if (!content) return content.error();
+        put_box(movie, part.type, *content);
+    }
+    return movie;
 }
 
 }  // namespace touchable::mpeg4

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,13 @@ struct ClipTrack {
     bool is_lossless = false;  ///< so the file says of the whole track; of a picture its own bytes may
 };
 
+/// Of a file that is read up to where it ends, wherever that is: the frames that have all their pictures, and
+/// whether there is a part of more.
+struct WholePart {
+    std::int64_t frames = 0;
+    bool is_cut = false;
+};
+
 /// How a kind of container calls what describes a clip, in messages.
 struct ContainerWords {
     const char* scene;  ///< "scene.json"
@@ -41,8 +49,12 @@ public:
     virtual Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) = 0;
     /// Depth is the first. `scene`: that describes them.
     virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) = 0;
-    /// Whether a file just opened knows all pictures that decoding can begin with.
+    /// Whether a file just opened knows all its pictures.
     virtual bool has_whole_index() const { return false; }
+    /// Nothing where the file promises how long it is.
+    virtual Result<std::optional<WholePart>> whole_part(const Demuxer& /*file*/) {
+        return std::optional<WholePart>();
+    }
     /// What a person should know of all that, once it was asked for.
     const std::vector<std::string>& notes() const { return notes_; }
     const ContainerWords& words() const { return words_; }

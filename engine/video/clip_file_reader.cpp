@@ -56,8 +56,10 @@ private:
     Result<void> read_scene(const std::optional<SceneDescription>& replacement);
     Result<void> open_tracks();
     Result<void> describe();
+    Result<void> describe_tracks();
     std::vector<int> streams() const;
     std::int64_t indexed_access_point(std::int64_t frame) const;
+    bool go_to(std::int64_t frame);
     Result<bool> begin_at(std::int64_t frame);
     double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
     double seconds_of(std::int64_t frame) const {
@@ -83,7 +85,8 @@ private:
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
-    bool index_leads_ = true;  // to access points, as far as that was tried
+    std::optional<WholePart> whole_;  // of a file that promises nothing
+    bool index_leads_ = true;         // to access points, as far as that was tried
     bool with_colour_ = true;
 
     // Where the reading is; `open_file` and `start` make it anew.
@@ -99,6 +102,9 @@ Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replace
     auto rate = container_->rate(*demuxer_);
     if (!rate) return rate.error();
     recorded_rate_ = std::move(*rate);
+    const auto whole = container_->whole_part(*demuxer_);
+    if (!whole) return whole.error();
+    whole_ = *whole;
     if (auto read = read_scene(replacement); !read) return read;
     if (auto started = start(); !started) return started;
     return describe();
@@ -152,22 +158,42 @@ std::vector<int> ClipFileReader::streams() const {
 /// The last frame up to this one at which every track begins anew, as far as the index knows. Of some tracks
 /// every picture is on its own: those of the others decide.
 std::int64_t ClipFileReader::indexed_access_point(std::int64_t frame) const {
-    std::int64_t target = frame;
-    for (const int stream : streams()) {
-        const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
-        if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
-            target = std::min(target, *begins);
+    std::int64_t target = frame, before = frame + 1;
+    while (target < before) {  // where one begins anew another may not
+        before = target;
+        for (const int stream : streams()) {
+            if (container_->has_whole_index()) {
+                target = std::min(target, demuxer_->key_picture(stream, target));
+                continue;
+            }
+            const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
+            if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
+                target = std::min(target, *begins);
+        }
     }
     return target;
+}
+
+/// All tracks, by the one that decodes this frame last: in the others what comes before it is found then.
+bool ClipFileReader::go_to(std::int64_t frame) {
+    const int depth = tracks_.front().pictures->stream();
+    if (!container_->has_whole_index()) return demuxer_->seek(depth, timestamp_of(depth, frame));
+    const auto tick = [this](int stream) { return demuxer_->container().streams[stream]->time_base; };
+    int last = depth;
+    for (const int stream : streams())
+        if (av_compare_ts(demuxer_->decoding_time(stream, frame), tick(stream),
+                          demuxer_->decoding_time(last, frame), tick(last)) > 0)
+            last = stream;
+    return demuxer_->seek(last, demuxer_->decoding_time(last, frame));
 }
 
 /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
 /// false where the index leads to no such frame.
 Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
-    const int depth = tracks_.front().pictures->stream();
-    if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
+    // Of Matroska the first search reads the index.
+    if (!container_->has_whole_index() && !go_to(frame)) return false;
     const std::int64_t target = indexed_access_point(frame);
-    if (target < frame && !demuxer_->seek(depth, timestamp_of(depth, target))) return false;
+    if ((container_->has_whole_index() || target < frame) && !go_to(target)) return false;
     std::optional<std::int64_t> there;
     for (const int stream : streams()) {
         const auto packet = demuxer_->peek(stream);
@@ -176,6 +202,8 @@ Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
         if (!begins || (there && *there != *begins) || *begins > frame) return false;
         there = begins;
     }
+    // Pictures of an open group are shown before the one that it begins with.
+    if (container_->has_whole_index() && *there != target) return false;
     number_ = *there;
     for (Track& track : tracks_) {
         track.pictures->restart(number_);
@@ -251,6 +279,15 @@ Result<void> ClipFileReader::open_tracks() {
 
 /// What can be told of the whole clip once frame 0 is there.
 Result<void> ClipFileReader::describe() {
+    if (whole_) {
+        promised_ = whole_->frames;
+        if (recorded_rate_.own_times && std::ssize(*recorded_rate_.own_times) < promised_)
+            return refuse_times();
+        if (whole_->is_cut)
+            notes_.push_back("the file is cut: its first " + std::to_string(promised_) +
+                             (promised_ == 1 ? " frame is" : " frames are") + " whole");
+        return describe_tracks();
+    }
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
@@ -264,6 +301,10 @@ Result<void> ClipFileReader::describe() {
     promised_ = recorded_rate_.own_times
                     ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
                     : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
+    return describe_tracks();
+}
+
+Result<void> ClipFileReader::describe_tracks() {
     bool has_haptic = false;
     for (const Track& track : tracks_) {
         TrackInfo& info = infos_.emplace_back(track.pictures->info());
@@ -289,6 +330,7 @@ Result<std::optional<RawFrame>> ClipFileReader::next() {
 }
 
 Result<std::optional<RawFrame>> ClipFileReader::read() {
+    if (whole_ && number_ >= whole_->frames) return std::optional<RawFrame>{};
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);

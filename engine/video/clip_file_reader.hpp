@@ -20,8 +20,9 @@ Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
 Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
                                                   const std::optional<SceneDescription>& described,
                                                   Colour colour = Colour::wanted);
-/// Whether a file is one of these: it has tags of ours or an MPEG-4 scene.
-bool is_mp4_clip(const SourceFile& file);
+/// Whether a file is one of these: it has tags of ours, an MPEG-4 scene of a clip, or tracks that are named
+/// as planes of touch. One whose scene is damaged may be, unless somebody else describes it.
+bool is_mp4_clip(const SourceFile& file, bool is_described);
 
 /// A plane in an MP4 file: the numbers of its track, and of that with the low bits of samples of more than 8.
 struct NumberedTrack {

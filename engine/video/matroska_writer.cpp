@@ -165,6 +165,9 @@ Result<void> check_storable(const std::filesystem::path& path, const SceneDescri
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
                                                 const SceneDescription& described, const ClipStorage& storage,
                                                 Existing existing, const std::optional<SoundPart>& sound) {
+    if (storage.fragmented)
+        return usage_error(path.string() +
+                           ": only MP4 is written in fragments: must be a name that ends in .mp4");
     return open_clip_writer<MatroskaWriter>(path, described, storage, existing, sound);
 }
 

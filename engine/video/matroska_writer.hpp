@@ -25,6 +25,7 @@ struct ClipStorage {
     Archive archive = Archive::fast;
     bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
     bool gives_colour = false;  ///< whoever writes asks for ClipWriter::stored_colour; costs decoding it
+    bool fragmented = false;    ///< readable while it is written, and up to where it was cut: MP4 only
 };
 
 /// Refuses a scene that no clip of ours can have, whatever its container. Errors name the file to be written.

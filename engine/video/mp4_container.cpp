@@ -6,6 +6,7 @@
 #include "engine/byte_source.hpp"
 #include "engine/mpeg4/bit_stream.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
+#include "engine/mpeg4/movie_fragments.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -16,37 +17,6 @@
 
 namespace touchable {
 namespace {
-
-Result<mpeg4::Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count) {
-    if (count > file.size() || at > file.size() - count)
-        return input_error("is cut short: " + std::to_string(count) + " bytes at " + std::to_string(at) +
-                           " are not there");
-    mpeg4::Bytes bytes(count);
-    if (auto read = file.read(at, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
-        return read.error();
-    return bytes;
-}
-
-/// The content of the movie box; empty where there is none.
-Result<mpeg4::Bytes> movie_box_of(ByteSource& file) {
-    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
-    for (std::uint64_t at = 0; at + 8 <= file.size();) {
-        const auto head = bytes_at(file, at, std::min<std::uint64_t>(16, file.size() - at));
-        if (!head) return head.error();
-        const std::uint64_t stated = mpeg4::number_at(*head, 0, 4);
-        const std::uint64_t size = stated == 1   ? mpeg4::number_at(*head, 8, 8)
-                                   : stated == 0 ? file.size() - at
-                                                 : stated;
-        const std::uint64_t before = stated == 1 ? 16 : 8;
-        if (size < before || size > file.size() - at) break;
-        if (std::memcmp(head->data() + 4, "moov", 4) == 0) {
-            if (size > most_bytes) return input_error("its movie box has more than 64 MiB");
-            return bytes_at(file, at + before, size - before);
-        }
-        at += size;
-    }
-    return mpeg4::Bytes();
-}
 
 /// Whether its coding may leave out the transform, without which it keeps every value: a flag of the
 /// sequence's parameters (ISO/IEC 14496-10, 7.3.2.1.1), for which encoders ask only where they are to be
@@ -77,6 +47,43 @@ bool is_lossless_h264(const Demuxer& file, int stream) {
 
 constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
 
+/// The MPEG-4 scene of a file, as far as it has one.
+struct Mp4Scene {
+    std::optional<mpeg4::SceneStream> stream{};
+    std::optional<mpeg4::ClipNodes> nodes{};  // where it is a touchable clip
+    bool is_damaged = false;                  // nobody knows what it is
+    std::string fault{};                      // why it is no clip; empty: it is one, or there is none
+};
+
+Mp4Scene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
+    const auto damaged = [](const std::string& why) { return Mp4Scene{.is_damaged = true, .fault = why}; };
+    auto stream = mpeg4::read_scene_stream(
+        movie, [&file](std::uint64_t at, std::uint64_t count) { return mpeg4::bytes_at(file, at, count); });
+    if (!stream) return damaged("its MPEG-4 scene cannot be read: " + stream.error().message);
+    if (!*stream) return {};
+    const auto tree = mpeg4::decode_scene((*stream)->scene, (*stream)->config);
+    if (!tree) return damaged("its MPEG-4 scene is damaged: " + tree.error().message);
+    auto nodes = mpeg4::clip_nodes_of(*tree);
+    if (!nodes) return {.fault = "its MPEG-4 scene is no touchable clip: " + nodes.error().message};
+    return {.stream = std::move(*stream), .nodes = std::move(*nodes)};
+}
+
+/// What a program that makes such files with names alone calls the planes.
+bool has_tracks_of_touch(mpeg4::BytesView movie) {
+    const auto parts = mpeg4::boxes_in(movie);
+    bool has_depth = false, has_more = false;
+    for (const mpeg4::Box& part : parts ? *parts : std::vector<mpeg4::Box>()) {
+        constexpr std::size_t name_at = 24;
+        const mpeg4::BytesView handler = mpeg4::content_at(part.content, {"mdia", "hdlr"});
+        if (part.type != "trak" || handler.size() <= name_at) continue;
+        std::string name(handler.begin() + name_at, handler.end());
+        name = name.substr(0, name.find('\0'));
+        has_depth = has_depth || name == role_name(PlaneRole::depth);
+        has_more = has_more || name == role_name(PlaneRole::haptic) || name == role_name(PlaneRole::height);
+    }
+    return has_depth && has_more;
+}
+
 /// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
 /// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
 class Mp4Container final : public ClipContainer {
@@ -88,66 +95,116 @@ public:
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
     Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
     bool has_whole_index() const override { return true; }
+    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
 
 private:
-    Result<void> read_scene_stream();
+    Result<void> look_at(ByteSource& file);
+    Result<std::vector<int>> streams(const Demuxer& file) const;
+    Result<FrameRate> shortened(Result<FrameRate> rate, const Demuxer& file);
+    Error refuse_scene() const;
     Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
     Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
-    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
-    Result<int> stream_numbered(const Demuxer& file, std::uint32_t track, const std::string& what) const;
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
+    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
+    Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
+                                               const std::string& what) const;
 
     std::optional<PlaneTracks> told_;
-    std::optional<mpeg4::SceneStream> stream_;
-    std::optional<mpeg4::ClipNodes> nodes_;
+    bool is_looked_at_ = false;
+    std::optional<mpeg4::GatheredMovie> fragments_;
+    Mp4Scene scene_;
 };
 
 Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
-    if (!nodes_ && !told_)
-        if (auto read = read_scene_stream(); !read) return read.error();
-    return Demuxer::open_quicktime(source_);
+    auto file = bytes_of_file(source_);
+    if (!file) return file.error();
+    if (!is_looked_at_)
+        if (auto looked = look_at(**file); !looked) return looked.error();
+    return Demuxer::open_quicktime(
+        fragments_ ? mpeg4::plain_file(*fragments_, std::move(*file)) : std::move(*file), file_);
 }
 
-Result<void> Mp4Container::read_scene_stream() {
-    const auto file = bytes_of_file(source_);
-    if (!file) return file.error();
-    const auto movie = movie_box_of(**file);
+Result<void> Mp4Container::look_at(ByteSource& file) {
+    const auto movie = mpeg4::movie_head_of(file);
     if (!movie) return refuse(movie.error().message);
-    auto stream = mpeg4::read_scene_stream(
-        *movie, [&](std::uint64_t at, std::uint64_t count) { return bytes_at(**file, at, count); });
-    if (!stream) return refuse("its MPEG-4 scene cannot be read: " + stream.error().message);
-    if (!*stream) return {};
-    stream_ = std::move(**stream);
-    const auto scene = mpeg4::decode_scene(stream_->scene, stream_->config);
-    if (!scene) return refuse("its MPEG-4 scene is damaged: " + scene.error().message);
-    auto nodes = mpeg4::clip_nodes_of(*scene);
-    if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
-    nodes_ = std::move(*nodes);
+    if (!told_) scene_ = scene_in(*movie, file);
+    auto fragments = mpeg4::gather_fragments(file);
+    if (!fragments) return refuse(fragments.error().message);
+    fragments_ = std::move(*fragments);
+    is_looked_at_ = true;
     return {};
+}
+
+/// Of every plane, with those of the low bits.
+Result<std::vector<int>> Mp4Container::streams(const Demuxer& file) const {
+    std::vector<int> all;
+    for (const PlaneRole role : all_roles) {
+        const auto stream = stream_of(file, role);
+        if (!stream) return stream.error();
+        const auto low = low_stream_of(file, role);
+        if (!low) return low.error();
+        for (const auto& each : {*stream, *low})
+            if (each) all.push_back(*each);
+    }
+    return all;
+}
+
+Result<std::optional<WholePart>> Mp4Container::whole_part(const Demuxer& file) {
+    if (!fragments_) return std::optional<WholePart>();
+    const auto all = streams(file);
+    if (!all) return all.error();
+    std::optional<std::int64_t> fewest;
+    for (const int stream : *all)
+        fewest = std::min(fewest.value_or(file.pictures(stream)), file.pictures(stream));
+    return std::optional(WholePart{fewest.value_or(0), fragments_->is_cut});
+}
+
+/// What was cut off had times too.
+Result<FrameRate> Mp4Container::shortened(Result<FrameRate> rate, const Demuxer& file) {
+    const auto whole = whole_part(file);
+    if (!whole) return whole.error();
+    if (!rate || !rate->own_times || !*whole) return rate;
+    const auto frames = static_cast<std::size_t>((*whole)->frames);
+    if (frames >= rate->own_times->size()) return rate;
+    std::vector<std::int64_t> times = *rate->own_times;
+    times.resize(frames);
+    constexpr std::size_t fewest = 2;  // as a list of times has
+    if (frames < fewest)
+        rate->own_times = nullptr;
+    else
+        rate->own_times = std::make_shared<const std::vector<std::int64_t>>(std::move(times));
+    return rate;
 }
 
 /// Of a file that another program wrote: that of its pictures of depth.
 Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
-    if (!file.tag(clip_tags::version_tag) && (nodes_ || told_)) {
-        const auto depth = stream_of(file, PlaneRole::depth);
-        if (!depth) return depth.error();
-        const AVRational said = file.container().streams[depth->value_or(0)]->avg_frame_rate;
-        const FrameRate rate{said.num, said.den};
-        if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
-            return refuse("its depth says no frame rate of at most " +
-                          std::to_string(clip_tags::fastest_rate) + "/1");
-        return rate;
-    }
-    return tagged_rate(file, file.tag(mp4_times_tag));
+    if (file.tag(clip_tags::version_tag)) return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
+    const auto depth = stream_of(file, PlaneRole::depth);
+    if (!depth) return depth.error();
+    if (!*depth) return refuse_scene();
+    const AVRational said = file.container().streams[**depth]->avg_frame_rate;
+    const FrameRate rate{said.num, said.den};
+    if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
+        return refuse("its depth says no frame rate of at most " + std::to_string(clip_tags::fastest_rate) +
+                      "/1");
+    return rate;
+}
+
+Error Mp4Container::refuse_scene() const {
+    const std::string why =
+        scene_.fault.empty() ? "has neither an MPEG-4 scene nor a tag T3D_SCENE" : scene_.fault;
+    return refuse(why + ": describe it with a scene file", {{Setting::scene_file, "FILE"}});
 }
 
 Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
     notes_.clear();
+    if (!scene_.fault.empty()) return refuse_scene();
+    const auto& nodes = scene_.nodes;
     if (const auto json = file.tag(mp4_scene_tag)) {
         auto described = described_by(*json, recorded);
         if (!described) return described;
-        if (!nodes_) return described;
-        const auto is_other = mpeg4::take_nodes(*nodes_, described->scene);
+        if (!nodes) return described;
+        const auto is_other = mpeg4::take_nodes(*nodes, described->scene);
         if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
         if (!*is_other) return described;
         notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
@@ -156,21 +213,19 @@ Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRat
             return refuse("its MPEG-4 scene: " + valid.error().message);
         return described;
     }
-    if (!nodes_)
-        return refuse("has neither an MPEG-4 scene nor a tag " + std::string(mp4_scene_tag) +
-                          ": describe it with a scene file",
-                      {{Setting::scene_file, "FILE"}});
+    if (!nodes) return refuse_scene();
     const auto depth = stream_of(file, PlaneRole::depth);
     if (!depth) return depth.error();
     const AVCodecParameters& stored = *file.container().streams[depth->value_or(0)]->codecpar;
     constexpr int bits = 8;
-    auto described = mpeg4::described_by(*nodes_, stored.width, stored.height, bits);
+    auto described = mpeg4::described_by(*nodes, stored.width, stored.height, bits);
     if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
     described->scene.name = source_.path().stem().string();
     for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
-        if (const std::string low = std::string(role_name(role)) + low_track_suffix; stream_named(file, low))
-            notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " + low +
-                             ", are left out: no tag " + mp4_scene_tag + " says what they are");
+        if (const auto low = low_stream_of(file, role); low && *low)
+            notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +
+                             std::string(role_name(role)) + low_track_suffix + ", are left out: no tag " +
+                             mp4_scene_tag + " says what they are");
     return described;
 }
 
@@ -185,50 +240,46 @@ std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::st
     return std::nullopt;
 }
 
-Result<int> Mp4Container::stream_numbered(const Demuxer& file, std::uint32_t track,
-                                          const std::string& what) const {
+Result<std::optional<int>> Mp4Container::stream_numbered(const Demuxer& file, std::uint32_t track,
+                                                         const std::string& what) const {
     const AVFormatContext& container = file.container();
     for (unsigned k = 0; k < container.nb_streams; ++k)
         if (container.streams[k]->id == static_cast<int>(track) &&
             container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
-            return static_cast<int>(k);
+            return std::optional(static_cast<int>(k));
     return refuse(what + ", track " + std::to_string(track) + ", which has no pictures");
 }
 
 Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name(role_name(role));
-    const auto numbered = [&](std::uint32_t track, const std::string& what) -> Result<std::optional<int>> {
-        const auto stream = stream_numbered(file, track, what);
-        if (!stream) return stream.error();
-        return std::optional(*stream);
-    };
     if (told_) {
         const auto& track = (*told_)[static_cast<std::size_t>(role)];
-        return track ? numbered(track->track, name) : std::optional<int>();
+        return track ? stream_numbered(file, track->track, name) : std::optional<int>();
     }
-    if (!nodes_) return stream_named(file, name);
-    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes_->depth, nodes_->colour, nodes_->haptic,
-                                                           nodes_->height};
+    if (!scene_.nodes) {
+        const auto named = stream_named(file, name);
+        return named || role != PlaneRole::colour ? named : stream_named(file, "color");
+    }
+    const mpeg4::ClipNodes& nodes = *scene_.nodes;
+    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
+                                                           nodes.height};
     const auto& texture = textures[static_cast<std::size_t>(role)];
     if (!texture) return std::optional<int>();
     if (texture->url.object == 0)
         return refuse("its MPEG-4 scene has " + name + " in another file (" + in_quotes(texture->url.file) +
                       "): must be a track of its own");
-    const auto track = stream_->objects.find(texture->url.object);
-    const std::string object =
-        "its MPEG-4 scene: " + name + " is object " + std::to_string(texture->url.object);
-    if (track == stream_->objects.end()) return refuse(object + ", which is no track");
-    return numbered(track->second, object);
+    const auto track = scene_.stream->objects.find(texture->url.object);
+    const std::string object = name + " is object " + std::to_string(texture->url.object);
+    if (track == scene_.stream->objects.end())
+        return refuse("its MPEG-4 scene: " + object + ", which is no track");
+    return stream_numbered(file, track->second, "its MPEG-4 scene: " + object);
 }
 
 Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name = std::string(role_name(role)) + low_track_suffix;
     if (!told_) return stream_named(file, name);
     const auto& track = (*told_)[static_cast<std::size_t>(role)];
-    if (!track || !track->low) return std::optional<int>();
-    const auto stream = stream_numbered(file, *track->low, name);
-    if (!stream) return stream.error();
-    return std::optional(*stream);
+    return track && track->low ? stream_numbered(file, *track->low, name) : std::optional<int>();
 }
 
 /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
@@ -270,14 +321,14 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
 
 }  // namespace
 
-bool is_mp4_clip(const SourceFile& file) {
+bool is_mp4_clip(const SourceFile& file, bool is_described) {
     const auto bytes = bytes_of_file(file);
-    const auto movie = bytes ? movie_box_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
     if (!movie) return false;
-    const auto has = [&](std::string_view word) {
-        return std::search(movie->begin(), movie->end(), word.begin(), word.end()) != movie->end();
-    };
-    return has(clip_tags::version_tag) || has("sdsm");
+    const std::string_view tag = clip_tags::version_tag;
+    if (std::search(movie->begin(), movie->end(), tag.begin(), tag.end()) != movie->end()) return true;
+    const Mp4Scene scene = scene_in(*movie, **bytes);
+    return scene.nodes || has_tracks_of_touch(*movie) || (scene.is_damaged && !is_described);
 }
 
 std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file, const std::optional<PlaneTracks>& told) {

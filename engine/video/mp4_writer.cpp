@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/byte_source.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
@@ -70,6 +70,9 @@ PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
     return {track.bytes.data(), plane.width, plane.width, plane.height, 1, 1};
 }
 
+/// That of a fragment at most, where frames are not longer.
+constexpr std::int64_t fragment_ns = 500'000'000;
+
 /// Content, and where in the file the box begins.
 struct MovieBox {
     std::uint64_t at = 0;
@@ -85,11 +88,13 @@ public:
 
 private:
     Result<void> add(const RawFrame& frame) override;
-    Result<void> amend() override { return add_scene(); }
+    Result<void> amend() override { return storage_.fragmented ? Result<void>() : add_scene(); }
     Result<void> open_tracks(const RawFrame& first);
     Result<void> open_track(Mp4Track track, const PlaneView& first);
     Result<void> begin_file();
+    Result<void> begin_fragments();
     Result<void> tag_scene();
+    void choose_access_point();
     Result<void> encode(std::size_t track, const PlaneView& plane);
     Result<void> add_scene();
     Result<void> make_scene_stream();
@@ -103,7 +108,8 @@ private:
         return scene_.rate.own_times ? scene_.rate.time_ns(frame) / 1000 : frame;
     }
 
-    std::vector<Mp4Track> tracks_;  // track k is stream k, and has number k + 1
+    std::vector<Mp4Track> tracks_;   // track k is stream k, and has number k + 1
+    std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
     mpeg4::SceneStream scene_stream_;
     std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: nobody asked
 };
@@ -146,16 +152,47 @@ Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
             if (auto opened = open_track(std::move(track), plane); !opened) return opened;
         }
     }
-    if (auto made = make_scene_stream(); !made) return made;
+    if (!storage_.fragmented)
+        if (auto made = make_scene_stream(); !made) return made;
     return begin_file();
 }
 
 Result<void> Mp4Writer::begin_file() {
     if (auto added = add_sound_stream(); !added) return added;
     if (auto tagged = tag_scene(); !tagged) return tagged;
+    if (storage_.fragmented) return begin_fragments();
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "use_metadata_tags", 0);
     return write_header(options);
+}
+
+/// The movie box comes first then, and FFmpeg cannot mark its tracks: they are marked on their way into the
+/// file. What comes later knows places only from each fragment's own beginning.
+Result<void> Mp4Writer::begin_fragments() {
+    AVIOContext* const file = muxer_->pb;
+    if (avio_open_dyn_buf(&muxer_->pb) < 0) {
+        muxer_->pb = file;
+        return refuse("out of memory");
+    }
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "movflags", "frag_keyframe+empty_moov+default_base_moof+use_metadata_tags", 0);
+    const auto begun = write_header(options);
+    std::uint8_t* memory = nullptr;
+    const int size = avio_close_dyn_buf(std::exchange(muxer_->pb, file), &memory);
+    const mpeg4::Bytes written(memory, memory + (memory ? size : 0));
+    av_free(memory);
+    if (!begun) return begun;
+    const auto boxes = mpeg4::boxes_in(written);
+    if (!boxes) return boxes.error();
+    mpeg4::Bytes head;
+    for (const mpeg4::Box& box : *boxes) {
+        const mpeg4::Bytes as_is(box.content.begin(), box.content.end());
+        const auto content = box.type == "moov" ? mpeg4::with_auxiliary_tracks(as_is, 1) : Result(as_is);
+        if (!content) return content.error();
+        mpeg4::put_box(head, box.type, *content);
+    }
+    avio_write(file, head.data(), static_cast<int>(head.size()));
+    return check_status(0);
 }
 
 Result<void> Mp4Writer::tag_scene() {
@@ -167,9 +204,17 @@ Result<void> Mp4Writer::tag_scene() {
     return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
 }
 
+/// Each fragment begins with one.
+void Mp4Writer::choose_access_point() {
+    const std::int64_t frame = check_.frames() - 1;
+    const auto lasts = scene_.rate.time_ns(frame + 1) - scene_.rate.time_ns(access_point_);
+    if (frame - access_point_ >= clip_tags::access_interval || (storage_.fragmented && lasts > fragment_ns))
+        access_point_ = frame;
+}
+
 Result<void> Mp4Writer::encode(std::size_t track, const PlaneView& plane) {
     const std::int64_t frame = check_.frames() - 1;
-    auto packet = tracks_[track].encoder->encode(plane, frame % clip_tags::access_interval == 0);
+    auto packet = tracks_[track].encoder->encode(plane, frame == access_point_);
     if (!packet) return packet.error();
     if (reader_ && tracks_[track].role == PlaneRole::colour)
         if (auto read = reader_->add(**packet); !read) return read;
@@ -182,6 +227,7 @@ Result<void> Mp4Writer::add(const RawFrame& frame) {
     if (tracks_.empty())
         if (auto opened = open_tracks(frame); !opened) return opened;
     if (auto written = write_sound(time_ms(frame.number)); !written) return written;
+    choose_access_point();
     for (std::size_t k = 0; k < tracks_.size(); ++k)
         if (auto written = encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])); !written)
             return written;
@@ -207,31 +253,16 @@ Result<void> Mp4Writer::make_scene_stream() {
 
 /// As FFmpeg has written it, the file's last box.
 Result<MovieBox> Mp4Writer::movie_box() const {
-    std::ifstream file(output_.path(), std::ios::binary | std::ios::ate);
-    const auto read = [&file](std::uint64_t from, std::uint64_t count) {
-        mpeg4::Bytes bytes(count);
-        file.seekg(static_cast<std::streamoff>(from));
-        file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-        return bytes;
-    };
+    const auto file = bytes_of_file(SourceFile(output_.path()));
+    if (!file) return error_at(output_.target().string(), file.error());
     const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
-    constexpr std::uint64_t head_bytes = 16;
-    for (std::uint64_t at = 0; at + head_bytes <= end;) {
-        const mpeg4::Bytes head = read(at, head_bytes);
-        const std::uint64_t stated = mpeg4::number_at(head, 0, 4),
-                            size = stated == 1 ? mpeg4::number_at(head, 8, 8) : stated;
-        if (!file || size < 8 || size > end - at) break;
-        if (std::memcmp(head.data() + 4, "moov", 4) != 0) {
-            at += size;
-            continue;
-        }
-        if (at + size != end) break;
-        mpeg4::Bytes content = read(at + 8, size - 8);
-        if (!file) break;
-        return MovieBox{at, std::move(content)};
-    }
-    return file ? Error{ErrorKind::internal, "the movie box is not the MP4 file's last"}
-                : refuse("cannot be written: what is there already cannot be read");
+    const auto box = mpeg4::first_box(**file, "moov", 0, end);
+    if (!box) return error_at(output_.target().string(), box.error());
+    if (!*box || (*box)->end != end)
+        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+    auto content = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
+    if (!content) return error_at(output_.target().string(), content.error());
+    return MovieBox{(*box)->at, std::move(*content)};
 }
 
 /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.

@@ -24,7 +24,9 @@ inline constexpr const char* low_track_suffix = "_low";
 /// A touchable clip as the paper sends it: MP4 with a track of H.264 for each plane, and an MPEG-4 scene that
 /// says what they are. Colour is the track that ordinary players show; the others are marked as auxiliary to
 /// it. Depth and height of more than 8 bits have their low bits in tracks of their own, which the scene does
-/// not name. `storage`: its archive says how hard the encoder tries. Otherwise as create_clip.
+/// not name. `storage`: its archive says how hard the encoder tries; in fragments the file has no scene but
+/// tags and names of tracks, and is readable up to the last half second that was written. Otherwise as
+/// create_clip.
 Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage = {},

@@ -99,7 +99,7 @@ bool parse_scene_stream(std::string_view bytes) {
 
 bool parse_mp4_clip(std::string_view bytes) {
     const auto file = file_of(bytes, "clip.mp4");
-    return is_mp4_clip(file) && is_clip(open_mp4_clip(file, std::nullopt));
+    return is_mp4_clip(file, false) && is_clip(open_mp4_clip(file, std::nullopt));
 }
 
 const Registered scene_text_target{{.name = "scene_text",

@@ -7,6 +7,7 @@
 
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
+#include "engine/mpeg4/scene_text.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/sound/sound_track.hpp"
 #include "engine/video/film_writer.hpp"
@@ -381,6 +382,87 @@ TEST(Mp4Clip, WithoutASceneItsTagsAndNamesDescribeIt) {
     }
     write_bytes(folder / "bare.mp4", bytes);
     const auto frames = read_clip(folder / "bare.mp4");
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    EXPECT_TRUE(same_frame(frames->at(2), test_frame(scene, 2, all_planes)));
+}
+
+/// Another scene in place of the file's own.
+std::string with_scene(std::string file, const std::string& text) {
+    const auto tracks = tracks_in(file);
+    const auto scene = std::find_if(tracks.begin(), tracks.end(),
+                                    [&](const FoundBox& track) { return handler_of(file, track) == "sdsm"; });
+    const std::string sample = sample_of(file, *scene);
+    mpeg4::Bytes bytes(sample.size(), 0xFF);
+    if (!text.empty()) {
+        const auto tree = mpeg4::parse_scene_text(text);
+        EXPECT_EQ(message(tree), "");
+        auto encoded = mpeg4::encode_scene(*tree, {.node_id_bits = 1, .prototype_id_bits = 2});
+        EXPECT_EQ(message(encoded), "");
+        bytes = std::move(*encoded);
+        EXPECT_LE(bytes.size(), sample.size());
+        bytes.resize(sample.size());
+    }
+    return file.replace(file.find(sample), sample.size(), std::string(bytes.begin(), bytes.end()));
+}
+
+TEST(Mp4Clip, AForeignFileWithAnotherSceneIsAVideoToWhoeverDescribesIt) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(40, 30);
+    ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 3, {})), "");
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    const std::string tagged = read_bytes(folder / "clip.mp4"),
+                      bare = without_in_movie(tagged, {"udta", "meta"});
+    const auto opened = [&](const std::string& bytes, bool is_described) {
+        write_bytes(folder / "foreign.mp4", bytes);
+        return is_described ? open_clip(folder / "foreign.mp4", folder / "scene.json")
+                            : open_clip(folder / "foreign.mp4");
+    };
+    for (const char* other : {"Group { children [ Shape { geometry Rectangle {} } ] }", ""}) {
+        auto described = opened(with_scene(bare, other), true);
+        ASSERT_EQ(message(described), "") << other;
+        const auto frames = read_all(**described);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 3U);
+        EXPECT_TRUE(same_plane((*frames)[2].depth, test_frame(scene, 2, {}).depth));
+        // A clip of ours has tags, by which a scene file is enough.
+        EXPECT_EQ(message(opened(with_scene(tagged, other), true)), "");
+        EXPECT_NE(message(opened(with_scene(tagged, other), false)).find("describe it with a scene file"),
+                  std::string::npos);
+    }
+    const auto unknown = opened(with_scene(bare, ""), false);
+    EXPECT_NE(message(unknown).find("its MPEG-4 scene is damaged"), std::string::npos) << message(unknown);
+}
+
+TEST(Mp4Clip, TimesThatAreTooFewAreToldByTheNameOfTheirTag) {
+    const TemporaryFolder folder;
+    Scene scene = small_scene(16, 12, 10);
+    scene.rate = *rate_of_own_times(uneven_times(4));
+    ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 10, {})), "");
+    const std::string refused = message(open_clip(folder / "clip.mp4"));
+    EXPECT_NE(refused.find("its tag T3D_TIMES has the times of 4 frames, but depth has 10 pictures"),
+              std::string::npos)
+        << refused;
+}
+
+/// As hours of many tracks have: their tables are no reason to refuse the file.
+TEST(Mp4Clip, AMovieBoxOfAnyLengthIsRead) {
+    const TemporaryFolder folder;
+    const Scene scene = scene_of_bits(40, 30, 12, 16);
+    ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 3, all_planes)), "");
+    std::string file = read_bytes(folder / "clip.mp4");
+    const FoundBox movie = boxes_of(file).back();
+    constexpr std::size_t more = std::size_t{65} << 20;
+    const auto put_size = [&file](std::size_t at, std::size_t size) {
+        for (const int shift : {24, 16, 8, 0}) file[at++] = static_cast<char>(size >> shift);
+    };
+    put_size(movie.at, movie.end - movie.at + more);
+    const std::size_t at = file.size();
+    file += "....free";
+    put_size(at, more);
+    file.resize(at + more);
+    write_bytes(folder / "long.mp4", file);
+    const auto frames = read_clip(folder / "long.mp4");
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 3U);
     EXPECT_TRUE(same_frame(frames->at(2), test_frame(scene, 2, all_planes)));
