@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bench/media/codec_run.hpp"
+#include "bench/media/force_loss.hpp"
 #include "bench/media/plane_sequence.hpp"
 #include "bench/suite.hpp"
 
@@ -42,6 +43,41 @@ private:
     std::string name_;
     Entry entry_;
 };
+
+/// One clip at a time, touched when it is first needed.
+class FeltShelf {
+public:
+    Result<const FeltClip*> take(const FeltSource& source) {
+        if (name_ == source.name) return &clip_;
+        name_.clear();
+        clip_ = {};  // before there is more
+        auto made = source.make();
+        if (!made.ok()) return made.error();
+        clip_ = std::move(*made);
+        name_ = source.name;
+        return &clip_;
+    }
+
+private:
+    std::string name_;
+    FeltClip clip_;
+};
+
+/// What each way to send a plane does to the force.
+void add_force_cases(std::vector<BenchCase>& cases) {
+    const auto shelf = std::make_shared<FeltShelf>();
+    for (const FeltSource& source : felt_sources())
+        for (const PlaneRole role : source.planes)
+            for (const CodecChoice& choice : sent_choices(role, source.name.starts_with("materials"))) {
+                const std::string name =
+                    "force-" + source.name + "-" + std::string(role_name(role)) + "-" + choice.name;
+                cases.push_back({name, [=](Figures& figures) -> Result<void> {
+                                     const auto clip = shelf->take(source);
+                                     if (!clip.ok()) return clip.error();
+                                     return measure_force_loss(**clip, role, choice, figures);
+                                 }});
+            }
+}
 
 /// What planes of a source will look like, before they are made: only to list the codecs.
 PlaneView form_of(PlaneRole role, const PictureSource& source) {
@@ -113,6 +149,7 @@ std::vector<BenchCase> media_cases(bool quick) {
                                  }});
             }
         }
+    add_force_cases(cases);
     return cases;
 }
 
@@ -121,7 +158,7 @@ Result<void> conclude_media(const std::vector<CaseFigures>& measured) {
     std::map<std::string, std::vector<const CaseFigures*>> planes;
     std::vector<std::string> order;
     for (const CaseFigures& c : measured) {
-        if (value_of(c, "psnr_db")) continue;
+        if (value_of(c, "psnr_db") || value_of(c, "largest_change")) continue;
         const auto by = [&](const char* codec) { return c.name.find(codec) != std::string::npos; };
         const bool by_ffmpeg = by("-ffv") || by("-png") || by("-magicyuv") || by("-h264");
         const std::string plane = plane_in(c.name);

@@ -1,8 +1,10 @@
 #include "bench/media/packed_picture.hpp"
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <string>
+#include <unordered_map>
 
 namespace touchable {
 namespace {
@@ -75,6 +77,37 @@ Result<void> convert(const std::uint8_t* const* from, const int* from_stride, AV
     return {};
 }
 
+/// As indices into its colours, in the order in which they come.
+Result<void> index(const PlaneView& plane, AVFrame& picture) {
+    std::unordered_map<std::uint32_t, std::uint8_t> colours;
+    std::array<std::uint32_t, 256> palette{};
+    for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x) {
+            const std::uint8_t* pixel = plane.row(y) + 3 * std::ptrdiff_t{x};
+            const std::uint32_t colour = 0xFF000000U | static_cast<std::uint32_t>(pixel[0]) << 16U |
+                                         static_cast<std::uint32_t>(pixel[1]) << 8U | pixel[2];
+            auto known = colours.find(colour);
+            if (known == colours.end()) {
+                if (colours.size() == palette.size()) return usage_error("a plane has more than 256 colours");
+                palette[colours.size()] = colour;
+                known = colours.emplace(colour, static_cast<std::uint8_t>(colours.size())).first;
+            }
+            line_of(picture, y)[x] = known->second;
+        }
+    std::memcpy(picture.data[1], palette.data(), sizeof palette);
+    return {};
+}
+
+void look_up(const AVFrame& picture, int y, std::uint8_t* to) {
+    for (int x = 0; x < picture.width; ++x, to += 3) {
+        std::uint32_t colour;
+        std::memcpy(&colour, picture.data[1] + 4 * std::ptrdiff_t{line_of(picture, y)[x]}, 4);
+        to[0] = static_cast<std::uint8_t>(colour >> 16U);
+        to[1] = static_cast<std::uint8_t>(colour >> 8U);
+        to[2] = static_cast<std::uint8_t>(colour);
+    }
+}
+
 constexpr RgbOrder rgb24{3, 0, 1, 2}, bgr24{3, 2, 1, 0}, bgr0{4, 2, 1, 0};
 
 }  // namespace
@@ -87,6 +120,7 @@ Result<void> pack(const PlaneView& plane, const Packing& packing, ScalerPtr& sca
         return convert(&plane.data, &stride, AV_PIX_FMT_RGB24, picture.data, picture.linesize, packing.format,
                        plane.width, plane.height, scaler);
     }
+    if (packing.format == AV_PIX_FMT_PAL8) return index(plane, picture);
     for (int y = 0; y < plane.height; ++y) {
         const std::uint8_t* from = plane.row(y);
         std::uint8_t* to = line_of(picture, y);
@@ -145,6 +179,8 @@ Result<PlaneView> Unpacker::plane(const AVFrame& picture) {
             swap_bytes(line_of(picture, y), form_.width, to);
         else if (format == AV_PIX_FMT_GBRP)
             interleave(picture, y, to);
+        else if (format == AV_PIX_FMT_PAL8)
+            look_up(picture, y, to);
         else if (format == AV_PIX_FMT_BGR0 || format == AV_PIX_FMT_BGRA)
             reorder(line_of(picture, y), bgr0, form_.width, to, rgb24);
         else if (format == AV_PIX_FMT_BGR24)
