@@ -69,7 +69,7 @@ int decode_own_track(const TrackPackets& track) {
 
 /// `threads`: 0: as many as FFmpeg likes, by frames where the codec can.
 int decode_track(const TrackPackets& track, int threads) {
-    if (is_gradient_zstd(*track.stream->codecpar)) return decode_own_track(track);
+    if (rank_zstd_version(*track.stream->codecpar)) return decode_own_track(track);
     const AVCodec* codec = avcodec_find_decoder(track.stream->codecpar->codec_id);
     const CodecPtr decoder(codec ? avcodec_alloc_context3(codec) : nullptr);
     const FramePtr frame(av_frame_alloc());

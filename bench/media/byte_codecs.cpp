@@ -6,7 +6,8 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/video/gradient_zstd.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/rank_zstd.hpp"
 
 namespace touchable {
 namespace {
@@ -180,15 +181,51 @@ struct FreeZstd {
     void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
+/// A frame of zstd at its level 1.
+class Zstd {
+public:
+    Result<void> compress(const std::vector<std::uint8_t>& bytes, Packet& packet) {
+        packet.resize(ZSTD_compressBound(bytes.size()));
+        const std::size_t size =
+            ZSTD_compressCCtx(compressor_.get(), packet.data(), packet.size(), bytes.data(), bytes.size(), 1);
+        if (ZSTD_isError(size)) return Error{ErrorKind::internal, "zstd: a packet cannot be made"};
+        packet.resize(size);
+        return {};
+    }
+    bool decompress(const Packet& packet, std::vector<std::uint8_t>& bytes) {
+        return ZSTD_decompressDCtx(decompressor_.get(), bytes.data(), bytes.size(), packet.data(),
+                                   packet.size()) == bytes.size();
+    }
+
+private:
+    std::unique_ptr<ZSTD_CCtx, FreeZstd> compressor_{ZSTD_createCCtx()};
+    std::unique_ptr<ZSTD_DCtx, FreeZstd> decompressor_{ZSTD_createDCtx()};
+};
+
+class PlainZstdCodec final : public ByteCodec {
+public:
+    explicit PlainZstdCodec(const PlaneView& form) : ByteCodec(form), bytes_(samples_.size()) {}
+    Result<void> encode(const PlaneView& plane, Packet& packet) override {
+        for (int y = 0; y < plane.height; ++y)
+            std::memcpy(bytes_.data() + form_.stride * y, plane.row(y), row_bytes());
+        return zstd_.compress(bytes_, packet);
+    }
+    Result<void> decode(const Packet& packet) override {
+        return zstd_.decompress(packet, samples_) ? Result<void>() : damaged("zstd");
+    }
+
+private:
+    std::vector<std::uint8_t> bytes_;
+    Zstd zstd_;
+};
+
 template <class Sample, int channels, bool gradient>
 class ZstdCodec final : public ByteCodec {
 public:
     explicit ZstdCodec(const PlaneView& form)
         : ByteCodec(form),
           pixels_(static_cast<std::size_t>(form.width) * static_cast<std::size_t>(form.height)),
-          bytes_(samples_.size()),
-          compressor_(ZSTD_createCCtx()),
-          decompressor_(ZSTD_createDCtx()) {}
+          bytes_(samples_.size()) {}
 
     Result<void> encode(const PlaneView& plane, Packet& packet) override {
         std::size_t at = 0;
@@ -206,18 +243,11 @@ public:
                 }
             }
         }
-        packet.resize(ZSTD_compressBound(bytes_.size()));
-        const std::size_t size = ZSTD_compressCCtx(compressor_.get(), packet.data(), packet.size(),
-                                                   bytes_.data(), bytes_.size(), 1);
-        if (ZSTD_isError(size)) return Error{ErrorKind::internal, "zstd: a packet cannot be made"};
-        packet.resize(size);
-        return {};
+        return zstd_.compress(bytes_, packet);
     }
 
     Result<void> decode(const Packet& packet) override {
-        if (ZSTD_decompressDCtx(decompressor_.get(), bytes_.data(), bytes_.size(), packet.data(),
-                                packet.size()) != bytes_.size())
-            return damaged("zstd");
+        if (!zstd_.decompress(packet, bytes_)) return damaged("zstd");
         std::size_t at = 0;
         for (int y = 0; y < form_.height; ++y, at += static_cast<std::size_t>(form_.width)) {
             auto* to = reinterpret_cast<Sample*>(row(y));
@@ -252,36 +282,35 @@ private:
 
     std::size_t pixels_;
     std::vector<std::uint8_t> bytes_;  // codes: low bytes by channel, then high ones
-    std::unique_ptr<ZSTD_CCtx, FreeZstd> compressor_;
-    std::unique_ptr<ZSTD_DCtx, FreeZstd> decompressor_;
+    Zstd zstd_;
 };
 
-/// As clips have it.
-class ClipZstdCodec final : public ByteCodec {
+/// As clips have it: it chooses anew where a clip can be entered.
+class RankZstdCodec final : public ByteCodec {
 public:
     using ByteCodec::ByteCodec;
     Result<void> encode(const PlaneView& plane, Packet& packet) override {
-        const auto bytes = encoder_.encode(plane);
+        const auto bytes = encoder_.encode(plane, encoded_++ % clip_tags::access_interval == 0);
         if (bytes.empty()) return Error{ErrorKind::internal, "zstd: a packet cannot be made"};
         packet.assign(bytes.begin(), bytes.end());
         return {};
     }
     Result<void> decode(const Packet& packet) override {
         auto* const samples = reinterpret_cast<std::uint16_t*>(row(0));
-        if (!decoder_.decode(packet, form_.width, form_.height, samples, form_.width)) return damaged("zstd");
+        if (!decoder_.decode(packet, form_.width, form_.height, samples, form_.width)) return damaged("t3d2");
         return {};
     }
 
 private:
-    GradientZstdEncoder encoder_;
-    GradientZstdDecoder decoder_;
+    RankZstdEncoder encoder_;
+    RankZstdDecoder decoder_{RankZstdDecoder::Version::second};
+    std::int64_t encoded_ = 0;
 };
 
 template <bool gradient>
 std::unique_ptr<PlaneCodec> make_zstd(const PlaneView& form) {
     if (form.channels == 3) return std::make_unique<ZstdCodec<std::uint8_t, 3, gradient>>(form);
     if (form.bytes_per_sample == 1) return std::make_unique<ZstdCodec<std::uint8_t, 1, gradient>>(form);
-    if (gradient) return std::make_unique<ClipZstdCodec>(form);
     return std::make_unique<ZstdCodec<std::uint16_t, 1, gradient>>(form);
 }
 
@@ -296,12 +325,20 @@ std::unique_ptr<PlaneCodec> make_rvl_codec(const PlaneView& form) {
     return std::make_unique<RvlCodec<std::uint8_t>>(form);
 }
 
+std::unique_ptr<PlaneCodec> make_plain_zstd_codec(const PlaneView& form) {
+    return std::make_unique<PlainZstdCodec>(form);
+}
+
 std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form) {
     return make_zstd<false>(form);
 }
 
 std::unique_ptr<PlaneCodec> make_zstd_gradient_codec(const PlaneView& form) {
     return make_zstd<true>(form);
+}
+
+std::unique_ptr<PlaneCodec> make_rank_zstd_codec(const PlaneView& form) {
+    return std::make_unique<RankZstdCodec>(form);
 }
 
 }  // namespace touchable

@@ -67,8 +67,10 @@ std::vector<CodecChoice> codec_choices(PlaneRole role, const PlaneView& first) {
             "magicyuv", {"magicyuv", {AV_PIX_FMT_GRAY8, deep}, side_by_side, 1, {{"pred", "gradient"}}}));
     add_h264(choices, first);
     if (role == PlaneRole::colour) add_lossy_h264(choices);
+    choices.push_back(by_bytes("zstd", make_plain_zstd_codec));
     choices.push_back(by_bytes("zstd-left", make_zstd_codec));
     choices.push_back(by_bytes("zstd-gradient", make_zstd_gradient_codec));
+    if (deep) choices.push_back(by_bytes("t3d2", make_rank_zstd_codec));
     if (!rgb) choices.push_back(by_bytes("rvl", make_rvl_codec));
     choices.push_back(by_bytes("raw", make_raw_codec));
     return choices;

@@ -72,6 +72,27 @@ Frames frames_of_recording(const std::filesystem::path& folder, const std::files
     return frames;
 }
 
+/// Depth of cameras: in units of 0.125 mm (castel), in millimetres (cube), and in millimetres of which only
+/// few are told apart (redwood).
+void add_recordings(std::vector<PictureSource>& sources) {
+    struct Recording {
+        const char *name, *folder, *scene;
+    };
+    for (const auto& [name, folder, scene] : {Recording{"castel", "castel_sr300", "castel_sr300"},
+                                              Recording{"cube", "visp_cube_realsense", "visp_cube_realsense"},
+                                              Recording{"redwood", "stills/redwood5", "redwood5"}}) {
+        const std::filesystem::path pictures = std::filesystem::path(TOUCHABLE_TEST_DATA) / folder;
+        const std::filesystem::path scene_file =
+            std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(scene) + ".json");
+        if (std::filesystem::exists(pictures))
+            sources.push_back({std::string(name) + "-640x480-16", {PlaneRole::depth}, [=] {
+                                   return frames_of_recording(pictures, scene_file);
+                               }});
+        else
+            std::fprintf(stderr, "cases %s-... are left out: no recording at %s\n", name, pictures.c_str());
+    }
+}
+
 }  // namespace
 
 std::vector<PictureSource> picture_sources(bool quick) {
@@ -93,15 +114,7 @@ std::vector<PictureSource> picture_sources(bool quick) {
         sources.push_back(
             {"noise" + what, {PlaneRole::depth}, [=] { return noisy_slopes(width, height, bits); }});
     }
-    const std::filesystem::path castel = std::filesystem::path(TOUCHABLE_TEST_DATA) / "castel_sr300";
-    if (std::filesystem::exists(castel))
-        sources.push_back({"castel-640x480-16", {PlaneRole::depth}, [=] {
-                               return frames_of_recording(castel,
-                                                          std::filesystem::path(TOUCHABLE_SOURCE_DIR) /
-                                                              "tests/scenes/castel_sr300.json");
-                           }});
-    else
-        std::fprintf(stderr, "cases castel-... are left out: no recording at %s\n", castel.c_str());
+    add_recordings(sources);
     return sources;
 }
 

@@ -18,7 +18,7 @@ namespace touchable {
 
 struct TrackInfo {
     std::string role;           ///< "depth", "colour", "haptic", "height"
-    std::string codec;          ///< as FFmpeg names it, or "t3dz"
+    std::string codec;          ///< as FFmpeg names it, or "t3dz", "t3d2"
     std::string pixel_format;   ///< FFmpeg's, or how samples are split
     int width = 0, height = 0;  ///< as stored, before resampling to the depth plane's size
     bool lossless = false;      ///< says who wrote it, though the codec need not be

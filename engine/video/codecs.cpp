@@ -19,28 +19,46 @@ constexpr std::array codecs{
     Codec{AV_CODEC_ID_AV1, true},      Codec{AV_CODEC_ID_HAP, true},    Codec{AV_CODEC_ID_VP8, true},
     Codec{AV_CODEC_ID_RAWVIDEO, false}};
 
-constexpr const char* own_codec = "t3dz";
+struct OwnCodec {
+    std::uint32_t tag;
+    const char* name;
+    RankZstdDecoder::Version version;
+};
+
+constexpr std::array own_codecs{
+    OwnCodec{MKTAG('T', '3', 'D', 'Z'), "t3dz", RankZstdDecoder::Version::first},
+    OwnCodec{rank_zstd_tag, "t3d2", RankZstdDecoder::Version::second},
+};
+
+const OwnCodec* own_codec(const AVCodecParameters& stored) {
+    const auto* const found = std::ranges::find(own_codecs, stored.codec_tag, &OwnCodec::tag);
+    return stored.codec_id == AV_CODEC_ID_NONE && found != own_codecs.end() ? found : nullptr;
+}
 
 }  // namespace
 
-bool is_gradient_zstd(const AVCodecParameters& stored) {
-    return stored.codec_id == AV_CODEC_ID_NONE && stored.codec_tag == gradient_zstd_tag;
+std::optional<RankZstdDecoder::Version> rank_zstd_version(const AVCodecParameters& stored) {
+    const OwnCodec* const own = own_codec(stored);
+    return own ? std::optional(own->version) : std::nullopt;
 }
 
 std::string codec_name(const AVCodecParameters& stored) {
-    return is_gradient_zstd(stored) ? own_codec : avcodec_get_name(stored.codec_id);
+    if (const OwnCodec* const own = own_codec(stored)) return own->name;
+    if (stored.codec_id != AV_CODEC_ID_NONE || stored.codec_tag == 0)
+        return avcodec_get_name(stored.codec_id);
+    char text[AV_FOURCC_MAX_STRING_SIZE];
+    return av_fourcc_make_string(text, stored.codec_tag);
 }
 
 bool is_read(const AVCodecParameters& stored) {
-    return is_gradient_zstd(stored) || std::any_of(codecs.begin(), codecs.end(), [&](const Codec& one) {
-               return one.id == stored.codec_id;
-           });
+    return own_codec(stored) || std::any_of(codecs.begin(), codecs.end(),
+                                            [&](const Codec& one) { return one.id == stored.codec_id; });
 }
 
 std::string codecs_that_are_read() {
     std::string names;
     for (const Codec& codec : codecs) names += std::string(avcodec_get_name(codec.id)) + ", ";
-    return names + own_codec;
+    return names + own_codecs[0].name + ", " + own_codecs[1].name;
 }
 
 std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) {
@@ -48,7 +66,7 @@ std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) 
                                      [&](const Codec& one) { return codec == avcodec_get_name(one.id); });
     if (role == PlaneRole::colour || stored == codecs.end() || !stored->lossy) return std::nullopt;
     return std::string(role_name(role)) + " is stored as " + codec +
-           ", which changes values: what is felt is not quite what was recorded (ffv1, png and t3dz keep "
+           ", which changes values: what is felt is not quite what was recorded (ffv1, png and t3d2 keep "
            "every value)";
 }
 

@@ -6,14 +6,16 @@
 
 #include "engine/clip/plane_role.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/video/rank_zstd.hpp"
 
 namespace touchable {
 
-/// How a container names the codec that is our own (gradient_zstd.hpp): FFmpeg has no number for it.
-inline constexpr std::uint32_t gradient_zstd_tag = MKTAG('T', '3', 'D', 'Z');
-bool is_gradient_zstd(const AVCodecParameters& stored);
+/// How a container names the codec that is our own: FFmpeg has no number for it.
+inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
+/// Its version in a track; nothing where the codec is another.
+std::optional<RankZstdDecoder::Version> rank_zstd_version(const AVCodecParameters& stored);
 
-/// FFmpeg's name of a codec, or "t3dz".
+/// FFmpeg's name of a codec; of ours "t3dz" or "t3d2"; the FourCC of one that neither knows.
 std::string codec_name(const AVCodecParameters& stored);
 /// Whether tracks of this codec are read. FFmpeg knows hundreds, most of them seldom used and seldom attacked
 /// by anyone who would say so.

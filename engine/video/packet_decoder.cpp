@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/video/codecs.hpp"
-#include "engine/video/gradient_zstd.hpp"
+#include "engine/video/rank_zstd.hpp"
 
 namespace touchable {
 namespace {
@@ -38,9 +38,10 @@ struct PoolDeleter {
 };
 
 /// Each packet is a picture of 16 bits. Memory goes back to a pool when nobody looks at a picture any more.
-class GradientZstdPackets final : public PacketDecoder {
+class RankZstdPackets final : public PacketDecoder {
 public:
-    GradientZstdPackets(int width, int height) : width_(width), height_(height) {}
+    RankZstdPackets(RankZstdDecoder::Version version, int width, int height)
+        : width_(width), height_(height), decoder_(version) {}
     int send(const AVPacket* packet) override;
     int receive(AVFrame& picture) override;
     void flush() override {
@@ -54,13 +55,13 @@ private:
 
     const int width_, height_;
     std::unique_ptr<AVBufferPool, PoolDeleter> pool_;
-    GradientZstdDecoder decoder_;
+    RankZstdDecoder decoder_;
     FramePtr decoded_;  // not given yet
     bool ended_ = false;
 };
 
 /// A picture of any content.
-FramePtr GradientZstdPackets::blank() const {
+FramePtr RankZstdPackets::blank() const {
     FramePtr frame(av_frame_alloc());
     if (!frame) return nullptr;
     frame->buf[0] = av_buffer_pool_get(pool_.get());
@@ -73,13 +74,13 @@ FramePtr GradientZstdPackets::blank() const {
     return frame;
 }
 
-int GradientZstdPackets::send(const AVPacket* packet) {
+int RankZstdPackets::send(const AVPacket* packet) {
     if (decoded_) return AVERROR(EAGAIN);
     ended_ = packet == nullptr;
     if (!packet) return 0;
     const std::size_t samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
-    if (!GradientZstdDecoder::promises(bytes, samples)) return AVERROR_INVALIDDATA;
+    if (!decoder_.promises(bytes, samples)) return AVERROR_INVALIDDATA;
     if (!pool_) pool_.reset(av_buffer_pool_init(2 * samples, nullptr));
     FramePtr frame = pool_ ? blank() : nullptr;
     if (!frame) return AVERROR(ENOMEM);
@@ -90,7 +91,7 @@ int GradientZstdPackets::send(const AVPacket* packet) {
     return 0;
 }
 
-int GradientZstdPackets::receive(AVFrame& picture) {
+int RankZstdPackets::receive(AVFrame& picture) {
     if (!decoded_) return ended_ ? AVERROR_EOF : AVERROR(EAGAIN);
     av_frame_move_ref(&picture, decoded_.get());
     decoded_.reset();
@@ -105,13 +106,13 @@ Error damaged_header(const std::string& where, const std::string& what) {
 
 Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& stream, const std::string& where) {
     const AVCodecParameters& stored = *stream.codecpar;
-    if (is_gradient_zstd(stored)) {
+    if (const auto version = rank_zstd_version(stored)) {
         if (stored.width <= 0 || stored.height <= 0 ||
             std::int64_t{stored.width} * stored.height > most_pixels)
             return damaged_header(where, "it says " + std::to_string(stored.width) + "x" +
                                              std::to_string(stored.height) + " pixels");
         return std::unique_ptr<PacketDecoder>(
-            std::make_unique<GradientZstdPackets>(stored.width, stored.height));
+            std::make_unique<RankZstdPackets>(*version, stored.width, stored.height));
     }
     const AVCodec* decoder = avcodec_find_decoder(stored.codec_id);
     if (!decoder)

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "engine/video/codecs.hpp"
-#include "engine/video/gradient_zstd.hpp"
+#include "engine/video/rank_zstd.hpp"
 #include "engine/video/track_codecs.hpp"
 
 namespace touchable {
@@ -144,9 +144,9 @@ Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own)
     return packet;
 }
 
-class GradientZstdTrack final : public TrackEncoder {
+class RankZstdTrack final : public TrackEncoder {
 public:
-    GradientZstdTrack(PlaneRole role, const PlaneView& first)
+    RankZstdTrack(PlaneRole role, const PlaneView& first)
         : role_(role), width_(first.width), height_(first.height) {}
     Result<void> describe(AVCodecParameters& stored) const override;
     Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) override;
@@ -154,20 +154,20 @@ public:
 private:
     const PlaneRole role_;
     const int width_, height_;
-    GradientZstdEncoder encoder_;
+    RankZstdEncoder encoder_;
 };
 
-Result<void> GradientZstdTrack::describe(AVCodecParameters& stored) const {
+Result<void> RankZstdTrack::describe(AVCodecParameters& stored) const {
     stored.codec_type = AVMEDIA_TYPE_VIDEO;
     stored.codec_id = AV_CODEC_ID_NONE;
-    stored.codec_tag = gradient_zstd_tag;
+    stored.codec_tag = rank_zstd_tag;
     stored.width = width_;
     stored.height = height_;
     return {};
 }
 
-Result<PacketPtr> GradientZstdTrack::encode(const PlaneView& plane, bool /*on_its_own: each is*/) {
-    const auto bytes = encoder_.encode(plane);
+Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own) {
+    const auto bytes = encoder_.encode(plane, on_its_own);
     PacketPtr packet(av_packet_alloc());
     if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
         return encoder_error(role_, "out of memory");
@@ -180,8 +180,8 @@ Result<PacketPtr> GradientZstdTrack::encode(const PlaneView& plane, bool /*on_it
 
 Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
                                                          const PlaneView& first, const Scene& scene) {
-    if (coding == TrackCoding::gradient_zstd)
-        return std::unique_ptr<TrackEncoder>(std::make_unique<GradientZstdTrack>(role, first));
+    if (coding == TrackCoding::rank_zstd)
+        return std::unique_ptr<TrackEncoder>(std::make_unique<RankZstdTrack>(role, first));
     auto encoder = std::make_unique<FfmpegEncoder>(role);
     if (auto opened = encoder->open(coding, first, scene); !opened) return opened.error();
     return std::unique_ptr<TrackEncoder>(std::move(encoder));

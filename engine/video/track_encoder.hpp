@@ -11,12 +11,12 @@ namespace touchable {
 
 /// How a track is encoded. All but the last keep every sample (docs/codecs.md).
 enum class TrackCoding {
-    ffv1,           ///< every picture on its own: smallest where they are noisy, slow
-    h264_quick,     ///< predicted from the picture before; quickest to encode and decode
-    h264_thrifty,   ///< likewise, smaller
-    gradient_zstd,  ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
-                    ///< quick whatever the pictures hold (gradient_zstd.hpp)
-    h264_visual,    ///< as good as the eye can tell; colour only
+    ffv1,          ///< every picture on its own: smallest where they are noisy, slow
+    h264_quick,    ///< predicted from the picture before; quickest to encode and decode
+    h264_thrifty,  ///< likewise, smaller
+    rank_zstd,     ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
+                   ///< quick whatever the pictures hold (rank_zstd.hpp)
+    h264_visual,   ///< as good as the eye can tell; colour only
 };
 
 /// Encodes one track of a clip, a packet for each picture.

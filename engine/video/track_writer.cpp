@@ -14,9 +14,9 @@ std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, cons
     if (role == PlaneRole::colour && !storage.exact_colour) return {{h264_visual}};
     const bool fast = storage.archive == Archive::fast, wide = first.bytes_per_sample == 2;
     // What H.264 takes to decode grows with its bytes: at half the bytes of the other it is as quick.
-    if (fast && wide) return {{h264_quick, 2}, {gradient_zstd}};
+    if (fast && wide) return {{h264_quick, 2}, {rank_zstd}};
     if (fast) return {{h264_quick}};
-    if (wide) return {{h264_thrifty}, {ffv1}, {gradient_zstd}};
+    if (wide) return {{h264_thrifty}, {ffv1}, {rank_zstd}};
     return {{h264_thrifty}, {ffv1}};
 }
 

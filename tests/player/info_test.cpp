@@ -88,7 +88,7 @@ TEST(Info, TellsAPersonTheSame) {
     const Outcome run = run_touchable({"info", clip});
     EXPECT_EQ(run.code, 0);
     for (const char* fact : {"64x48", "3 frames", "30 frames/s", "field of view", "16 bits", "kappa",
-                             "t3dz without loss", "filters      none needed"})
+                             "t3d2 without loss", "filters      none needed"})
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 

@@ -101,7 +101,7 @@ TEST(ClipDamage, EveryChangedByteOfASmallClipIsAnErrorOrChangesNothing) {
     const Subject subject(8, 2, 12, all_planes, {Archive::small, true});
     auto reader = open_clip(subject.folder / "whole.mkv");
     ASSERT_EQ(message(reader), "");
-    const char* expected[] = {"t3dz", "ffv1", "ffv1", "ffv1"};
+    const char* expected[] = {"t3d2", "ffv1", "ffv1", "ffv1"};
     for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ((*reader)->tracks()[k].codec, expected[k]);
     expect_every_change_is_found(subject);
 }

@@ -140,7 +140,7 @@ TEST(Clip, TracksSayWhatIsStored) {
     ASSERT_EQ(message(reader), "");
     const auto& tracks = (*reader)->tracks();
     ASSERT_EQ(tracks.size(), 4U);
-    const char* expected[][3] = {{"depth", "t3dz", "12 bits"},
+    const char* expected[][3] = {{"depth", "t3d2", "12 bits"},
                                  {"colour", "h264", "gbrp"},
                                  {"haptic", "h264", "gbrp"},
                                  {"height", "h264", "yuvj420p"}};  // FFmpeg's H.264 has no grey

@@ -52,8 +52,8 @@ struct CodingCase {
 };
 
 const CodingCase coding_cases[] = {
-    {"t3dz", "16 bits", Archive::fast, [](int x, int y, int n) { return random_below(512, x, y, n); }},
-    {"t3dz", "16 bits", Archive::small, [](int x, int y, int n) { return 2 * x + y + 7 * n; }},
+    {"t3d2", "16 bits", Archive::fast, [](int x, int y, int n) { return random_below(512, x, y, n); }},
+    {"t3d2", "16 bits", Archive::small, [](int x, int y, int n) { return 2 * x + y + 7 * n; }},
     {"h264", "16 bits in two halves", Archive::fast,
      [](int x, int y, int n) { return random_below(512, x, y, y < 2 ? n : 0); }},
     {"h264", "16 bits in two halves", Archive::small,
@@ -109,7 +109,7 @@ TEST(CodingChoice, ASeekPassesOverWhatLiesBeforeTheAccessPoint) {
     write_bytes(folder / "damaged.mkv", bytes);
     auto reader = open_clip(folder / "damaged.mkv");
     ASSERT_EQ(message(reader), "");
-    EXPECT_EQ((*reader)->tracks()[0].codec, "t3dz");
+    EXPECT_EQ((*reader)->tracks()[0].codec, "t3d2");
     EXPECT_EQ((*reader)->tracks()[1].codec, "h264");
     ASSERT_EQ(message((*reader)->seek(25)), "");
     EXPECT_TRUE(same_frame(**(*reader)->next(), test_frame(scene, 25, {true})));
