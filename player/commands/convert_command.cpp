@@ -11,10 +11,11 @@
 #include <string_view>
 
 #include "engine/printable.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/video/mp4_writer.hpp"
 #include "player/commands/commands.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
+#include "player/options/fragmented_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/word_option.hpp"
 
@@ -29,7 +30,8 @@ struct ConvertTyped {
     ConvertOptions options;
     std::optional<std::string> from, to, crop, size;
     std::string every = "1";
-    const CLI::Option *archive = nullptr, *exact_colour = nullptr, *every_typed = nullptr;
+    const CLI::Option *archive = nullptr, *exact_colour = nullptr, *fragmented = nullptr,
+                      *every_typed = nullptr;
 };
 
 /// "45", a frame; "1.5s", a time.
@@ -102,6 +104,10 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
         !checked.ok())
         return checked;
+    if (auto checked = only(!is_mp4_name(typed.options.out) && typed.fragmented->count() > 0, "--fragmented",
+                            fragmented_names);
+        !checked.ok())
+        return checked;
     const char* one = "clips and folders; NAME.png and NAME.bt are one frame, --from says which";
     if (auto checked = only(one_frame && typed.to, "--to", one); !checked.ok()) return checked;
     return only(one_frame && typed.every_typed->count() > 0, "--every", one);
@@ -168,6 +174,7 @@ void add_convert_command(CLI::App& app, Command& command) {
         sub->add_flag("--exact-colour", options.storage.exact_colour,
                       "of a clip: colour keeps every value too; otherwise it is as good as the "
                       "eye can tell");
+    typed->fragmented = add_fragmented_option(*sub, options.storage);
     sub->add_option("--from", typed->from, "the first frame: its number, from 0, or seconds such as 1.5s");
     sub->add_option("--to", typed->to, "the last frame: its number, or the seconds at which it ends");
     typed->every_typed =

@@ -235,6 +235,13 @@ bool Conversion::holds_video() const {
 void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
     const bool is_text = options_.form == ClipForm::scene_text;
     if (!is_text && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
+    if (options_.storage.fragmented) {
+        std::cout << options_.out.string()
+                  << ": has no MPEG-4 scene in fragments. touchable reads it from the file's tags; other "
+                     "programs do not."
+                  << std::endl;
+        return;
+    }
     mpeg4::StreamsBeside streams;
     for (const TrackInfo& track : source_->tracks())
         streams.haptic = streams.haptic || track.role == "haptic";

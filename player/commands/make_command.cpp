@@ -16,6 +16,7 @@
 #include "engine/result.hpp"
 #include "engine/video/mp4_writer.hpp"
 #include "player/options/file_option.hpp"
+#include "player/options/fragmented_option.hpp"
 #include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/typed_numbers.hpp"
@@ -105,6 +106,8 @@ Result<Archive> read_archive(const std::string& text) {
 
 Result<MakeOptions> read_words(const MakeWords& words) {
     if (auto named = check_name(words.options.out); !named.ok()) return named.error();
+    if (words.options.storage.fragmented && !is_mp4_name(words.options.out))
+        return usage_error(std::string("--fragmented is for ") + fragmented_names);
     if (auto fits = refuse_idle_options(words); !fits.ok()) return fits.error();
     MakeOptions options = words.options;
     SceneOptions& generator = options.generator;
@@ -182,6 +185,7 @@ void add_make_command(CLI::App& app, Command& command) {
         ->capture_default_str();
     make->add_flag("--exact-colour", words->options.storage.exact_colour,
                    "colour keeps every value too; otherwise it is as good as the eye can tell");
+    add_fragmented_option(*make, words->options.storage);
     words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
     auto* properties = make->add_flag("--properties", words->properties,
                                       "globe: turning planet; land and ocean differ to the touch (default)");

@@ -1,4 +1,5 @@
-// MPEG-4: a scene's text and binary form, how a file's movie box carries it, and a clip in MP4 as a whole.
+// MPEG-4: a scene's text and binary form, how a file's movie box carries it, and a clip in MP4 as a whole,
+// plain and in fragments.
 #include <algorithm>
 
 #include "engine/mpeg4/bifs.hpp"
@@ -116,6 +117,14 @@ const Registered mp4_clip_target{{.name = "mp4_clip",
                                   .most_bytes = 12288,
                                   .most_mebibytes = 2048,
                                   .most_live_mebibytes = 2048}};
+
+/// Cut anywhere they have the frames of the whole ones.
+const Registered mp4_fragments_target{{.name = "mp4_fragments",
+                                       .parse = parse_mp4_clip,
+                                       .changes = 120,
+                                       .most_bytes = 12288,
+                                       .most_mebibytes = 2048,
+                                       .most_live_mebibytes = 2048}};
 
 }  // namespace
 }  // namespace touchable::fuzz
