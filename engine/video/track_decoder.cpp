@@ -70,8 +70,9 @@ Result<void> TrackDecoder::read_tags(const AVStream& stream) {
     const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::bits_tag, nullptr, 0);
     if (!tag && codec_ != AV_CODEC_ID_NONE) return {};
     if (role_ != PlaneRole::depth && role_ != PlaneRole::height)
-        return input_error(name() +
-                           ": is stored as depth and height are (tag T3D_BITS, or codec t3dz or t3d2): must not be");
+        return input_error(
+            name() +
+            ": is stored as depth and height are (tag T3D_BITS, or codec t3dz or t3d2): must not be");
     const auto bits = tag ? clip_tags::parse_bits(tag->value) : std::nullopt;
     if (!bits)
         return input_error(file_ + ": track " + info_.role + ": its tag T3D_BITS is " +
