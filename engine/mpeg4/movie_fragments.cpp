@@ -375,9 +375,7 @@ Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file) {
         }
         if ((*box)->type != "moof" || !has_movie) continue;
         const auto whole = gatherer.add_fragment(**box);
-        if (!whole)
-            return input_error("its fragment at byte " + std::to_string((*box)->at) + ": " +
-                               whole.error().message);
+        if (!whole) return error_at("its fragment at byte " + std::to_string((*box)->at), whole.error());
         gathered.is_cut = !*whole;
         if (gathered.is_cut) break;
     }

@@ -126,10 +126,10 @@ Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
 
 Result<void> Mp4Container::look_at(ByteSource& file) {
     const auto movie = mpeg4::movie_head_of(file);
-    if (!movie) return refuse(movie.error().message);
+    if (!movie) return error_at(file_, movie.error());
     if (!told_) scene_ = scene_in(*movie, file);
     auto fragments = mpeg4::gather_fragments(file);
-    if (!fragments) return refuse(fragments.error().message);
+    if (!fragments) return error_at(file_, fragments.error());
     fragments_ = std::move(*fragments);
     is_looked_at_ = true;
     return {};

@@ -162,6 +162,29 @@ TEST(Mp4Fragments, AreReadFromAnyFrameAtAnyRate) {
     }
 }
 
+/// As whoever came later to what is sent has it.
+TEST(Mp4Fragments, WithoutTheFirstOnesAreReadFromThereOn) {
+    const TemporaryFolder folder;
+    const Scene scene = fragment_scene(16, 12, 12, 8);
+    ASSERT_EQ(message(write_fragments(folder / "clip.mp4", scene, 40)), "");
+    std::string file = read_bytes(folder / "clip.mp4");
+    const auto boxes = boxes_of(file);
+    ASSERT_EQ(boxes[2].type, "moof");
+    file.erase(boxes[2].at, boxes[4].at - boxes[2].at);
+    write_bytes(folder / "later.mp4", file);
+    auto reader = open_clip(folder / "later.mp4");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 25);
+    for (const int n : {24, 0, 15}) {
+        ASSERT_EQ(message((*reader)->seek(n)), "") << n;
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "") << n;
+        const RawFrame exact = test_frame(scene, 15 + n, all_planes);
+        EXPECT_TRUE(same_plane((*frame)->depth, exact.depth) && same_plane((*frame)->haptic, exact.haptic))
+            << n;
+    }
+}
+
 TEST(Mp4Fragments, TheSameFramesGiveTheSameFileAndMatroskaHasNone) {
     const TemporaryFolder folder;
     const Scene scene = fragment_scene(40, 30, 16, 8);
