@@ -20,8 +20,7 @@ class FolderPictures final : public FrameSource {
 public:
     FolderPictures(std::filesystem::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures)
         : folder_(std::move(folder)),
-          coding_(scene.depth.kind),
-          haptic_may_be_lossy_(scene.folder->haptic_may_be_lossy),
+          rules_{scene.depth.kind, scene.folder->haptic_may_be_lossy},
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()) {}
     Result<void> find(StoredClip& clip);
 
@@ -56,8 +55,7 @@ private:
     Result<void> find_cameras(const PictureFiles& depth, StoredClip& clip) const;
 
     std::filesystem::path folder_;
-    DepthCodingKind coding_;
-    bool haptic_may_be_lossy_;
+    StillRules rules_;
     std::vector<Track> tracks_;               // depth is the first
     std::shared_ptr<ReadPictures> pictures_;  // not null
 };
@@ -122,15 +120,7 @@ Result<TrackPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame)
     const Track& from = track(role);
     auto stored = from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame));
     if (!stored) return Error{stored.error().kind, stored.error().message + in_words(role, frame)};
-    const bool is_grey =
-        (role == PlaneRole::depth && coding_ != DepthCodingKind::hue) || role == PlaneRole::height;
-    if (is_grey && stored->image.channels == 3)
-        if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
-    if (role == PlaneRole::haptic && stored->codec == "mjpeg" && !haptic_may_be_lossy_)
-        return input_error(where(role, frame) + ": is JPEG, which mixes materials; haptic is PNG");
-    if (role != PlaneRole::colour && stored->interlaced)
-        return input_error(where(role, frame) + ": is an interlaced PNG: must be a plain one to be touched");
-    return TrackPicture{std::move(*stored)};
+    return track_picture(std::move(*stored), role, rules_, where(role, frame));
 }
 
 }  // namespace

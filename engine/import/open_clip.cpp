@@ -16,6 +16,7 @@
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guessed_video.hpp"
 #include "engine/import/image_folder.hpp"
+#include "engine/import/mp4_stills.hpp"
 #include "engine/import/photo/heic_image.hpp"
 #include "engine/import/photo/jpeg_depth.hpp"
 #include "engine/import/pinhole_frames.hpp"
@@ -185,6 +186,11 @@ Opened open_jpeg(const Candidate& candidate) {
                : open_jpeg_depth(candidate.source, candidate.described, candidate.known);
 }
 
+Opened open_mpeg4(const Candidate& candidate) {
+    const auto open = is_mp4_stills(candidate.source) ? open_mp4_stills : open_mp4_clip;
+    return open(candidate.source, candidate.described, candidate.colour);
+}
+
 /// The first that recognises a file opens it.
 struct Format {
     bool (*recognises)(const Candidate&);
@@ -196,7 +202,7 @@ const Format formats[] = {
      [](const Candidate& c) { return open_matroska_clip(c.source, c.described, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
     {is_mpeg4,
-     [](const Candidate& c) { return open_mp4_clip(c.source, c.described, c.colour); },
+     open_mpeg4,
      {"a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"}},
     {[](const Candidate& c) { return is_scene_text(c.source); },
      [](const Candidate& c) { return open_scene_text(c.source, c.described, c.colour); },
@@ -354,8 +360,9 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
 
 /// That of a clip of ours, without the files that it once was of.
 Result<GuessedScene> scene_in(const Candidate& candidate) {
-    const auto open = is_mpeg4(candidate) ? open_mp4_clip : open_matroska_clip;
-    const auto reader = open(candidate.source, std::nullopt, Colour::left_out);
+    const auto reader = is_mpeg4(candidate)
+                            ? open_mpeg4(candidate)
+                            : open_matroska_clip(candidate.source, std::nullopt, Colour::left_out);
     if (!reader) return reader.error();
     GuessedScene scene{(*reader)->described(), {}, {}, {}};
     scene.scene.folder.reset();

@@ -12,7 +12,6 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_text.hpp"
 #include "engine/printable.hpp"
-#include "engine/scene/scene_file.hpp"
 #include "engine/video/video_file.hpp"
 
 namespace touchable {
@@ -36,7 +35,6 @@ private:
         return texture ? file_of(*texture, plane) : Result<std::string>(std::string());
     }
     Result<SceneDescription> with_pictures(FolderSource pictures);
-    Result<SceneDescription> with_own_scene_file();
     Result<SceneDescription> with_videos(const FolderSource& files);
     Result<SceneDescription> describe();
 
@@ -77,29 +75,11 @@ Result<std::string> SceneTextClip::file_of(const PlaneTexture& texture, const ch
 Result<SceneDescription> SceneTextClip::with_pictures(FolderSource pictures) {
     const auto first = pictures_->look(folder_ / pictures.depth);
     if (!first) return first.error();
-    auto described = !nodes_.scene_file.empty() ? with_own_scene_file()
-                                                : mpeg4::described_by(nodes_, (*first)->image.width,
-                                                                      (*first)->image.height, (*first)->bits);
-    if (!described && nodes_.scene_file.empty()) return refuse(described.error().message);
-    if (!described) return described;
+    auto described = mpeg4::described_by_pictures(nodes_, (*first)->image.width, (*first)->image.height,
+                                                  (*first)->bits, notes_);
+    if (!described) return refuse(described.error().message);
     pictures.haptic_may_be_lossy = true;  // as the paper's own example is
     described->scene.folder = std::move(pictures);
-    return described;
-}
-
-/// As touchable wrote it, but for what somebody changed in the nodes since.
-Result<SceneDescription> SceneTextClip::with_own_scene_file() {
-    const std::string node = std::string("its WorldInfo ") + mpeg4::ClipNodes::scene_file_title;
-    auto described = parse_scene(nodes_.scene_file, source_.string() + ": " + node);
-    if (!described) return described;
-    described->scene.folder.reset();  // the nodes name the pictures
-    described->scene.video.reset();
-    const auto is_other = mpeg4::take_nodes(nodes_, described->scene);
-    if (!is_other) return refuse(is_other.error().message);
-    if (!*is_other) return described;
-    notes_.push_back("its nodes say another camera, other planes or ranges than " + node +
-                     ": the nodes stand");
-    if (auto valid = validate(*described); !valid) return refuse(valid.error().message);
     return described;
 }
 

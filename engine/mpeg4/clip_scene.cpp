@@ -163,6 +163,23 @@ ClipNodes nodes_of_pictures(const SceneDescription& described) {
     return nodes;
 }
 
+Result<SceneDescription> described_by_pictures(const ClipNodes& nodes, int width, int height, int bits,
+                                               std::vector<std::string>& notes) {
+    if (nodes.scene_file.empty()) return described_by(nodes, width, height, bits);
+    const std::string node = std::string("its WorldInfo ") + ClipNodes::scene_file_title;
+    auto described = parse_scene(nodes.scene_file, node);
+    if (!described) return described;
+    described->scene.folder.reset();  // the nodes name the pictures
+    described->scene.video.reset();
+    const auto is_other = take_nodes(nodes, described->scene);
+    if (!is_other) return is_other.error();
+    if (!*is_other) return described;
+    notes.push_back("its nodes say another camera, other planes or ranges than " + node +
+                    ": the nodes stand");
+    if (auto valid = validate(*described); !valid) return valid.error();
+    return described;
+}
+
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
     const auto camera = camera_of(nodes, scene.width, scene.height);
     if (!camera) return camera.error();

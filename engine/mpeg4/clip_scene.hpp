@@ -29,6 +29,11 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
 /// The same scene by nodes of pictures, and what those cannot say of it, to the last bit, as a scene file's
 /// text (ClipNodes::scene_file). Its name and rate are not needed: one frame is called as its file.
 ClipNodes nodes_of_pictures(const SceneDescription& described);
+/// A clip of pictures by such nodes: what their scene file says, but for what somebody has changed in the
+/// nodes since, which `notes` says; or without one what they say alone, of depth of so many bits. It names no
+/// pictures.
+Result<SceneDescription> described_by_pictures(const ClipNodes& nodes, int width, int height, int bits,
+                                               std::vector<std::string>& notes);
 /// A scene of which the nodes say something else than `nodes_from` it, as they say it; false where they
 /// agree, but for what four bytes round. An error where a clip cannot be what they say.
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene);

@@ -13,6 +13,7 @@
 #include "engine/video/clip_container.hpp"
 #include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
+#include "engine/video/mp4_scene.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 namespace touchable {
@@ -48,15 +49,14 @@ bool is_lossless_h264(const Demuxer& file, int stream) {
 constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
 
 /// The MPEG-4 scene of a file, as far as it has one.
-struct Mp4Scene {
-    std::optional<mpeg4::SceneStream> stream{};
-    std::optional<mpeg4::ClipNodes> nodes{};  // where it is a touchable clip
-    bool is_damaged = false;                  // nobody knows what it is
-    std::string fault{};                      // why it is no clip; empty: it is one, or there is none
+struct FoundScene {
+    std::optional<Mp4Scene> scene{};  // where it is a touchable clip
+    bool is_damaged = false;          // nobody knows what it is
+    std::string fault{};              // why it is no clip; empty: it is one, or there is none
 };
 
-Mp4Scene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
-    const auto damaged = [](const std::string& why) { return Mp4Scene{.is_damaged = true, .fault = why}; };
+FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
+    const auto damaged = [](const std::string& why) { return FoundScene{.is_damaged = true, .fault = why}; };
     auto stream = mpeg4::read_scene_stream(
         movie, [&file](std::uint64_t at, std::uint64_t count) { return mpeg4::bytes_at(file, at, count); });
     if (!stream) return damaged("its MPEG-4 scene cannot be read: " + stream.error().message);
@@ -65,7 +65,18 @@ Mp4Scene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
     if (!tree) return damaged("its MPEG-4 scene is damaged: " + tree.error().message);
     auto nodes = mpeg4::clip_nodes_of(*tree);
     if (!nodes) return {.fault = "its MPEG-4 scene is no touchable clip: " + nodes.error().message};
-    return {.stream = std::move(*stream), .nodes = std::move(*nodes)};
+    return {.scene = Mp4Scene{std::move(**stream), std::move(*nodes)}};
+}
+
+/// The stream of pictures with this number; `what` it is to be, in messages.
+Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
+                                           const std::string& what) {
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (container.streams[k]->id == static_cast<int>(track) &&
+            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            return std::optional(static_cast<int>(k));
+    return input_error(what + ", track " + std::to_string(track) + ", which has no pictures");
 }
 
 /// What a program that makes such files with names alone calls the planes.
@@ -106,13 +117,14 @@ private:
     Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
     Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
-    Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
-                                               const std::string& what) const;
+    Result<std::optional<int>> placed(Result<std::optional<int>> stream) const {
+        return stream ? std::move(stream) : refuse(stream.error().message);
+    }
 
     std::optional<PlaneTracks> told_;
     bool is_looked_at_ = false;
     std::optional<mpeg4::GatheredMovie> fragments_;
-    Mp4Scene scene_;
+    FoundScene scene_;
 };
 
 Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
@@ -199,12 +211,12 @@ Error Mp4Container::refuse_scene() const {
 Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
     notes_.clear();
     if (!scene_.fault.empty()) return refuse_scene();
-    const auto& nodes = scene_.nodes;
+    const auto& scene = scene_.scene;
     if (const auto json = file.tag(mp4_scene_tag)) {
         auto described = described_by(*json, recorded);
         if (!described) return described;
-        if (!nodes) return described;
-        const auto is_other = mpeg4::take_nodes(*nodes, described->scene);
+        if (!scene) return described;
+        const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
         if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
         if (!*is_other) return described;
         notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
@@ -213,12 +225,12 @@ Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRat
             return refuse("its MPEG-4 scene: " + valid.error().message);
         return described;
     }
-    if (!nodes) return refuse_scene();
+    if (!scene) return refuse_scene();
     const auto depth = stream_of(file, PlaneRole::depth);
     if (!depth) return depth.error();
     const AVCodecParameters& stored = *file.container().streams[depth->value_or(0)]->codecpar;
     constexpr int bits = 8;
-    auto described = mpeg4::described_by(*nodes, stored.width, stored.height, bits);
+    auto described = mpeg4::described_by(scene->nodes, stored.width, stored.height, bits);
     if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
     described->scene.name = source_.path().stem().string();
     for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
@@ -240,46 +252,22 @@ std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::st
     return std::nullopt;
 }
 
-Result<std::optional<int>> Mp4Container::stream_numbered(const Demuxer& file, std::uint32_t track,
-                                                         const std::string& what) const {
-    const AVFormatContext& container = file.container();
-    for (unsigned k = 0; k < container.nb_streams; ++k)
-        if (container.streams[k]->id == static_cast<int>(track) &&
-            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
-            return std::optional(static_cast<int>(k));
-    return refuse(what + ", track " + std::to_string(track) + ", which has no pictures");
-}
-
 Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name(role_name(role));
     if (told_) {
         const auto& track = (*told_)[static_cast<std::size_t>(role)];
-        return track ? stream_numbered(file, track->track, name) : std::optional<int>();
+        return track ? placed(stream_numbered(file, track->track, name)) : std::optional<int>();
     }
-    if (!scene_.nodes) {
-        const auto named = stream_named(file, name);
-        return named || role != PlaneRole::colour ? named : stream_named(file, "color");
-    }
-    const mpeg4::ClipNodes& nodes = *scene_.nodes;
-    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
-                                                           nodes.height};
-    const auto& texture = textures[static_cast<std::size_t>(role)];
-    if (!texture) return std::optional<int>();
-    if (texture->url.object == 0)
-        return refuse("its MPEG-4 scene has " + name + " in another file (" + in_quotes(texture->url.file) +
-                      "): must be a track of its own");
-    const auto track = scene_.stream->objects.find(texture->url.object);
-    const std::string object = name + " is object " + std::to_string(texture->url.object);
-    if (track == scene_.stream->objects.end())
-        return refuse("its MPEG-4 scene: " + object + ", which is no track");
-    return stream_numbered(file, track->second, "its MPEG-4 scene: " + object);
+    if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
+    const auto named = stream_named(file, name);
+    return named || role != PlaneRole::colour ? named : stream_named(file, "color");
 }
 
 Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name = std::string(role_name(role)) + low_track_suffix;
     if (!told_) return stream_named(file, name);
     const auto& track = (*told_)[static_cast<std::size_t>(role)];
-    return track && track->low ? stream_numbered(file, *track->low, name) : std::optional<int>();
+    return track && track->low ? placed(stream_numbered(file, *track->low, name)) : std::optional<int>();
 }
 
 /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
@@ -321,14 +309,41 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
 
 }  // namespace
 
+Result<std::optional<Mp4Scene>> read_mp4_scene(const SourceFile& file) {
+    const auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    const auto movie = mpeg4::movie_head_of(**bytes);
+    if (!movie) return error_at(file.string(), movie.error());
+    FoundScene found = scene_in(*movie, **bytes);
+    if (!found.fault.empty()) return input_error(file.string() + ": " + found.fault);
+    return std::move(found.scene);
+}
+
+Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
+    const std::string name(role_name(role));
+    const mpeg4::ClipNodes& nodes = scene.nodes;
+    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
+                                                           nodes.height};
+    const auto& texture = textures[static_cast<std::size_t>(role)];
+    if (!texture) return std::optional<int>();
+    if (texture->url.object == 0)
+        return input_error("its MPEG-4 scene has " + name + " in another file (" +
+                           in_quotes(texture->url.file) + "): must be a track of its own");
+    const std::string object =
+        "its MPEG-4 scene: " + name + " is object " + std::to_string(texture->url.object);
+    const auto track = scene.stream.objects.find(texture->url.object);
+    if (track == scene.stream.objects.end()) return input_error(object + ", which is no track");
+    return stream_numbered(file, track->second, object);
+}
+
 bool is_mp4_clip(const SourceFile& file, bool is_described) {
     const auto bytes = bytes_of_file(file);
     const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
     if (!movie) return false;
     const std::string_view tag = clip_tags::version_tag;
     if (std::search(movie->begin(), movie->end(), tag.begin(), tag.end()) != movie->end()) return true;
-    const Mp4Scene scene = scene_in(*movie, **bytes);
-    return scene.nodes || has_tracks_of_touch(*movie) || (scene.is_damaged && !is_described);
+    const FoundScene found = scene_in(*movie, **bytes);
+    return found.scene || has_tracks_of_touch(*movie) || (found.is_damaged && !is_described);
 }
 
 std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file, const std::optional<PlaneTracks>& told) {

@@ -2,6 +2,7 @@
 // plain and in fragments.
 #include <algorithm>
 
+#include "engine/import/mp4_stills.hpp"
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
@@ -100,7 +101,9 @@ bool parse_scene_stream(std::string_view bytes) {
 
 bool parse_mp4_clip(std::string_view bytes) {
     const auto file = file_of(bytes, "clip.mp4");
-    return is_mp4_clip(file, false) && is_clip(open_mp4_clip(file, std::nullopt));
+    if (!is_mp4_clip(file, false)) return false;
+    return is_clip(
+        (is_mp4_stills(file) ? open_mp4_stills : open_mp4_clip)(file, std::nullopt, Colour::wanted));
 }
 
 const Registered scene_text_target{{.name = "scene_text",

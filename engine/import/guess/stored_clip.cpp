@@ -186,6 +186,19 @@ Result<std::optional<RawFrame>> StoredClipReader::next() {
 
 }  // namespace
 
+Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const StillRules& rules,
+                                   const std::string& where) {
+    const bool is_grey =
+        (role == PlaneRole::depth && rules.depth != DepthCodingKind::hue) || role == PlaneRole::height;
+    if (is_grey && stored.image.channels == 3)
+        if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
+    if (role == PlaneRole::haptic && stored.codec == "mjpeg" && !rules.haptic_may_be_lossy)
+        return input_error(where + ": is JPEG, which mixes materials; haptic is PNG");
+    if (role != PlaneRole::colour && stored.interlaced)
+        return input_error(where + ": is an interlaced PNG: must be a plain one to be touched");
+    return TrackPicture{std::move(stored)};
+}
+
 TrackPicture lent_picture(const TrackInfo& track, Plane plane) {
     const PlaneView& view = plane.view;
     return {{{view.width, view.height, view.bytes_per_sample, view.channels, {}},

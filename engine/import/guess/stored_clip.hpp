@@ -22,6 +22,16 @@ struct TrackPicture {
 /// The samples of a decoder's picture, or of a part of it, in a track that is stored like this.
 TrackPicture lent_picture(const TrackInfo& track, Plane plane);
 
+/// A whole picture, PNG or JPEG for one, as that of a track. Grey that is stored as RGB is grey where it must
+/// be. What mixes materials is refused unless that is allowed, and what is touched must not be interlaced.
+/// `where` begins messages.
+struct StillRules {
+    DepthCodingKind depth = DepthCodingKind::linear;
+    bool haptic_may_be_lossy = false;
+};
+Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const StillRules& rules,
+                                   const std::string& where);
+
 /// What reads the pictures of a stored clip: files in a folder, messages of a recording, packets of a video.
 class FrameSource {
 public:
