@@ -84,8 +84,10 @@ std::optional<SoundFacts> sound_of(const std::filesystem::path& file) {
     const int stream = container ? sound_stream(*container) : -1;
     if (stream < 0) return std::nullopt;
     const AVCodecParameters& codec = *container->streams[stream]->codecpar;
-    return SoundFacts{avcodec_get_name(codec.codec_id), is_storable(codec),
-                      is_storable(codec) && is_storable(codec, "mp4")};
+    const bool in_mp4 = is_storable(codec) && is_storable(codec, "mp4");
+    const bool told_by_packets = codec.codec_id == AV_CODEC_ID_AC3 || codec.codec_id == AV_CODEC_ID_EAC3;
+    return SoundFacts{avcodec_get_name(codec.codec_id), is_storable(codec), in_mp4,
+                      in_mp4 && !told_by_packets};
 }
 
 Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {

@@ -15,9 +15,10 @@ namespace touchable {
 
 /// What a file has to be heard.
 struct SoundFacts {
-    std::string codec;             ///< as FFmpeg names it
-    bool storable = false;         ///< whether Matroska has it
-    bool storable_in_mp4 = false;  ///< whether both have it
+    std::string codec;                   ///< as FFmpeg names it
+    bool storable = false;               ///< whether Matroska has it
+    bool storable_in_mp4 = false;        ///< whether both have it
+    bool storable_in_fragments = false;  ///< of MP4: whether its header needs no packet of it
 };
 /// Nothing where the file has no sound, or is of no kind that could have any.
 std::optional<SoundFacts> sound_of(const std::filesystem::path& file);

@@ -208,12 +208,16 @@ std::optional<SoundPart> Conversion::chosen_sound() {
     const auto sound = sound_of(file);
     if (!sound) return std::nullopt;
     const bool is_mp4 = is_mp4_name(options_.out) || options_.form == ClipForm::gltf,
-               is_video = holds_video();
-    if (!is_video || !(is_mp4 ? sound->storable_in_mp4 : sound->storable)) {
+               is_video = holds_video(), is_fragmented = options_.storage.fragmented;
+    const bool fits = is_fragmented ? sound->storable_in_fragments
+                      : is_mp4      ? sound->storable_in_mp4
+                                    : sound->storable;
+    if (!is_video || !fits) {
         done_.sound = "LOST: " + sound->codec +
-                      (!is_video ? ", which pictures cannot hold"
-                       : is_mp4  ? ", which an MP4 file cannot hold"
-                                 : ", which a clip cannot hold");
+                      (!is_video       ? ", which pictures cannot hold"
+                       : is_fragmented ? ", which an MP4 file in fragments cannot hold"
+                       : is_mp4        ? ", which an MP4 file cannot hold"
+                                       : ", which a clip cannot hold");
         return std::nullopt;
     }
     done_.sound = "kept as it is (" + sound->codec + ")";

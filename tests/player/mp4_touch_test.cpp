@@ -1,6 +1,7 @@
 // A clip in MP4, or as a glTF scene, is felt as the same clip in Matroska, to the bit.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "tests/player/program.hpp"
@@ -85,6 +86,25 @@ TEST(FragmentedClip, IsAskedForByNamesOfMp4Alone) {
     const Outcome made = run_touchable({"make", "globe", folder / "out.mkv", "--fragmented"});
     EXPECT_EQ(made.code, 2);
     EXPECT_NE(made.err.find("--fragmented is for NAME.mp4"), std::string::npos) << made.err;
+}
+
+TEST(FragmentedClip, SoundThatItCannotHoldIsLostAndThatIsSaid) {
+    if (std::system("command -v ffmpeg >/dev/null") != 0)
+        GTEST_SKIP() << "there is no program ffmpeg here (Debian: ffmpeg)";
+    const TemporaryFolder folder;
+    make_clip("globe", folder / "clip.mkv", {"--size", "64x48", "--frames", "20"});
+    for (const auto& [codec, words] : {std::pair{"aac", "kept as it is (aac)"},
+                                       {"ac3", "LOST: ac3, which an MP4 file in fragments cannot hold"}}) {
+        const std::string sounding = std::string(folder / codec) + ".mkv", out = sounding + ".mp4";
+        ASSERT_EQ(
+            std::system(("ffmpeg -loglevel error -i '" + std::string(folder / "clip.mkv") +
+                         "' -f lavfi -i sine=d=1 -map 0 -map 1 -c copy -c:a " + codec + " '" + sounding + "'")
+                            .c_str()),
+            0);
+        const Outcome run = run_touchable({"convert", sounding, out, "--fragmented"});
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+    }
 }
 
 }  // namespace
