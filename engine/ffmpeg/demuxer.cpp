@@ -199,12 +199,6 @@ std::int64_t Demuxer::key_picture(int stream, std::int64_t picture) const {
     return at - first;
 }
 
-std::int64_t Demuxer::decoding_time(int stream, std::int64_t picture) const {
-    const AVIndexEntry* const entry =
-        avformat_index_get_entry(container_->streams[stream], entry_of(stream, picture));
-    return entry ? entry->timestamp : 0;
-}
-
 bool Demuxer::is_all_keys(int stream) const {
     AVStream* const of = container_->streams[stream];
     const int entries = avformat_index_get_entries_count(of);

@@ -56,8 +56,6 @@ public:
     std::int64_t pictures(int stream) const;
     /// The last one up to this that decoding can begin with.
     std::int64_t key_picture(int stream, std::int64_t picture) const;
-    /// When one is decoded, in the stream's time base: where `seek` finds it.
-    std::int64_t decoding_time(int stream, std::int64_t picture) const;
     /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
     bool is_all_keys(int stream) const;
     /// The packet that `next` gives; null at the end.

@@ -59,7 +59,7 @@ private:
     Result<void> describe_tracks();
     std::vector<int> streams() const;
     std::int64_t indexed_access_point(std::int64_t frame) const;
-    bool go_to(std::int64_t frame);
+    std::optional<std::int64_t> key_packet(int stream, std::int64_t least);
     Result<bool> begin_at(std::int64_t frame);
     double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
     double seconds_of(std::int64_t frame) const {
@@ -174,36 +174,24 @@ std::int64_t ClipFileReader::indexed_access_point(std::int64_t frame) const {
     return target;
 }
 
-/// All tracks, by the one that decodes this frame last: in the others what comes before it is found then.
-bool ClipFileReader::go_to(std::int64_t frame) {
-    const int depth = tracks_.front().pictures->stream();
-    if (!container_->has_whole_index()) return demuxer_->seek(depth, timestamp_of(depth, frame));
-    const auto tick = [this](int stream) { return demuxer_->container().streams[stream]->time_base; };
-    int last = depth;
-    for (const int stream : streams())
-        if (av_compare_ts(demuxer_->decoding_time(stream, frame), tick(stream),
-                          demuxer_->decoding_time(last, frame), tick(last)) > 0)
-            last = stream;
-    return demuxer_->seek(last, demuxer_->decoding_time(last, frame));
-}
-
 /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
 /// false where the index leads to no such frame.
 Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
+    const int depth = tracks_.front().pictures->stream();
+    const auto go_to = [&](std::int64_t to) { return demuxer_->seek(depth, timestamp_of(depth, to)); };
+    const bool is_whole = container_->has_whole_index();
     // Of Matroska the first search reads the index.
-    if (!container_->has_whole_index() && !go_to(frame)) return false;
+    if (!is_whole && !go_to(frame)) return false;
     const std::int64_t target = indexed_access_point(frame);
-    if ((container_->has_whole_index() || target < frame) && !go_to(target)) return false;
+    if ((is_whole || target < frame) && !go_to(target)) return false;
     std::optional<std::int64_t> there;
     for (const int stream : streams()) {
-        const auto packet = demuxer_->peek(stream);
-        if (!packet || !*packet || ((*packet)->flags & AV_PKT_FLAG_KEY) == 0) return false;
-        const auto begins = frame_of(stream, (*packet)->pts);
+        const auto begins = key_packet(stream, is_whole ? target : 0);
         if (!begins || (there && *there != *begins) || *begins > frame) return false;
         there = begins;
     }
     // Pictures of an open group are shown before the one that it begins with.
-    if (container_->has_whole_index() && *there != target) return false;
+    if (is_whole && *there != target) return false;
     number_ = *there;
     for (Track& track : tracks_) {
         track.pictures->restart(number_);
@@ -211,6 +199,19 @@ Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
         track.until = number_;
     }
     return true;
+}
+
+/// The frame of the next packet, which decoding can begin with. FFmpeg leads the other tracks to where the
+/// first decodes a frame, which may be before they show it: what they have before `least` is passed over.
+std::optional<std::int64_t> ClipFileReader::key_packet(int stream, std::int64_t least) {
+    while (true) {
+        const auto packet = demuxer_->peek(stream);
+        if (!packet || !*packet) return std::nullopt;
+        const bool is_key = ((*packet)->flags & AV_PKT_FLAG_KEY) != 0;
+        const auto begins = frame_of(stream, (*packet)->pts);
+        if (is_key && (!begins || *begins >= least)) return begins;
+        if (least == 0 || !demuxer_->next(stream)) return std::nullopt;
+    }
 }
 
 Result<void> ClipFileReader::open_file() {
