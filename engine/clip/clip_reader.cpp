@@ -18,7 +18,7 @@ std::vector<std::string> clip_notes(const ClipReader& clip) {
 
 const std::filesystem::path& sound_file_of(const ClipReader& clip) {
     static const std::filesystem::path none;
-    return clip.inputs().empty() ? none : clip.inputs().front();
+    return clip.inputs().empty() || clip.scene().folder ? none : clip.inputs().front();
 }
 
 /// The way that is right for every format: reading up to there.

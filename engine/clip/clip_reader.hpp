@@ -90,7 +90,7 @@ private:
     std::vector<std::filesystem::path> inputs_;
 };
 
-/// The file that may have the clip's sound, that with its pictures; empty where there is no file.
+/// The file that may have the clip's sound, that with its pictures; empty where each is a file of its own.
 const std::filesystem::path& sound_file_of(const ClipReader& clip);
 
 /// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.

@@ -104,11 +104,11 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
         !checked.ok())
         return checked;
-    if (auto checked = only(!is_mp4_name(typed.options.out) && typed.fragmented->count() > 0, "--fragmented",
-                            fragmented_names);
+    const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
+    if (auto checked = only(!is_mp4_clip && typed.fragmented->count() > 0, "--fragmented", fragmented_names);
         !checked.ok())
         return checked;
-    const char* one = "clips and folders; NAME.png and NAME.bt are one frame, --from says which";
+    const char* one = "clips and folders; NAME.png, NAME.bt and --still are one frame, --from says which";
     if (auto checked = only(one_frame && typed.to, "--to", one); !checked.ok()) return checked;
     return only(one_frame && typed.every_typed->count() > 0, "--every", one);
 }
@@ -119,6 +119,9 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     const auto form = read_form(options.out);
     if (!form.ok()) return form.error();
     options.form = *form;
+    if (options.still && !is_mp4_name(options.out))
+        return usage_error("--still is for NAME.mp4; NAME.png and NAME.bt are one frame as they are");
+    if (options.still) options.form = ClipForm::mp4_still;
     if (auto fits = refuse_idle_options(read); !fits.ok()) return fits.error();
     const auto choice = read_clip(typed.clip);
     if (!choice.ok()) return choice.error();
@@ -175,6 +178,8 @@ void add_convert_command(CLI::App& app, Command& command) {
                       "of a clip: colour keeps every value too; otherwise it is as good as the "
                       "eye can tell");
     typed->fragmented = add_fragmented_option(*sub, options.storage);
+    sub->add_flag("--still", options.still,
+                  "of NAME.mp4: one frame as the paper's static scene, whose pictures are PNG");
     sub->add_option("--from", typed->from, "the first frame: its number, from 0, or seconds such as 1.5s");
     sub->add_option("--to", typed->to, "the last frame: its number, or the seconds at which it ends");
     typed->every_typed =

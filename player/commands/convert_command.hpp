@@ -26,10 +26,11 @@ enum class ClipForm {
     folder,      ///< a name without an extension, or that ends in /
     still,       ///< NAME.png: one frame
     scene_text,  ///< NAME.bt: one frame, as the paper sends a static scene
+    mp4_still,   ///< NAME.mp4 with --still: the same in one file
     gltf         ///< NAME.gltf
 };
 inline bool is_one_frame(ClipForm form) {
-    return form == ClipForm::still || form == ClipForm::scene_text;
+    return form == ClipForm::still || form == ClipForm::scene_text || form == ClipForm::mp4_still;
 }
 
 struct ConvertOptions {
@@ -43,6 +44,7 @@ struct ConvertOptions {
     std::int64_t every = 1;
     std::optional<PixelBox> crop;
     std::optional<PixelSize> size;
+    bool still = false;        ///< --still: NAME.mp4 is a static scene
     bool allow_lossy = false;  ///< that values of what is touched may change
 };
 

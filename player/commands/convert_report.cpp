@@ -105,7 +105,8 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     }
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));
-    if (is_one_frame(options.form)) text += line("scene", files_beside(options, done));
+    if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
+        text += line("scene", files_beside(options, done));
     if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
     for (const std::string& note : done.notes) text += line("note", note);
     return text;

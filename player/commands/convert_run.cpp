@@ -15,6 +15,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/sound/stored_sound.hpp"
+#include "engine/video/mp4_stills_writer.hpp"
 #include "engine/video/mp4_writer.hpp"
 #include "engine/video/scene_text_still.hpp"
 #include "player/commands/convert_command.hpp"
@@ -54,16 +55,22 @@ Result<void> check_folder(const ConvertOptions& options, const std::vector<Named
     return {};
 }
 
+bool is_mpeg4_still(ClipForm form) {
+    return form == ClipForm::scene_text || form == ClipForm::mp4_still;
+}
+
 /// An MPEG-4 scene of pictures is of one moment.
 Result<void> check_frames(const ConvertOptions& options, const ClipReader& clip) {
     const auto frames = clip.frame_count();
-    if (options.form != ClipForm::scene_text || options.from || frames == 1) return {};
+    if (!is_mpeg4_still(options.form) || options.from || frames == 1) return {};
     return usage_error("OUT " + options.out.string() + " is a scene of one frame, but the clip has " +
                        (frames ? std::to_string(*frames) : "more, as far as it tells") +
-                       ": --from says which one; NAME.mp4 holds them all");
+                       ": --from says which one; NAME.mp4" + (options.still ? " without --still" : "") +
+                       " holds them all");
 }
 
 std::vector<fs::path> files_of_one_frame(const ConvertOptions& options) {
+    if (options.form == ClipForm::mp4_still) return {options.out};
     return options.form == ClipForm::scene_text ? described_still_files(options.out)
                                                 : still_files(options.out);
 }
@@ -99,11 +106,10 @@ ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
 /// What is read back to be compared has no name yet, or is in a hidden folder. Messages name what it is to
 /// be.
 Error as_named(Error error, const ConvertOptions& options, const fs::path& written) {
-    const bool is_file = options.form == ClipForm::archive;
+    const bool is_file = options.form == ClipForm::archive || options.form == ClipForm::mp4_still;
     const std::string hidden = (is_file ? written : written.parent_path()).string();
     const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
-    const bool is_beside = is_one_frame(options.form) || options.form == ClipForm::gltf;
-    const std::string name = (is_beside ? folder : options.out).string();
+    const std::string name = (is_file || options.form == ClipForm::folder ? options.out : folder).string();
     for (auto at = error.message.find(hidden); at != std::string::npos;
          at = error.message.find(hidden, at + name.size()))
         error.message.replace(at, hidden.size(), name);
@@ -237,8 +243,8 @@ bool Conversion::holds_video() const {
 
 /// Before anything is written.
 void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
-    const bool is_text = options_.form == ClipForm::scene_text;
-    if (!is_text && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
+    const bool is_still = is_mpeg4_still(options_.form);
+    if (!is_still && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
     if (options_.storage.fragmented) {
         std::cout << options_.out.string()
                   << ": has no MPEG-4 scene in fragments. touchable reads it from the file's tags; other "
@@ -249,14 +255,14 @@ void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
     mpeg4::StreamsBeside streams;
     for (const TrackInfo& track : source_->tracks())
         streams.haptic = streams.haptic || track.role == "haptic";
-    const auto textures = is_text ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
+    const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
     std::string all;
     for (const std::string& each : mpeg4::unsaid_by_nodes(scene, streams, textures))
         all += (all.empty() ? "" : "; ") + each;
     if (!all.empty())
         std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
                   << ". touchable reads that from "
-                  << (is_text ? "a WorldInfo in the text" : "the file's tags") << "; other programs do not."
+                  << (is_still ? "a WorldInfo in the scene" : "the file's tags") << "; other programs do not."
                   << std::endl;
 }
 
@@ -275,6 +281,8 @@ Result<void> Conversion::open_writer() {
                 return create_still(options_.out, described, options_.existing);
             case ClipForm::scene_text:
                 return create_scene_text(options_.out, described, options_.existing);
+            case ClipForm::mp4_still:
+                return create_mp4_stills(options_.out, described, options_.existing);
             case ClipForm::archive:
             case ClipForm::gltf:
                 break;

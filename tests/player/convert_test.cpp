@@ -128,6 +128,12 @@ TEST_F(Convert, AStaticSceneFeelsTheSame) {
         EXPECT_EQ(hash_of(text), before) << bits;
         convert({text, at("back.mkv"), "--exact-colour", "--overwrite"});
         EXPECT_EQ(hash_of(at("back.mkv")), before) << bits;
+        // The same in one MP4.
+        const std::string one = at("s" + std::string(bits) + ".mp4");
+        EXPECT_PRED2(says, convert({at("still.mkv"), one, "--still"}), "colour  every value kept (png)");
+        EXPECT_EQ(hash_of(one), before) << bits;
+        convert({one, at("back.mkv"), "--exact-colour", "--overwrite"});
+        EXPECT_EQ(hash_of(at("back.mkv")), before) << bits;
         fs::remove(at("still.mkv"));
     }
 }
@@ -138,7 +144,11 @@ TEST_F(Convert, AStaticSceneIsOfOneFrameAndReplacesNothing) {
     expect_refused(
         {at("clip.mkv"), text},
         "is a scene of one frame, but the clip has 6: --from says which one; NAME.mp4 holds them all");
-    expect_refused({at("clip.mkv"), text, "--from", "2", "--to", "3"}, "NAME.bt are one frame");
+    expect_refused({at("clip.mkv"), at("out/s.mp4"), "--still"},
+                   "--from says which one; NAME.mp4 without --still holds them all");
+    expect_refused({at("clip.mkv"), at("out/s.mkv"), "--still"}, "--still is for NAME.mp4");
+    expect_refused({at("clip.mkv"), at("out/s.mp4"), "--still", "--every", "2"}, "are one frame");
+    expect_refused({at("clip.mkv"), text, "--from", "2", "--to", "3"}, "NAME.bt and --still are one frame");
     expect_refused({at("clip.mkv"), text, "--from", "2", "--archive", "small"}, "pictures keep every value");
     convert({at("clip.mkv"), text, "--from", "2"});
     convert({at("clip.mkv"), at("frame.png"), "--from", "2"});
