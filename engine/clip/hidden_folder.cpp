@@ -42,7 +42,7 @@ Result<void> HiddenFolder::move_to(const fs::path& home, const std::vector<std::
             }
         return input_error(to.string() + ": cannot be written: " + failure.message());
     }
-    sync_folder(home);
+    sync_folder(home.empty() ? fs::path(".") : home);
     return {};
 }
 

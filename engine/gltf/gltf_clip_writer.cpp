@@ -178,6 +178,8 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const fs::path& path, const
                                                      bool is_still, const ClipStorage& storage,
                                                      Existing existing,
                                                      const std::optional<SoundPart>& sound) {
+    if (is_still && !touchable::is_still(path.stem().string()))
+        return usage_error(path.string() + ": has a % or * in its name, which stand for numbers");
     auto writer = std::make_unique<GltfClipWriter>(path, described, is_still, existing);
     if (auto opened = writer->open(storage, sound); !opened) return opened.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
@@ -189,13 +191,6 @@ std::vector<fs::path> gltf_clip_files(const fs::path& path) {
          {".mp4", ".bin", ".png", "_depth.png", "_colour.png", "_haptic.png", "_height.png"})
         files.push_back(path.parent_path() / (path.stem().string() + end));
     return files;
-}
-
-bool is_gltf_name(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return ending == ".gltf";
 }
 
 }  // namespace touchable

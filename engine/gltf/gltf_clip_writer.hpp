@@ -19,7 +19,5 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const std::filesystem::path
 
 /// Every file that it may write.
 std::vector<std::filesystem::path> gltf_clip_files(const std::filesystem::path& path);
-/// Whether a clip of this name is to be glTF: .gltf, in any case of letters.
-bool is_gltf_name(const std::filesystem::path& path);
 
 }  // namespace touchable

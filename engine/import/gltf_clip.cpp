@@ -26,7 +26,7 @@ using checked_json::Refusal;
 constexpr std::size_t largest_file = std::size_t{64} << 20;
 
 /// Where a plane is.
-struct GltfPlane {
+struct ClipTexture {
     std::optional<GltfVideo> video;
     std::string picture;  ///< a file in the scene's folder or below, where it is no video
 };
@@ -61,20 +61,25 @@ private:
     std::string name_beside(const std::string& uri) const;
     std::optional<std::size_t> depth_texture() const;
     std::optional<std::size_t> colour_texture() const;
-    GltfPlane plane(std::size_t texture) const;
+    ClipTexture plane(std::size_t texture) const;
+    bool is_video(std::size_t texture) const {
+        return gltf_extension(gltf_.texture(texture), "MPEG_texture_video").has_value();
+    }
     void find_planes();
     void find_touch();
     SceneDescription described() const;
     SceneDescription assumed() const;
-    void take_ranges(Scene& scene);
-    const GltfPlane& depth() const { return *planes_.front(); }
+    bool take_ranges(Scene& scene) const;
+    bool take_height(Scene& scene) const;
+    void take_touch(Scene& scene);
+    const ClipTexture& depth() const { return *planes_.front(); }
     Result<std::unique_ptr<ClipReader>> open_tracks(const SceneDescription& described, Colour colour) const;
     Result<std::unique_ptr<ClipReader>> open_files(SceneDescription described, Colour colour) const;
 
     GltfFile gltf_;
     std::filesystem::path folder_;
     const std::optional<Node> own_;  // what we wrote of it
-    std::array<std::optional<GltfPlane>, all_roles.size()> planes_;
+    std::array<std::optional<ClipTexture>, all_roles.size()> planes_;
     std::optional<GltfTouch> touch_;
     StillMaps maps_;  // pictures that serve all frames of a video
     std::vector<Remark> remarks_;
@@ -122,12 +127,8 @@ std::optional<std::size_t> GltfClip::colour_texture() const {
     });
 }
 
-GltfPlane GltfClip::plane(std::size_t index) const {
-    const std::vector<Node> textures = gltf_array(gltf_.root()["textures"]);
-    if (index >= textures.size())
-        throw Refusal{"names texture " + std::to_string(index) + ", but has " +
-                      std::to_string(textures.size())};
-    const Node& texture = textures[index];
+ClipTexture GltfClip::plane(std::size_t index) const {
+    const Node texture = gltf_.texture(index);
     if (auto video = gltf_.video(texture)) {
         video->file = name_beside(video->file);
         return {std::move(video), ""};
@@ -145,11 +146,12 @@ void GltfClip::find_planes() {
         throw Refusal{
             "has no depth (a texture of format DEPTH_COMPONENT, or \"depth\" in the extras of a mesh): it is "
             "no clip; what it says of touch serves a clip of depth"};
-    const auto at = [this](PlaneRole role) -> std::optional<GltfPlane>& {
+    const auto at = [this](PlaneRole role) -> std::optional<ClipTexture>& {
         return planes_[static_cast<std::size_t>(role)];
     };
     at(PlaneRole::depth) = plane(*depth);
-    if (const auto colour = colour_texture()) at(PlaneRole::colour) = plane(*colour);
+    const auto colour = colour_texture();  // a picture of it stands in for the video
+    if (colour && (!at(PlaneRole::depth)->video || is_video(*colour))) at(PlaneRole::colour) = plane(*colour);
     find_touch();
 }
 
@@ -168,15 +170,12 @@ void GltfClip::find_touch() {
     }
     if (touch_->height) planes_[static_cast<std::size_t>(PlaneRole::height)] = plane(touch_->height->texture);
     if (!texture) return;
-    const bool is_video = [&] {
-        const std::vector<Node> textures = gltf_array(gltf_.root()["textures"]);
-        return gltf_extension(textures.at(*texture), "MPEG_texture_video").has_value();
-    }();
-    if (is_video && !is_one)
+    const bool is_moving = is_video(*texture);
+    if (is_moving && !is_one)
         throw Refusal{
             "its stiffness and friction are not channels 0, 1 and 2 of one video, which alone is read "
             "(\"extras\": {\"touchable_channel\": 1, \"touchable_kind\": \"static\"} beside a texture)"};
-    if (is_one)
+    if (is_one && (is_moving || own_))
         planes_[static_cast<std::size_t>(PlaneRole::haptic)] = plane(*texture);
     else
         maps_.haptic = gltf_.file();
@@ -186,6 +185,11 @@ void GltfClip::find_touch() {
 SceneDescription GltfClip::assumed() const {
     const auto& video = depth().video;
     if (!video) throw Refusal{"its mesh does not say what its depth means: describe it with a scene file"};
+    if (video->tracks.size() > 1)
+        throw Refusal{
+            "its depth is two tracks, and its mesh does not say how many bits that is: describe it with a "
+            "scene "
+            "file"};
     constexpr double near = 0.5, far = 1.5;  // metres
     DepthCoding coding;
     coding.semantics = DepthSemantics::planar;
@@ -198,6 +202,8 @@ SceneDescription GltfClip::assumed() const {
     if (!guessed) throw guessed.error();
     Scene& scene = guessed->scene;
     scene.name = gltf_.file().stem().string();
+    for (Remark& remark : scene.remarks)
+        if (remark.is_guess) remark.hints = {{Setting::scene_file, "FILE"}};
     add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
                                true,
                                "a scene file's depth.near and far say otherwise",
@@ -213,31 +219,57 @@ SceneDescription GltfClip::described() const {
     return std::move(*scene);
 }
 
-/// What stands beside a texture counts: somebody may have changed it there.
-void GltfClip::take_ranges(Scene& scene) {
+/// What stands beside a texture counts: somebody may have changed it there. Whether that is so.
+bool GltfClip::take_ranges(Scene& scene) const {
     const std::array<PropertyRange*, 3> ranges{&scene.haptic.stiffness, &scene.haptic.static_friction,
                                                &scene.haptic.dynamic_friction};
     const HapticProperties& usual = scene.default_properties;
     const std::array<double, 3> otherwise{usual.stiffness / 1000.0, usual.static_friction,
                                           usual.dynamic_friction};
-    bool states_all = true, is_other = false;
-    const auto take = [&](PropertyRange& range, const PropertyRange& stated) {
-        is_other = is_other || range.min != stated.min || range.max != stated.max;
-        range = stated;
-    };
+    bool is_other = false;
     for (std::size_t k = 0; k < ranges.size(); ++k) {
         const auto& property = touch_->properties[k];
-        states_all = states_all && (!property || property->range);
-        if (!property) take(*ranges[k], {otherwise[k], otherwise[k]});
-        if (property && property->range) take(*ranges[k], *property->range);
+        const PropertyRange stated = !property         ? PropertyRange{otherwise[k], otherwise[k]}
+                                     : property->range ? *property->range
+                                                       : *ranges[k];
+        is_other = is_other || ranges[k]->min != stated.min || ranges[k]->max != stated.max;
+        *ranges[k] = stated;
     }
+    return is_other;
+}
+
+/// Likewise of heights, which are metres there.
+bool GltfClip::take_height(Scene& scene) const {
+    const GltfLayer& height = *touch_->height;
+    if (height.channel != 0)
+        throw Refusal{"its heights are channel " + std::to_string(height.channel) +
+                      " of a texture: must be 0, as they are grey"};
+    if (!height.range) return false;
+    if (height.range->min != 0)
+        throw Refusal{"black of its heights must be 0: touchable_range is [0, metres]"};
+    HeightCoding& coding = scene.height_coding;
+    const double now =
+        coding.max_height > 0 ? largest_height(coding, scene.depth) * scene.metres_per_unit : 0;
+    if (height.range->max == now) return false;
+    coding.units = HeightUnits::world;
+    coding.max_height = height.range->max / scene.metres_per_unit;
+    return true;
+}
+
+void GltfClip::take_touch(Scene& scene) {
+    const bool has_haptic = planes_[static_cast<std::size_t>(PlaneRole::haptic)].has_value();
+    const bool has_others = has_haptic && take_ranges(scene);
+    const bool is_other = (touch_->height && take_height(scene)) || has_others;
     if (own_ && is_other)
         add_remark(remarks_, {"the ranges of its haptic material are others than those of the scene in its "
                               "mesh: the material's stand"});
-    if (!own_ && !states_all)
+    const bool states_all = std::none_of(touch_->properties.begin(), touch_->properties.end(),
+                                         [](const auto& property) { return property && !property->range; });
+    if (!own_ && has_haptic && !states_all)
         add_remark(remarks_,
                    {"its haptic material states no units: black and white are the usual ends", true,
                     "\"extras\": {\"touchable_range\": [black, white]} beside a texture say others"});
+    if (auto valid = validate(scene); !valid) throw Refusal{valid.error().message};
 }
 
 /// Tracks of one file, and pictures beside them.
@@ -279,6 +311,9 @@ Result<std::unique_ptr<ClipReader>> GltfClip::open_files(SceneDescription descri
         if (plane->video && (!is_moving || role == PlaneRole::haptic || role == PlaneRole::height))
             throw Refusal{std::string(role_name(role)) +
                           " is a video in a file of its own: must be a picture, or a track of depth's file"};
+        if (!plane->video && !is_still(plane->picture))
+            throw Refusal{in_quotes(plane->picture) +
+                          " is a name that stands for several files (%, *, .txt): rename it"};
         if (plane->video)
             names[static_cast<std::size_t>(role)] = plane->video->file;
         else if (role != PlaneRole::colour || !is_moving)
@@ -307,7 +342,9 @@ Result<std::unique_ptr<ClipReader>> GltfClip::open(const std::optional<SceneDesc
                                                    Colour colour) {
     find_planes();
     SceneDescription scene = replacement ? *replacement : described();
-    if (!replacement && planes_[static_cast<std::size_t>(PlaneRole::haptic)]) take_ranges(scene.scene);
+    if (!replacement && touch_) take_touch(scene.scene);
+    if (touch_ && !maps_.haptic)  // otherwise the map says so
+        for (const std::string& note : touch_->notes) add_remark(remarks_, {note});
     scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
     scene.scene.folder.reset();
     scene.scene.video.reset();

@@ -248,7 +248,8 @@ Hints of_bare_pictures() {
 
 /// Whether it is a clip of ours, which has its scene in it.
 bool has_scene(const Candidate& candidate) {
-    return is_mpeg4(candidate) || (is_matroska(candidate) && !is_azure_kinect(candidate));
+    return is_gltf(candidate.source) || is_mpeg4(candidate) ||
+           (is_matroska(candidate) && !is_azure_kinect(candidate));
 }
 
 /// As it says itself what a camera, a unit or a preset would.
@@ -360,9 +361,10 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
 
 /// That of a clip of ours, without the files that it once was of.
 Result<GuessedScene> scene_in(const Candidate& candidate) {
-    const auto reader = is_mpeg4(candidate)
-                            ? open_mpeg4(candidate)
-                            : open_matroska_clip(candidate.source, std::nullopt, Colour::left_out);
+    const auto reader =
+        is_gltf(candidate.source) ? open_gltf_clip(candidate.source, std::nullopt, Colour::left_out)
+        : is_mpeg4(candidate)     ? open_mpeg4(candidate)
+                                  : open_matroska_clip(candidate.source, std::nullopt, Colour::left_out);
     if (!reader) return reader.error();
     GuessedScene scene{(*reader)->described(), {}, {}, {}};
     scene.scene.folder.reset();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +15,7 @@ namespace touchable::mpeg4 {
 namespace {
 
 constexpr std::uint64_t most_box_bytes = std::uint64_t{64} << 20;
-constexpr std::uint64_t most_samples = std::uint64_t{1} << 24;
+constexpr std::uint64_t most_samples = std::uint64_t{1} << 23;
 
 /// What a sample is where its fragment does not say.
 struct SampleDefaults {
@@ -245,20 +246,32 @@ Result<bool> Gatherer::add_fragment(const BoxPlace& moof) {
 /// Plain files begin at time 0: what all tracks begin later is left out, what one begins later than another
 /// is how much later its pictures are shown.
 Result<void> Gatherer::align() {
-    double common = std::numeric_limits<double>::infinity();
+    // Fractions of seconds, as whole numbers: a tick may be a whole frame.
+    constexpr std::uint64_t latest = std::uint64_t{1} << 61;
+    struct Moment {
+        std::uint64_t seconds, ticks, timescale;  // ticks: beyond the seconds
+        bool operator<(const Moment& other) const {
+            return seconds != other.seconds ? seconds < other.seconds
+                                            : ticks * other.timescale < other.ticks * timescale;
+        }
+        std::uint64_t in(std::uint64_t scale) const { return seconds * scale + ticks * scale / timescale; }
+    };
+    const auto begin_of = [](const PictureTrack& track) {
+        return Moment{track.begin / track.timescale, track.begin % track.timescale, track.timescale};
+    };
+    std::optional<Moment> common;
     for (const PictureTrack& track : tracks_)
-        if (!track.all.samples.empty())
-            common = std::min(common, static_cast<double>(track.begin) / track.timescale);
+        if (track.has_pictures && !track.all.samples.empty() && (!common || begin_of(track) < *common)) common = begin_of(track);
     for (PictureTrack& track : tracks_) {
-        if (track.all.samples.empty()) continue;
-        const double later = static_cast<double>(track.begin) - std::floor(common * track.timescale);
-        constexpr double most = 1 << 30;
-        if (!(later <= most))
+        if (!track.has_pictures || track.all.samples.empty()) continue;
+        const bool is_too_late = track.begin > latest || common->seconds > latest / track.timescale;
+        const std::uint64_t ticks = is_too_late ? latest : track.begin - common->in(track.timescale);
+        constexpr std::uint64_t most = 1 << 30;
+        if (ticks > most)
             return input_error("track " + std::to_string(track.id) + " begins too late after the others");
-        const auto ticks = static_cast<std::uint32_t>(std::max(0.0, later));
         for (Sample& sample : track.all.samples)
-            sample.shown_later =
-                static_cast<std::int32_t>(static_cast<std::uint32_t>(sample.shown_later) + ticks);
+            sample.shown_later = static_cast<std::int32_t>(static_cast<std::uint32_t>(sample.shown_later) +
+                                                           static_cast<std::uint32_t>(ticks));
     }
     return {};
 }

@@ -173,6 +173,12 @@ std::vector<Node> Node::elements(std::size_t least, std::size_t most, const std:
     return nodes;
 }
 
+std::optional<Node> Node::element(std::size_t number) const {
+    if (!value_.is_array()) refuse("an array");
+    if (number >= value_.size()) return std::nullopt;
+    return Node(value_[number], path_ + "[" + std::to_string(number) + "]");
+}
+
 std::string Node::path_of(const std::string& member) const {
     return path_.empty() ? member : path_ + "." + member;
 }

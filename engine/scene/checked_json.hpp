@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -47,6 +48,9 @@ public:
     int whole() const;  ///< not negative
     std::string text() const;
     std::string json() const { return value_.dump(); }  ///< whatever it is, as a text of its own
+    std::size_t size() const { return value_.size(); }
+    /// Of a list that one; nothing beyond its end.
+    std::optional<Node> element(std::size_t number) const;
     std::vector<Node> elements(std::size_t least, std::size_t most, const std::string& right) const;
 
     /// The choice whose name this string is.

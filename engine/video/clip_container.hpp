@@ -29,6 +29,7 @@ struct ClipTrack {
 struct WholePart {
     std::int64_t frames = 0;
     bool is_cut = false;
+    bool is_uneven = false;  ///< tracks end at different frames
 };
 
 /// How a kind of container calls what describes a clip, in messages.

@@ -287,6 +287,9 @@ Result<void> ClipFileReader::describe() {
         if (whole_->is_cut)
             notes_.push_back("the file is cut: its first " + std::to_string(promised_) +
                              (promised_ == 1 ? " frame is" : " frames are") + " whole");
+        else if (whole_->is_uneven)
+            notes_.push_back("its tracks end at different frames: the first " + std::to_string(promised_) +
+                             (promised_ == 1 ? " has all" : " have all"));
         return describe_tracks();
     }
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -165,10 +166,11 @@ Result<std::optional<WholePart>> Mp4Container::whole_part(const Demuxer& file) {
     if (!fragments_) return std::optional<WholePart>();
     const auto all = streams(file);
     if (!all) return all.error();
-    std::optional<std::int64_t> fewest;
-    for (const int stream : *all)
-        fewest = std::min(fewest.value_or(file.pictures(stream)), file.pictures(stream));
-    return std::optional(WholePart{fewest.value_or(0), fragments_->is_cut});
+    std::vector<std::int64_t> counts;
+    for (const int stream : *all) counts.push_back(file.pictures(stream));
+    if (counts.empty()) return std::optional(WholePart{0, fragments_->is_cut});
+    const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
+    return std::optional(WholePart{*fewest, fragments_->is_cut, *fewest != *most});
 }
 
 /// What was cut off had times too.
@@ -284,6 +286,7 @@ Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Sc
 
 Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
     std::vector<ClipTrack> tracks;
+    std::map<int, std::string> used;  // streams
     for (const PlaneRole role : all_roles) {
         const auto stream = stream_of(file, role);
         if (!stream) return stream.error();
@@ -293,15 +296,23 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
         const auto bits = low_bits(file, role, scene);
         if (!bits) return bits.error();
         track.low_bits = *bits;
-        const auto low = *bits > 0 ? low_stream_of(file, role) : Result<std::optional<int>>(std::nullopt);
-        if (!low) return low.error();
-        track.low_stream = *low;
+        if (*bits > 0) {
+            const auto low = low_stream_of(file, role);
+            if (!low) return low.error();
+            track.low_stream = *low;
+        }
         track.is_lossless = is_lossless_h264(file, track.stream) &&
                             (!track.low_stream || is_lossless_h264(file, *track.low_stream));
-        for (const ClipTrack& other : tracks)
-            if (other.stream == track.stream)
-                return refuse("its " + std::string(role_name(role)) + " is the same track as its " +
-                              std::string(role_name(other.role)) + ": must be one of its own");
+        const std::string name(role_name(role));
+        const std::pair<std::optional<int>, std::string> parts[] = {
+            {track.stream, name}, {track.low_stream, "low bits of " + name}};
+        for (const auto& [part, what] : parts) {
+            if (!part) continue;
+            const auto [other, is_first] = used.emplace(*part, what);
+            if (!is_first)
+                return refuse("its " + what + " is the same track as its " + other->second +
+                              ": must be one of its own");
+        }
         tracks.push_back(track);
     }
     return tracks;

@@ -115,6 +115,71 @@ TEST_F(GltfClipTest, AFileOfOthersIsOpenedAndSaysWhatItAssumes) {
     EXPECT_TRUE((*frame)->height.empty());
 }
 
+bool is_said(const ClipReader& clip, const std::string& words) {
+    const auto notes = clip_notes(clip);
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+TEST_F(GltfClipTest, HeightsHaveTheLengthBesideTheirTexture) {
+    write(2);
+    auto& height = gltf["extensions"]["MPEG_haptic_material"]["materials"][0]["custom"][0];
+    height["extras"]["touchable_range"] = {0, 0.002};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    EXPECT_NEAR(largest_height((*clip)->scene().height_coding, (*clip)->scene().depth), 2.0, 1e-12);
+    EXPECT_TRUE(is_said(**clip, "the material's stand"));
+}
+
+TEST_F(GltfClipTest, WhatOfAMaterialIsNotUsedIsSaid) {
+    write(2);
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material["vibration"] = nlohmann::json::array();
+    material["stiffness"][0]["texture"]["extensions"] = {{"KHR_texture_transform", {{"scale", {2, 2}}}}};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    for (const char* words : {"vibration of ", "KHR_texture_transform of "})
+        EXPECT_TRUE(is_said(**clip, words)) << words;
+}
+
+TEST_F(GltfClipTest, SlidingFrictionMayStandAlone) {
+    write(2);
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material.erase("stiffness");
+    material["friction"].erase(0);
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().haptic.dynamic_friction.max, scene.haptic.dynamic_friction.max);
+    EXPECT_EQ((*clip)->scene().haptic.static_friction.min, scene.default_properties.static_friction);
+}
+
+/// As .glb files have it.
+TEST_F(GltfClipTest, APictureOfColourBesideAVideoIsNotLookedAt) {
+    write(2);
+    forget_extras(gltf);
+    gltf["extensions"]["MPEG_haptic_material"]["materials"][0].erase("friction");
+    gltf["images"][0] = {{"bufferView", 0}};
+    gltf["textures"][0].erase("extensions");
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    EXPECT_TRUE((*frame)->colour.empty());
+}
+
+TEST_F(GltfClipTest, ItsSceneCanBeWrittenToAFile) {
+    write(2, 12);
+    const auto own = guess_clip(file, {});
+    ASSERT_EQ(message(own), "");
+    EXPECT_EQ(own->scene.depth_bits, 12);
+    write_bytes(folder / "scene.json", scene_to_json(*own));
+    EXPECT_EQ(message(open_clip(file, folder / "scene.json")), "");
+    forget_extras(gltf);
+    gltf["extensions"]["MPEG_haptic_material"]["materials"][0].erase("friction");
+    ASSERT_FALSE(open().ok());  // nothing says how many bits its two tracks have
+    EXPECT_EQ(message(open_clip(file, folder / "scene.json")), "");
+}
+
 TEST_F(GltfClipTest, NamesOfTheDraftAreReadAsWell) {
     write(2);
     auto& all = gltf["extensions"];

@@ -92,6 +92,52 @@ TEST_F(GltfClipTest, WhatIsNotReadIsRefusedByName) {
         << other.error().message;
 }
 
+TEST_F(GltfClipTest, NamesThatStandForSeveralFilesAreRefused) {
+    for (const char* name : {"s 100%d.gltf", "s*.gltf"}) {
+        const auto written = write_gltf(folder / name, small_scene(8, 6), 1, {});
+        EXPECT_NE(message(written).find("has a % or * in its name"), std::string::npos) << message(written);
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+    write(1);
+    write_bytes(folder / "list.txt", "0.0 /etc/hostname\n");
+    for (Json& image : gltf["images"])
+        if (image["uri"] == "clip_depth.png") image["uri"] = "list.txt";
+    expect_refused("stands for several files");
+}
+
+TEST_F(GltfClipTest, WhatTouchSaysWronglyIsRefusedWithItsOwnName) {
+    write(2);
+    const Json whole = gltf;
+    material(gltf)["stiffness"][0]["extras"]["touchable_range"] = {5, 1};
+    expect_refused("haptic.stiffness");
+    gltf = whole;
+    material(gltf)["custom"][0]["extras"]["touchable_channel"] = 2;
+    expect_refused("its heights are channel 2");
+    gltf = whole;
+    material(gltf)["custom"][0]["extras"]["touchable_range"] = {1, 2};
+    expect_refused("black of its heights must be 0");
+}
+
+TEST_F(GltfClipTest, HighAndLowBitsAreTwoTracks) {
+    write(2, 16);
+    frames_of(gltf, 1)["tracks"] = {1, 1};
+    const auto twice = open();
+    ASSERT_FALSE(twice.ok());
+    EXPECT_NE(twice.error().message.find("its low bits of depth is the same track as its depth"),
+              std::string::npos)
+        << twice.error().message;
+}
+
+/// Each primitive is looked up by itself: in time that grows with their number alone.
+TEST_F(GltfClipTest, AHundredThousandMaterialsAreLookedUpInNoTime) {
+    write(1);
+    constexpr int many = 100'000;
+    gltf["meshes"][0].erase("extras");
+    gltf["materials"] = Json(many, Json::object());
+    gltf["meshes"][0]["primitives"] = Json(many, Json{{"material", 5}});
+    expect_refused("has no depth");
+}
+
 TEST_F(GltfClipTest, ACutSceneIsRefusedInOneLine) {
     write(1);
     const std::string whole = read_bytes(file);

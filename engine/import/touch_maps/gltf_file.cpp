@@ -85,11 +85,18 @@ GltfFile::GltfFile(const std::filesystem::path& file, std::string_view bytes) : 
 }
 
 Node GltfFile::element(const char* array, const Node& index) const {
-    const std::vector<Node> elements = gltf_array(root()[array]);
-    const auto k = static_cast<std::size_t>(index.whole());
-    if (k >= elements.size())
-        index.refuse("a number of one of " + std::to_string(elements.size()) + " " + array);
-    return elements[k];
+    const Node all = root()[array];
+    const auto found = all.element(static_cast<std::size_t>(index.whole()));
+    if (!found) index.refuse("a number of one of " + std::to_string(all.size()) + " " + array);
+    return *found;
+}
+
+Node GltfFile::texture(std::size_t number) const {
+    const Node all = root()["textures"];
+    const auto found = all.element(number);
+    if (!found)
+        throw Refusal{"names texture " + std::to_string(number) + ", but has " + std::to_string(all.size())};
+    return *found;
 }
 
 LinkedFile GltfFile::linked(const Node& uri) const {
@@ -148,11 +155,10 @@ std::optional<GltfVideo> GltfFile::video(const Node& texture) const {
         throw Refusal{"the buffer of a video has no MPEG_buffer_circular: must say of which media it is"};
     const auto files = gltf_extension(root(), "MPEG_media");
     if (!files) throw Refusal{"has no extensions.MPEG_media: must say which files its videos are"};
-    const std::vector<Node> media = gltf_array((*files)["media"]);
-    const auto number = static_cast<std::size_t>((*frames)["media"].whole());
-    if (number >= media.size())
-        (*frames)["media"].refuse("a number of one of " + std::to_string(media.size()) + " media");
-    const Node file = local_alternative(media[number]);
+    const Node media = (*files)["media"];
+    const auto medium = media.element(static_cast<std::size_t>((*frames)["media"].whole()));
+    if (!medium) (*frames)["media"].refuse("a number of one of " + std::to_string(media.size()) + " media");
+    const Node file = local_alternative(*medium);
     video.file = file["uri"].text();
     if (!file.has("tracks")) return video;
     const std::vector<Node> tracks = gltf_array(file["tracks"]);

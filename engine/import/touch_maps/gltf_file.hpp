@@ -32,8 +32,9 @@ public:
 
     const std::filesystem::path& file() const { return file_; }
     Node root() const { return {json_, ""}; }
-    /// One of the arrays at the root, such as textures[2].
+    /// Of one of the arrays at the root, such as textures[2].
     Node element(const char* array, const Node& index) const;
+    Node texture(std::size_t number) const;
     /// What a texture shows where its file is read as a picture. `texture`: of the array "textures".
     LinkedFile picture(const Node& texture);
     /// What it shows moving; nothing where it has no MPEG_texture_video. Of the alternatives of a medium the

@@ -116,7 +116,7 @@ GltfLayer MaterialReader::layer(const Node& entry) {
     const Node info = entry["texture"];
     if (gltf_extension(info, "KHR_texture_transform"))
         say("KHR_texture_transform of " + name_ + " is not used: pictures lie over the whole of depth's");
-    const Node texture = gltf_.element("textures", info["index"]);
+    gltf_.element("textures", info["index"]);
     GltfLayer layer{static_cast<std::size_t>(info["index"].whole())};
     if (const auto channel = extra(entry, "touchable_channel"))
         layer.channel = static_cast<int>(channel->integer(0, 2));
@@ -131,12 +131,10 @@ GltfTouch MaterialReader::read() {
     const Node material = chosen();
     const auto stiffness = entry(material, "stiffness", ""), held = entry(material, "friction", "static");
     if (stiffness) touch_.properties[0] = layer(*stiffness);
-    if (held) {
-        touch_.has_one_friction = !extra(*held, "touchable_kind");
-        const auto sliding = touch_.has_one_friction ? held : entry(material, "friction", "dynamic");
-        touch_.properties[1] = layer(*held);
-        if (sliding) touch_.properties[2] = layer(*sliding);
-    }
+    if (held) touch_.properties[1] = layer(*held);
+    touch_.has_one_friction = held && !extra(*held, "touchable_kind");
+    const auto sliding = touch_.has_one_friction ? held : entry(material, "friction", "dynamic");
+    if (sliding) touch_.properties[2] = layer(*sliding);
     if (touch_.has_one_friction) say("friction of " + name_ + " is static and dynamic friction alike");
     for (const char* other : {"vibrotactileTexture", "temperature", "vibration"})
         if (material.has(other)) say(std::string(other) + " of " + name_ + " is not used");
@@ -152,7 +150,7 @@ GltfTouch MaterialReader::read() {
 
 HapticLayers as_pictures(GltfFile& gltf, const Scene& scene) {
     const GltfTouch touch = touch_of(gltf);
-    if (!touch.properties[0] && !touch.properties[1])
+    if (!touch.properties[0] && !touch.properties[1] && !touch.properties[2])
         throw Refusal{
             "its haptic material has no texture of stiffness or friction that is High_Resolution or "
             "Low_Resolution"};
@@ -169,7 +167,7 @@ HapticLayers as_pictures(GltfFile& gltf, const Scene& scene) {
         const auto& property = touch.properties[k];
         layers.properties[k].range = {otherwise[k], otherwise[k]};
         if (!property) continue;
-        const Node texture = gltf_array(gltf.root()["textures"])[property->texture];
+        const Node texture = gltf.texture(property->texture);
         const bool is_video = gltf_extension(texture, "MPEG_texture_video").has_value();
         if (is_video && !texture.has("source"))
             throw Refusal{std::string(property_names[k]) +
