@@ -5,12 +5,12 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/film/film_writer.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
 #include "engine/mpeg4/scene_text.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/sound/sound_track.hpp"
-#include "engine/video/film_writer.hpp"
 #include "engine/video/mp4_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "engine/film/film_writer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/sound/sound_track.hpp"
-#include "engine/video/film_writer.hpp"
 #include "engine/video/mp4_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"

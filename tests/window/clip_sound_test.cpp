@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/film/film_writer.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/video/film_writer.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -1,4 +1,4 @@
-#include "engine/video/film_writer.hpp"
+#include "engine/film/film_writer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/ffmpeg/reserved_output.hpp"
-#include "engine/video/film_sound.hpp"
+#include "engine/film/film_sound.hpp"
 #include "engine/video/track_codecs.hpp"
 #include "engine/video/track_encoder.hpp"
 

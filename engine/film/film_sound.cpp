@@ -1,4 +1,4 @@
-#include "engine/video/film_sound.hpp"
+#include "engine/film/film_sound.hpp"
 
 #include <algorithm>
 #include <cmath>
