@@ -185,11 +185,13 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const fs::path& path, const
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }
 
-std::vector<fs::path> gltf_clip_files(const fs::path& path) {
+std::vector<fs::path> gltf_clip_files(const fs::path& path, bool is_still) {
+    std::vector<std::string> ends{".bin", ".png"};
+    if (!is_still) ends.emplace_back(".mp4");
+    if (is_still)
+        for (const PlaneRole role : all_roles) ends.push_back('_' + std::string(role_name(role)) + ".png");
     std::vector<fs::path> files{path};
-    for (const char* end :
-         {".mp4", ".bin", ".png", "_depth.png", "_colour.png", "_haptic.png", "_height.png"})
-        files.push_back(path.parent_path() / (path.stem().string() + end));
+    for (const std::string& end : ends) files.push_back(path.parent_path() / (path.stem().string() + end));
     return files;
 }
 

@@ -18,6 +18,6 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const std::filesystem::path
                                                      const std::optional<SoundPart>& sound = {});
 
 /// Every file that it may write.
-std::vector<std::filesystem::path> gltf_clip_files(const std::filesystem::path& path);
+std::vector<std::filesystem::path> gltf_clip_files(const std::filesystem::path& path, bool is_still);
 
 }  // namespace touchable

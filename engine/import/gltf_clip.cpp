@@ -73,6 +73,7 @@ private:
     bool take_height(Scene& scene) const;
     void take_touch(Scene& scene);
     const ClipTexture& depth() const { return *planes_.front(); }
+    std::vector<std::filesystem::path> files_of_others() const;
     Result<std::unique_ptr<ClipReader>> open_tracks(const SceneDescription& described, Colour colour) const;
     Result<std::unique_ptr<ClipReader>> open_files(SceneDescription described, Colour colour) const;
 
@@ -350,8 +351,24 @@ Result<std::unique_ptr<ClipReader>> GltfClip::open(const std::optional<SceneDesc
     scene.scene.video.reset();
     const bool has_tracks = depth().video && !depth().video->tracks.empty();
     auto reader = has_tracks ? open_tracks(scene, colour) : open_files(std::move(scene), colour);
-    if (reader) (*reader)->add_input(gltf_.file());
+    if (!reader) return reader;
+    (*reader)->add_input(gltf_.file());
+    for (auto& file : files_of_others()) (*reader)->add_input(std::move(file));
     return reader;
+}
+
+/// What it has for programs that know no depth video: nobody may write there either.
+std::vector<std::filesystem::path> GltfClip::files_of_others() const {
+    std::vector<std::filesystem::path> files;
+    for (const char* array : {"images", "buffers"}) {
+        if (!gltf_.root().has(array)) continue;
+        for (const Node& each : gltf_array(gltf_.root()[array])) {
+            if (!each.has("uri")) continue;
+            const auto link = follow_link(each["uri"].text(), gltf_.file());
+            if (link && !link->file.empty()) files.push_back(link->file);
+        }
+    }
+    return files;
 }
 
 }  // namespace

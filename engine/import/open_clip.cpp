@@ -288,12 +288,14 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
     if (const auto video = depthkit_video_of(file))
         return input_error(file.string() + ": says what the depth of a Depthkit video is: touchable play " +
                            shell_word(video->string()));
-    return input_error(file.string() +
-                       ": is not a Matroska file, nor a video, nor a recording of ROS 1 (.bag), nor a "
-                       "picture of depth (PNG, PGM, TIFF, PFM, "
-                       "EXR, NumPy), nor a "
-                       "JPEG or HEIC with depth, nor a Depthkit video with " +
-                       depthkit_metadata_name(file).string() + " beside it");
+    return input_error(
+        file.string() +
+        ": is not a Matroska file, nor a video, nor glTF, nor the text of an MPEG-4 scene, nor a "
+        "recording of ROS 1 (.bag), nor a "
+        "picture of depth (PNG, PGM, TIFF, PFM, "
+        "EXR, NumPy), nor a "
+        "JPEG or HEIC with depth, nor a Depthkit video with " +
+        depthkit_metadata_name(file).string() + " beside it");
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,

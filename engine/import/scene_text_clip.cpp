@@ -21,6 +21,12 @@ using mpeg4::PlaneTexture;
 
 constexpr std::size_t longest_text = std::size_t{1} << 20;
 
+/// Editors of some systems begin a text in UTF-8 with its byte order mark.
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 /// The texts of a scene and of what it means, with the file's name before every error.
 class SceneTextClip {
 public:
@@ -50,7 +56,8 @@ Result<void> SceneTextClip::read_nodes() {
     const auto bytes = bytes_of_file(source_);
     if (!bytes) return bytes.error();
     if ((*bytes)->size() > longest_text) return refuse("is no MPEG-4 scene: its text has more than 1 MiB");
-    const auto scene = mpeg4::parse_scene_text(first_bytes(**bytes, longest_text));
+    const std::string text = first_bytes(**bytes, longest_text);
+    const auto scene = mpeg4::parse_scene_text(without_mark(text));
     if (!scene) return refuse(scene.error().message);
     auto nodes = mpeg4::clip_nodes_of(*scene);
     if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
@@ -150,12 +157,13 @@ Result<std::unique_ptr<ClipReader>> SceneTextClip::open(const std::optional<Scen
 bool is_scene_text(const SourceFile& file) {
     constexpr std::size_t looked_at = 4096;
     constexpr std::array<std::string_view, 5> words{"PROTO", "EXTERNPROTO", "DEF", "Group", "Shape"};
-    const std::string begin = first_bytes(file, looked_at);
+    const std::string bytes = first_bytes(file, looked_at);
+    const std::string_view begin = without_mark(bytes);
     std::size_t at = 0;
     while (at < begin.size() && (begin[at] == '#' || begin[at] == ' ' || begin[at] == '\t' ||
                                  begin[at] == '\r' || begin[at] == '\n'))
         at = begin[at] == '#' ? std::min(begin.find('\n', at), begin.size()) : at + 1;
-    const std::string_view text = std::string_view(begin).substr(at);
+    const std::string_view text = begin.substr(at);
     return std::any_of(words.begin(), words.end(), [text](std::string_view word) {
         return text.starts_with(word) && text.size() > word.size() &&
                std::string_view(" \t\r\n{").find(text[word.size()]) != std::string_view::npos;

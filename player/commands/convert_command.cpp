@@ -104,6 +104,8 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
         !checked.ok())
         return checked;
+    if (typed.options.still && typed.fragmented->count() > 0)
+        return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
     const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
     if (auto checked = only(!is_mp4_clip && typed.fragmented->count() > 0, "--fragmented", fragmented_names);
         !checked.ok())

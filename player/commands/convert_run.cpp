@@ -75,20 +75,6 @@ std::vector<fs::path> files_of_one_frame(const ConvertOptions& options) {
                                                 : still_files(options.out);
 }
 
-Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
-    std::vector<NamedFile> inputs;
-    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
-    add_inputs(inputs, options.clip.file, reader);
-    if (options.form == ClipForm::folder) return check_folder(options, inputs);
-    std::vector<NamedFile> outputs;
-    if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
-    if (is_one_frame(options.form))
-        for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
-    if (options.form == ClipForm::gltf)
-        for (const fs::path& file : gltf_clip_files(options.out)) outputs.push_back({"OUT", file});
-    return check_outputs({outputs, options.existing}, inputs);
-}
-
 /// Which frames: those whose time begins before the end that was named.
 ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     const FrameRate& rate = clip.scene().rate;
@@ -101,6 +87,30 @@ ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     if (options.to && options.to->time_ns && frames && *part.last >= *frames) part.last.reset();
     if (is_one_frame(options.form)) part.last = part.first;
     return part;
+}
+
+/// Whether that is one frame.
+bool is_one_of(const ConvertOptions& options, const ClipReader& clip) {
+    const ClipPart part = part_of(options, clip);
+    const auto frames = clip.frame_count();
+    if (!part.last && !frames) return false;
+    const std::int64_t last = part.last ? *part.last : *frames - 1;
+    return part.first + part.every > last;
+}
+
+Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
+    std::vector<NamedFile> inputs;
+    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
+    add_inputs(inputs, options.clip.file, reader);
+    if (options.form == ClipForm::folder) return check_folder(options, inputs);
+    std::vector<NamedFile> outputs;
+    if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
+    if (is_one_frame(options.form))
+        for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
+    if (options.form == ClipForm::gltf)
+        for (const fs::path& file : gltf_clip_files(options.out, is_one_of(options, reader)))
+            outputs.push_back({"OUT", file});
+    return check_outputs({outputs, options.existing}, inputs);
 }
 
 /// What is read back to be compared has no name yet, or is in a hidden folder. Messages name what it is to

@@ -67,6 +67,17 @@ TEST_F(GltfClipTest, FilesAppearTogetherOrNotAtAll) {
     EXPECT_EQ(message(open_clip(file)), "");
 }
 
+/// Also what only other programs show.
+TEST_F(GltfClipTest, NamesEveryFileThatBelongsToIt) {
+    write(2);
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const auto& inputs = (*clip)->inputs();
+    for (const char* name : {"clip.mp4", "clip.gltf", "clip.bin", "clip.png"})
+        EXPECT_NE(std::find(inputs.begin(), inputs.end(), folder / name), inputs.end()) << name;
+    EXPECT_EQ(sound_file_of(**clip), folder / "clip.mp4");
+}
+
 TEST_F(GltfClipTest, RangesBesideATextureCount) {
     write(2);
     auto& stiffness = gltf["extensions"]["MPEG_haptic_material"]["materials"][0]["stiffness"][0];

@@ -57,7 +57,9 @@ protected:
 };
 
 TEST_F(SceneTextClips, ThePapersFourPicturesOpen) {
-    const auto clip = open(scene_with(R"(ImageTexture { url "depth.png" })"));
+    const std::string text = scene_with(R"(ImageTexture { url "depth.png" })");
+    EXPECT_EQ(message(open("\xef\xbb\xbf" + text)), "") << "with a byte order mark";
+    const auto clip = open(text);
     ASSERT_EQ(message(clip), "");
     const Scene& scene = (*clip)->scene();
     EXPECT_EQ(scene.camera, camera_from_focal_length(6.983, 0.5, text_wide, text_high));

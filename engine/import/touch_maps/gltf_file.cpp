@@ -74,14 +74,19 @@ std::vector<Node> gltf_array(const Node& array) {
 }
 
 std::optional<Node> gltf_extension(const Node& node, const char* name) {
-    if (!node.has("extensions") || !node["extensions"].has(name)) return std::nullopt;
-    return node["extensions"][name];
+    if (!node.has("extensions")) return std::nullopt;
+    const Node all = node["extensions"];
+    if (!all.is_object()) all.refuse("an object {...}");
+    return all.has(name) ? std::optional(all[name]) : std::nullopt;
 }
 
 GltfFile::GltfFile(const std::filesystem::path& file, std::string_view bytes) : file_(file) {
     const GltfParts parts = parts_of(bytes);
     json_ = checked_json::parse(parts.json, largest_json);
     carried_ = parts.carried;
+    if (!root().has("asset") || !root()["asset"].has("version")) return;
+    const Node version = root()["asset"]["version"];
+    if (!version.text().starts_with("2.")) version.refuse("2.0 or another 2, which alone is read");
 }
 
 Node GltfFile::element(const char* array, const Node& index) const {

@@ -42,6 +42,7 @@ bool is_height(const Node& custom) {
 }
 
 bool is_touched(const Node& material) {
+    if (!material.is_object()) material.refuse("an object {...}");
     if (material.has("stiffness") || material.has("friction")) return true;
     if (!material.has("custom")) return false;
     const auto all = gltf_array(material["custom"]);
