@@ -8,12 +8,13 @@
 namespace touchable::fuzz {
 namespace {
 
-Scene scene_of(Taken& taken) {
+SceneDescription scene_of(Taken& taken) {
     constexpr std::array kinds{StoredDepth::Kind::codes, StoredDepth::Kind::disparity,
                                StoredDepth::Kind::relative};
     constexpr std::array codings{DepthCodingKind::metric, DepthCodingKind::linear, DepthCodingKind::inverse};
     const unsigned choice = taken.byte();
-    Scene scene;
+    SceneDescription described;
+    Scene& scene = described.scene;
     scene.camera = {50, 50, 4, 4};
     scene.stored.kind = kinds[choice % kinds.size()];
     scene.stored.baseline = 100;
@@ -21,20 +22,24 @@ Scene scene_of(Taken& taken) {
     scene.stored.offset = choice & 0x40U ? 1000 : 1;
     scene.stored.bytes_swapped = choice & 0x80U;
     scene.stored.rotated = static_cast<int>(choice >> 2 & 15U);
-    scene.depth.kind = codings[taken.byte() % codings.size()];
-    scene.depth.near = 10;
+    const unsigned coding = taken.byte();
+    scene.depth.kind = codings[coding % codings.size()];
+    const bool is_metric = scene.depth.kind == DepthCodingKind::metric;
+    described.unstated.far = is_metric && (coding & 0x80U) != 0;
+    scene.depth.near = is_metric && (coding & 0x40U) != 0 ? 0 : 10;
     scene.depth.far = 5000;
     scene.depth.scale = 1;
     scene.depth_bits = 8;
     scene.depth.code_max = 255;  // all codes are looked at wherever a coding is checked
     derive_valid_range(scene.depth);
-    return scene;
+    return described;
 }
 
 /// Words or floats, any of them, as the picture of a scene.
 bool parse_depth_values(std::string_view bytes) {
     Taken taken(bytes);
-    Scene scene = scene_of(taken);
+    SceneDescription described = scene_of(taken);
+    Scene& scene = described.scene;
     const bool are_floats = taken.byte() & 1U;
     StoredImage picture;
     const std::string_view samples = taken.rest();
@@ -49,7 +54,7 @@ bool parse_depth_values(std::string_view bytes) {
         picture.image.samples.resize(samples.size() / 2 * 2);
         std::memcpy(picture.image.samples.data(), samples.data(), picture.image.samples.size());
     }
-    DepthValues values(scene);
+    DepthValues values(described);
     if (values.needs_looks(picture)) {
         values.look(picture);
         if (!is_taken(values.settle(scene))) return false;

@@ -55,6 +55,52 @@ TEST(BarePicture, ACameraIsEnough) {
     }
 }
 
+/// PFM of 32 bits, or NumPy's array of 16, of a ball from 4 to 6 before a background.
+std::string ball_file(bool is_pfm, float background) {
+    std::string bytes = is_pfm ? "Pf\n20 20\n-1\n" : "";
+    if (!is_pfm) {
+        std::string header = "{'descr': '<f2', 'fortran_order': False, 'shape': (20, 20), }";
+        header.resize(117, ' ');
+        bytes = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + '\n';
+    }
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 20; ++x) {
+            const bool is_ball = x >= 5 && x < 12 && y >= 5 && y < 12;
+            const float value = is_ball ? (x == 8 && y == 8 ? 4.0F : 6.0F) : background;
+            const std::uint16_t half = !is_ball ? 0x7bff : value == 4.0F ? 0x4400 : 0x4600;
+            bytes.append(
+                is_pfm ? reinterpret_cast<const char*>(&value) : reinterpret_cast<const char*>(&half),
+                is_pfm ? 4 : 2);
+        }
+    return bytes;
+}
+
+/// Most of the picture is background: the ball has to be the surface, and not the hole in one.
+TEST(BarePicture, ARenderersBackgroundIsTheHole) {
+    for (const auto& [name, background] :
+         {std::pair{"a.pfm", 1e10F}, {"b.pfm", 65504.0F}, {"c.pfm", -1e30F}, {"d.npy", 65504.0F}}) {
+        SCOPED_TRACE(name);
+        const TemporaryFolder folder;
+        write_bytes(folder / name, ball_file(std::string(name).ends_with("pfm"), background));
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        const Scene& scene = (*reader)->scene();
+        EXPECT_TRUE(notes_have(**reader, "values are metres, as their median is 6"));
+        EXPECT_TRUE(notes_have(**reader, "% of the pixels are background"));
+        EXPECT_NEAR(scene.depth.far, 6.3, 1e-6);
+        const auto frames = read_all(**reader);
+        ASSERT_EQ(message(frames), "");
+        const PlaneView& depth = frames->at(0).depth;
+        EXPECT_FALSE(scene.depth.is_valid(depth.sample(0, 0)));
+        EXPECT_NEAR(scene.depth.depth(depth.sample(6, 10)), 6, 1e-4);
+    }
+    const TemporaryFolder folder;
+    write_bytes(folder / "a.pfm", "Pf\n1 1\n-1\n" + std::string("\xf9\x02\x15\x50", 4));
+    EXPECT_EQ(message(open_clip(folder / "a.pfm")),
+              (folder / "a.pfm").string() +
+                  ": has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)");
+}
+
 TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
     const TemporaryFolder folder;
     Samples memory;

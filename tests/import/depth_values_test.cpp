@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/import/guess/value_estimator.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -91,6 +92,93 @@ TEST(DepthValues, FarSkiesDoNotTakeTheStepsFromWhatIsNear) {
     EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
     EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 500), 0.5, 1e-5);
     EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 5), 10000, 800);
+}
+
+/// A picture of 30x30 pixels: a ball from 4 to 6 in the middle third of it, and background.
+StoredImage ball_before(float background) {
+    std::vector<float> stored(900, background);
+    for (int y = 10; y < 20; ++y)
+        for (int x = 10; x < 20; ++x)
+            stored[static_cast<std::size_t>(30 * y + x)] =
+                4 + static_cast<float>((x - 15) * (x - 15) + (y - 15) * (y - 15)) / 25;
+    return floats(30, stored);
+}
+
+Scene scene_of_lengths(int width, int height, double scale = 1) {
+    Scene scene = scene_of(width, height);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = scale;
+    scene.depth.near = 0;
+    return scene;
+}
+
+/// Most of the picture, so that its median, its far plane and its unit would be the background's.
+TEST(DepthValues, ARenderersBackgroundIsNoDepthBeforeAnythingIsGuessed) {
+    const float inf = std::numeric_limits<float>::infinity();
+    for (const float background : {1e10F, 1e9F, 65504.0F, inf, 3e38F, -1e10F, -65504.0F, -inf}) {
+        SCOPED_TRACE(background);
+        const StoredImage picture = ball_before(background);
+        const EstimatedValues estimated = estimate_values(picture);
+        EXPECT_NEAR(estimated.median, 4.7, 0.5);
+        EXPECT_EQ(estimated.negative, 0);
+        Scene scene = scene_of_lengths(30, 30);
+        DepthValues values(without_far(scene));
+        values.look(picture);
+        const auto said = values.settle(scene);
+        ASSERT_EQ(message(said), "");
+        EXPECT_NE(said->find("88.89 % of the pixels are background"), std::string::npos) << *said;
+        EXPECT_NEAR(scene.depth.near, 4, 1e-9);
+        EXPECT_NEAR(scene.depth.far, 6 * 1.05, 1e-6);
+        const Image codes = values.codes(picture);
+        EXPECT_EQ(depth_at(scene, codes, 0), 0);
+        EXPECT_EQ(codes.view().sample(0, 15), 65535);
+        const std::uint16_t nearest = codes.view().sample(15, 15);
+        EXPECT_NEAR(scene.depth.depth(nearest), 4, 1e-3);
+    }
+}
+
+/// What is stored in millimetres may be 65.504 m away, and codes have no background.
+TEST(DepthValues, TheLargestHalfIsADepthWhereSomethingIsFarther) {
+    std::vector<float> stored(100, 65504);
+    stored[1] = 65510;
+    Scene scene = scene_of_lengths(100, 1, 0.001);
+    DepthValues values(without_far(scene));
+    values.look(floats(100, stored));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    EXPECT_NEAR(depth_at(scene, values.codes(floats(100, stored)), 0), 65.504, 1e-3);
+    EXPECT_EQ(estimate_values(words(3, {65504, 65504, 100})).median, 65504);
+}
+
+/// A background says that values have a unit: shares of a range have none.
+TEST(DepthValues, WhatHasABackgroundIsNotDepthWithoutAScale) {
+    std::vector<float> stored(1000);
+    for (std::size_t k = 0; k < 1000; ++k) stored[k] = static_cast<float>(k) / 999;
+    EXPECT_TRUE(estimate_values(floats(1000, stored)).is_normalised);
+    stored[500] = 1e10F;
+    EXPECT_FALSE(estimate_values(floats(1000, stored)).is_normalised);
+}
+
+/// Whatever the frames hold that were looked at: a later one may go from plane to plane.
+TEST(DepthValues, PlanesThatAreBothStatedAreThoseOfTheCodes) {
+    const float near = 0.7F, far = 9.1F;  // of which the doubles 0.7 and 9.1 are beyond or before
+    for (const bool is_seen : {true, false}) {
+        Scene scene = scene_of_lengths(6, 1);
+        scene.depth.near = 0.7;
+        scene.depth.far = 9.1;
+        DepthValues values(scene);
+        values.look(floats(6, std::vector<float>(6, is_seen ? 2.0F : 1e10F)));
+        ASSERT_EQ(message(values.settle(scene)), "");
+        EXPECT_EQ(scene.depth.near, 0.7);
+        EXPECT_EQ(scene.depth.far, 9.1);
+        EXPECT_EQ(scene.depth.code_max, 65534);
+        const Image codes = values.codes(floats(6, {near, far, 0.8F, 8.9F, 0.69F, 9.2F}));
+        EXPECT_EQ(depth_at(scene, codes, 0), 0.7);
+        EXPECT_DOUBLE_EQ(depth_at(scene, codes, 1), 9.1);
+        EXPECT_NEAR(depth_at(scene, codes, 2), 0.8, 1e-4);
+        EXPECT_NEAR(depth_at(scene, codes, 3), 8.9, 1e-3);
+        EXPECT_EQ(depth_at(scene, codes, 4), 0);
+        EXPECT_EQ(depth_at(scene, codes, 5), 0);
+    }
 }
 
 TEST(DepthValues, ValuesBeyondAllMeasureAreNoDepth) {
@@ -229,7 +317,7 @@ TEST(DepthValues, WithoutAValueAreRefused) {
     Scene scene = scene_of(2, 1);
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 1;
-    DepthValues values(scene);
+    DepthValues values(without_far(scene));
     values.look(floats(2, {NAN, 0}));
     EXPECT_NE(message(values.settle(scene)).find("no frame has a valid depth"), std::string::npos);
 }

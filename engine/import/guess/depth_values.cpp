@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/import/guess/number_words.hpp"
+#include "engine/import/guess/renderer_background.hpp"
 
 namespace touchable {
 namespace {
@@ -16,6 +17,7 @@ constexpr double far_margin = 1.05;        // the far plane lies so much farther
 
 constexpr double most_beyond = 1e5, most_before = 1e3;  // times the median
 constexpr double most_range = 9e5;  // from near to far, of the million that a scene may have
+constexpr double rounding = 1e-6;   // relative; a plane in a file of floats may lie so much beyond itself
 
 /// Every so many pixels tell the median as well as all.
 constexpr std::int64_t sample_step = 97;
@@ -40,6 +42,17 @@ std::string value_words(double value) {
 
 }  // namespace
 
+DepthValues::DepthValues(const SceneDescription& described)
+    : stored_(described.scene.stored),
+      coding_(described.scene.depth),
+      far_is_open_(described.unstated.far),
+      has_planes_(stored_.kind == StoredDepth::Kind::codes && coding_.kind == DepthCodingKind::metric &&
+                  coding_.near > 0 && !far_is_open_) {
+    if (coding_.kind != DepthCodingKind::metric) return;
+    lower_ = coding_.near / coding_.scale * (1 - rounding);
+    if (has_planes_) upper_ = coding_.far / coding_.scale * (1 + rounding);
+}
+
 bool DepthValues::is_valid(double value) const {
     if (!std::isfinite(value)) return false;
     for (int k = 0; k < coding_.invalid_code_count; ++k)
@@ -47,7 +60,7 @@ bool DepthValues::is_valid(double value) const {
     if (stored_.kind == StoredDepth::Kind::disparity) return stored_.scale * value + stored_.offset > 0;
     if (stored_.kind == StoredDepth::Kind::relative) return true;
     if (coding_.kind != DepthCodingKind::metric) return value >= 0 && value <= 1;
-    return value >= lower_ && value <= upper_ && value > 0 && coding_.scale * value >= coding_.near;
+    return value >= lower_ && value <= upper_ && value > 0;
 }
 
 /// The number that a stored word stands for.
@@ -62,13 +75,22 @@ template <class Work>
 void DepthValues::for_each(const StoredImage& picture, Work&& work) const {
     const std::size_t pixels =
         static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
-    for (std::size_t k = 0; k < pixels; ++k)
-        work(k, picture.values.empty() ? ordered(word_at(picture.image, k)) : double{picture.values[k]});
+    if (picture.values.empty()) {
+        for (std::size_t k = 0; k < pixels; ++k) work(k, ordered(word_at(picture.image, k)));
+        return;
+    }
+    const RendererBackground background(picture);
+    for (std::size_t k = 0; k < pixels; ++k) {
+        const double value = picture.values[k];
+        work(k, background.is(value) ? std::numeric_limits<double>::infinity() : value);
+    }
 }
 
 void DepthValues::look(const StoredImage& picture) {
     is_float_ = !picture.values.empty();
     for_each(picture, [&](std::size_t, double value) {
+        ++looked_at_;
+        backgrounds_ += std::isinf(value);
         if (!is_valid(value)) return;
         least_ = most_ < least_ ? value : std::min(least_, value);
         most_ = std::max(most_, value);
@@ -77,24 +99,39 @@ void DepthValues::look(const StoredImage& picture) {
     });
 }
 
+/// Of what was looked at; of nothing a depth that favours neither of the planes.
+double DepthValues::median() {
+    if (sample_.empty()) return std::sqrt(coding_.near * coding_.far);
+    const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
+    std::nth_element(sample_.begin(), middle, sample_.end());
+    return coding_.scale * *middle;
+}
+
+std::string DepthValues::background_words() const {
+    if (backgrounds_ == 0) return "";
+    const double share = 100.0 * static_cast<double>(backgrounds_) / static_cast<double>(looked_at_);
+    return "; " + short_number(share) +
+           " % of the pixels are background (infinity, 1e9 and beyond, or 65504): no depth";
+}
+
 /// Depths themselves, as floats.
 Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     DepthCoding& depth = scene.depth;
-    const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
-    std::nth_element(sample_.begin(), middle, sample_.end());
-    const double median = depth.scale * *middle;
-    // What is so much farther or nearer than most of it stands for something else.
-    const double deepest = std::min(depth.scale * most_, median * most_beyond),
-                 nearest = std::max(median / most_before, deepest / most_range),
-                 near = std::max(depth.scale * least_, nearest);
-    const double far = far_is_open_ || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
+    const double median = this->median();
+    double deepest = depth.far;
+    if (!has_planes_) {
+        // What is so much farther or nearer than most of it stands for something else.
+        deepest = std::min(depth.scale * most_, median * most_beyond);
+        const double nearest = std::max(median / most_before, deepest / most_range);
+        if (far_is_open_ || depth.far > deepest * far_margin) depth.far = deepest * far_margin;
+        depth.near = std::max(depth.scale * least_, nearest);
+        lower_ = std::max(lower_, nearest / depth.scale * (1 - rounding));
+        upper_ = depth.far / depth.scale;
+    }
+    const double near = depth.near, far = depth.far;
     of_reciprocal_ = median * median * (1 / near - 1 / far) < far - near;
     depth.kind = of_reciprocal_ ? DepthCodingKind::inverse : DepthCodingKind::linear;
     depth.near_is_high = of_reciprocal_;
-    depth.near = near;
-    depth.far = far;
-    lower_ = nearest / depth.scale * (1 - 1e-6);
-    upper_ = far / depth.scale;
     const double from = of_reciprocal_ ? depth.scale / far : near / depth.scale,
                  to = of_reciprocal_ ? depth.scale / near : far / depth.scale;
     first_ = from;
@@ -103,7 +140,8 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
         0.5 * (of_reciprocal_ ? median * median * (1 / near - 1 / far) : far - near) / code_max_;
     return "depth is " + range_words(near, deepest) + " as floats, kept as " + std::to_string(code_max_ + 1) +
            " codes evenly in " + (of_reciprocal_ ? "1/depth" : "depth") + ": half a code is " +
-           short_number(half_code) + " at " + short_number(median) + ", the median";
+           short_number(half_code) + " at " + short_number(median) +
+           (sample_.empty() ? " (of what was looked at nothing is between near and far)" : ", the median");
 }
 
 /// Values on a line of 1 / depth (or depth): `far` and `near` are the values at the planes.
@@ -124,7 +162,8 @@ Result<std::string> DepthValues::settle_line(Scene& scene, double far, double ne
 }
 
 Result<std::string> DepthValues::settle(Scene& scene) {
-    if (most_ < least_) return input_error("no frame has a valid depth");
+    // Of planes that are stated what is to come can be depth.
+    if (most_ < least_ && !has_planes_) return input_error("no frame has a valid depth" + background_words());
     if (most_ == least_)
         most_ = std::nextafter(most_ * (1 + 1e-6) + 1e-6, std::numeric_limits<double>::max());
     Result<std::string> said = std::string();
@@ -153,6 +192,7 @@ Result<std::string> DepthValues::settle(Scene& scene) {
         said = std::string("depth is shares of the largest code, kept as 65535 codes");
     }
     if (!said) return said;
+    *said += background_words();
     depth.code_max = code_max_;
     depth.invalid_code_count = 0;
     depth.scale = 0;

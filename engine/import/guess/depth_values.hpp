@@ -20,13 +20,12 @@ namespace touchable {
 ///
 /// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
 /// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
+/// Of lengths whose near and far plane are both stated these go from plane to plane, whatever the frames
+/// hold. A renderer's background (RendererBackground) is no depth.
 class DepthValues {
 public:
     /// As somebody described them, which stays until `settle`.
-    explicit DepthValues(const SceneDescription& described)
-        : stored_(described.scene.stored),
-          coding_(described.scene.depth),
-          far_is_open_(described.unstated.far) {}
+    explicit DepthValues(const SceneDescription& described);
 
     /// Whether pictures like this one have to be looked at before codes are made.
     bool needs_looks(const StoredImage& first) const {
@@ -48,16 +47,20 @@ private:
     double ordered(std::uint16_t word) const;
     template <class Work>
     void for_each(const StoredImage& picture, Work&& work) const;
+    double median();
+    std::string background_words() const;
     Result<std::string> settle_lengths(Scene& scene);
     Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high);
 
     StoredDepth stored_;
     DepthCoding coding_;  // as it was written
     bool far_is_open_;    // there
+    bool has_planes_;     // lengths, of which both are stated
     bool is_float_ = false;
     double least_ = 0, most_ = -1;  // valid values
     std::vector<float> sample_;     // of them, for their median
-    std::int64_t pixels_ = 0;
+    std::int64_t pixels_ = 0;       // that were valid
+    std::int64_t looked_at_ = 0, backgrounds_ = 0;
 
     // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
     bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;

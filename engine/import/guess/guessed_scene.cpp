@@ -144,7 +144,11 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
 
 /// By the size of what is there.
 Result<void> Guess::find_unit(const EstimatedValues& values) {
-    if (!values.any) return input_error("has no depth: all values are 0 or 65535, or none is finite");
+    if (!values.any)
+        return input_error(
+            values.has_background
+                ? "has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)"
+                : "has no depth: all values are 0 or 65535, or none is finite");
     if (known_.metres_per_code) {
         set_metric(*known_.metres_per_code);
         const double median = values.median * *known_.metres_per_code;

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <vector>
 
+#include "engine/import/guess/renderer_background.hpp"
+
 namespace touchable {
 namespace {
 
@@ -30,8 +32,13 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     std::vector<double> all;
     double sums[2] = {0, 0};
     std::size_t counts[2] = {0, 0}, at_least = 0, at_most = 0, beyond = 0, negative = 0;
+    const RendererBackground background(picture);
     for (std::size_t k = 0; k < pixels; ++k) {
         const double value = value_at(picture, k);
+        if (values.is_float && background.is(value)) {
+            values.has_background = true;
+            continue;
+        }
         at_least += value >= 0 && value < 0.02 * most;
         at_most += value > 0.98 * most && value <= most;
         beyond += value > most;
@@ -49,9 +56,9 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     std::nth_element(all.begin(), middle, all.end());
     values.median = *middle;
     values.negative = static_cast<double>(negative) / static_cast<double>(pixels);
-    // All of the range is used, and neither end stands for what was not seen.
-    values.is_normalised = values.bits != 8 && beyond == 0 && negative == 0 && at_least > 0 && at_most > 0 &&
-                           20 * (pixels - all.size()) < pixels;
+    // All of the range is used, and nothing stands for what was not seen.
+    values.is_normalised = values.bits != 8 && !values.has_background && beyond == 0 && negative == 0 &&
+                           at_least > 0 && at_most > 0 && 20 * (pixels - all.size()) < pixels;
     if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
     if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);
     return values;

@@ -7,7 +7,8 @@ namespace touchable {
 /// What the values of a picture tell of their unit.
 struct EstimatedValues {
     bool is_float = false;
-    bool any = false;  ///< is neither 0 nor, of 16 bits, the largest; what follows is of these
+    bool has_background = false;  ///< a renderer's (RendererBackground)
+    bool any = false;  ///< is neither 0, background nor, of 16 bits, the largest; what follows is of these
     int bits = 16;
     double median = 0;
     double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
