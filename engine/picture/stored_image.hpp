@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,8 @@ namespace touchable {
 /// Pixels of a picture's width or height, at most.
 inline constexpr int largest_picture_side = 16384;
 
+struct BesideDepth;
+
 /// An image with how it was stored.
 struct StoredImage {
     Image image;               ///< of a picture of floats its size, and no samples
@@ -25,6 +29,20 @@ struct StoredImage {
     bool interlaced = false;  ///< then a picture that lacks data is not found out
     /// Of a picture of floats: width * height, row by row; also NaN and infinity.
     std::vector<float> values{};
+    /// What a rendering has beside its depth, where that was wanted and is there; null otherwise.
+    std::shared_ptr<BesideDepth> beside{};
+};
+
+/// Other pictures of an OpenEXR rendering, of the same pixels as its depth.
+struct BesideDepth {
+    struct Wanted {
+        bool colour = false, materials = false;
+    };
+    std::optional<StoredImage> colour{};     ///< sRGB of 8 bits
+    std::optional<StoredImage> materials{};  ///< indices: integers, or floats that are whole
+    // What the file calls them, for messages.
+    std::string depth_name{}, colour_name{}, materials_name{};
+    int depths = 1;  ///< of how many this is the first (that has colour)
 };
 
 /// All of a picture's file, up to 257 MiB: 8192x8192 floats fit.

@@ -62,6 +62,18 @@ const Registered tiff_target{
 const Registered exr_target{{.name = "exr", .parse = parse_picture<decode_exr>, .cuts_are_refused = true}};
 /// Tiles stand in any order, and what is cut off may be one that is not needed.
 const Registered exr_tiled_target{{.name = "exr_tiled", .parse = parse_picture<decode_exr>}};
+/// All of a rendering together, and each by itself.
+bool parse_exr_layers(std::string_view bytes) {
+    const auto whole = decode_exr(bytes, "picture", {true, true});
+    if (whole.ok() && whole->beside)
+        for (const auto* beside : {&whole->beside->colour, &whole->beside->materials})
+            if (*beside) (void)is_picture(Result<StoredImage>(**beside));
+    const bool has_colour = is_picture(decode_exr_colour(bytes, "picture"));
+    const bool has_materials = is_picture(decode_exr_materials(bytes, "picture"));
+    return is_picture(whole) && (has_colour || has_materials);
+}
+const Registered exr_layers_target{
+    {.name = "exr_layers", .parse = parse_exr_layers, .cuts_are_refused = true}};
 const Registered png_target{{.name = "png", .parse = parse_png, .cuts_are_refused = true}};
 const Registered jpeg_target{
     {.name = "jpeg", .parse = parse_picture<decode_coded_image>, .cuts_are_refused = true}};

@@ -1,0 +1,222 @@
+#include "engine/picture/exr_file.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "engine/picture/stored_image.hpp"
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_channels = 1024;
+
+constexpr std::size_t largest_exr_piece = std::size_t{256} << 20;  // of memory that OpenEXR takes at once
+
+void* take_memory(std::size_t size) {
+    return size <= largest_exr_piece ? std::malloc(size) : nullptr;
+}
+
+std::int64_t read_exr(exr_const_context_t, void* file, void* to, std::uint64_t size, std::uint64_t offset,
+                      exr_stream_error_func_ptr_t) {
+    const std::string_view bytes = static_cast<const ExrBytes*>(file)->bytes;
+    if (offset >= bytes.size()) return 0;
+    const std::size_t count = std::min<std::uint64_t>(size, bytes.size() - offset);
+    std::memcpy(to, bytes.data() + offset, count);
+    return static_cast<std::int64_t>(count);
+}
+std::int64_t size_of_exr(exr_const_context_t, void* file) {
+    return static_cast<std::int64_t>(static_cast<const ExrBytes*>(file)->bytes.size());
+}
+void keep_first_exr_error(exr_const_context_t context, exr_result_t, const char* text) {
+    void* file = nullptr;
+    if (exr_get_user_data(context, &file) != EXR_ERR_SUCCESS || !file) return;
+    std::string& wrong = static_cast<ExrBytes*>(file)->wrong;
+    if (wrong.empty()) wrong = printable(text, 200);
+}
+
+/// Unpacks channels of a part, chunk by chunk: rows, or a tile.
+class ExrChunks {
+public:
+    ExrChunks(exr_const_context_t context, const std::vector<const ExrChannel*>& channels)
+        : context_(context), channels_(channels), numbers_(channels.size()) {}
+    ~ExrChunks() {
+        if (begun_) exr_decoding_destroy(context_, &pipeline_);
+    }
+    ExrChunks(const ExrChunks&) = delete;
+    ExrChunks& operator=(const ExrChunks&) = delete;
+
+    bool unpack(const exr_chunk_info_t& chunk) {
+        if (chunk.width < 1 || chunk.height < 1 || chunk.width > largest_picture_side ||
+            chunk.height > largest_picture_side || chunk.unpacked_size > largest_exr_piece)
+            return false;
+        const int part = channels_.front()->part;
+        const exr_result_t begun = begun_ ? exr_decoding_update(context_, part, &chunk, &pipeline_)
+                                          : exr_decoding_initialize(context_, part, &chunk, &pipeline_);
+        begun_ = begun_ || begun == EXR_ERR_SUCCESS;
+        if (begun != EXR_ERR_SUCCESS) return false;
+        std::size_t found = 0;
+        for (int k = 0; k < pipeline_.channel_count; ++k) {
+            exr_coding_channel_info_t& one = pipeline_.channels[k];
+            one.decode_to_ptr = nullptr;
+            const auto wanted = std::find_if(channels_.begin(), channels_.end(), [&](const auto* channel) {
+                return channel->name == one.channel_name;
+            });
+            if (wanted == channels_.end()) continue;
+            if (one.width != chunk.width || one.height != chunk.height) return false;
+            const int bytes = (*wanted)->format.bytes, row = chunk.width * bytes;
+            std::vector<char>& to = numbers_[static_cast<std::size_t>(wanted - channels_.begin())];
+            to.assign(static_cast<std::size_t>(row) * static_cast<std::size_t>(chunk.height), '\0');
+            one.decode_to_ptr = reinterpret_cast<std::uint8_t*>(to.data());
+            one.user_pixel_stride = bytes;
+            one.user_line_stride = row;
+            ++found;
+        }
+        return found == channels_.size() &&
+               exr_decoding_choose_default_routines(context_, part, &pipeline_) == EXR_ERR_SUCCESS &&
+               exr_decoding_run(context_, part, &pipeline_) == EXR_ERR_SUCCESS;
+    }
+    const std::vector<std::vector<char>>& numbers() const { return numbers_; }
+
+private:
+    exr_const_context_t context_;
+    const std::vector<const ExrChannel*>& channels_;
+    exr_decode_pipeline_t pipeline_{};
+    bool begun_ = false;
+    std::vector<std::vector<char>> numbers_;  // the chunk's, of each channel
+};
+
+/// How a part is cut into chunks: tiles of the first level, or runs of whole rows.
+struct ExrGrid {
+    bool tiles = false;
+    std::uint32_t across = 0, down = 0;
+
+    bool read(exr_const_context_t context, int part, const ExrWindow& data) {
+        exr_storage_t storage;
+        if (exr_get_storage(context, part, &storage) != EXR_ERR_SUCCESS) return false;
+        tiles = storage == EXR_STORAGE_TILED;
+        across = static_cast<std::uint32_t>(data.width);
+        if (tiles) {
+            exr_tile_level_mode_t levels;
+            exr_tile_round_mode_t rounding;
+            if (exr_get_tile_descriptor(context, part, &across, &down, &levels, &rounding) != EXR_ERR_SUCCESS)
+                return false;
+        } else {
+            std::int32_t lines = 0;
+            if (exr_get_scanlines_per_chunk(context, part, &lines) != EXR_ERR_SUCCESS || lines < 1)
+                return false;
+            down = static_cast<std::uint32_t>(lines);
+        }
+        return across >= 1 && down >= 1 && across <= largest_picture_side && down <= largest_picture_side;
+    }
+    /// The chunk whose upper left pixel is x, y of the data window.
+    bool find(exr_const_context_t context, int part, const ExrWindow& data, int x, int y,
+              exr_chunk_info_t& chunk) const {
+        if (!tiles) return exr_read_scanline_chunk_info(context, part, data.y + y, &chunk) == EXR_ERR_SUCCESS;
+        return exr_read_tile_chunk_info(context, part, x / static_cast<int>(across),
+                                        y / static_cast<int>(down), 0, 0, &chunk) == EXR_ERR_SUCCESS;
+    }
+};
+
+}  // namespace
+
+std::optional<ExrWindow> ExrWindow::of(const exr_attr_box2i_t& box) {
+    const auto width = std::int64_t{box.max.x} - box.min.x + 1,
+               height = std::int64_t{box.max.y} - box.min.y + 1;
+    if (width < 1 || height < 1 || width > largest_picture_side || height > largest_picture_side)
+        return std::nullopt;
+    return ExrWindow{box.min.x, box.min.y, static_cast<int>(width), static_cast<int>(height)};
+}
+
+bool ExrWindow::holds(const ExrWindow& other) const {
+    return other.x >= x && other.y >= y && std::int64_t{other.x} + other.width <= std::int64_t{x} + width &&
+           std::int64_t{other.y} + other.height <= std::int64_t{y} + height;
+}
+
+Error ExrFile::damaged() const {
+    return input_error(where_ + ": is damaged" + (bytes_.wrong.empty() ? "" : ": " + bytes_.wrong));
+}
+
+Result<void> ExrFile::open() {
+    exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    how.error_handler_fn = keep_first_exr_error;
+    how.alloc_fn = take_memory;
+    how.free_fn = std::free;
+    how.user_data = &bytes_;
+    how.read_fn = read_exr;
+    how.size_fn = size_of_exr;
+    how.max_image_width = how.max_image_height = how.max_tile_width = how.max_tile_height =
+        largest_picture_side;
+    if (exr_start_read(&context_, "picture", &how) != EXR_ERR_SUCCESS) return damaged();
+    int parts = 0;
+    if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
+    for (int part = 0; part < parts; ++part)
+        if (auto listed = list_channels(part); !listed) return listed;
+    return {};
+}
+
+/// Of a part that is not deep.
+Result<void> ExrFile::list_channels(int part) {
+    exr_storage_t storage;
+    const exr_attr_chlist_t* list = nullptr;
+    if (exr_get_storage(context_, part, &storage) != EXR_ERR_SUCCESS ||
+        exr_get_channels(context_, part, &list) != EXR_ERR_SUCCESS)
+        return damaged();
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return {};
+    for (int k = 0; k < list->num_channels; ++k) {
+        const exr_attr_chlist_entry_t& entry = list->entries[k];
+        const NumberFormat format{entry.pixel_type == EXR_PIXEL_UINT ? NumberFormat::Kind::unsigned_integer
+                                                                     : NumberFormat::Kind::floating,
+                                  entry.pixel_type == EXR_PIXEL_HALF ? 2 : 4,
+                                  std::endian::native == std::endian::big};
+        channels_.push_back({{part, entry.name.str}, format, entry.x_sampling == 1 && entry.y_sampling == 1});
+    }
+    if (channels_.size() > most_channels)
+        return refused("has more than " + std::to_string(most_channels) + " channels");
+    return {};
+}
+
+Result<ExrPart> ExrFile::part(int number) const {
+    exr_attr_box2i_t data_box, display_box;
+    if (exr_get_data_window(context_, number, &data_box) != EXR_ERR_SUCCESS ||
+        exr_get_display_window(context_, number, &display_box) != EXR_ERR_SUCCESS)
+        return damaged();
+    const auto data = ExrWindow::of(data_box), display = ExrWindow::of(display_box);
+    if (!data || !display) return refused("has a window that is empty or larger than 16384x16384 pixels");
+    if (!display->holds(*data)) return refused("has a data window beyond its display window: must be inside");
+    const auto needed =
+        static_cast<std::uint64_t>(display->width) * static_cast<std::uint64_t>(display->height) * 4;
+    if (auto likely = check_expansion(needed, bytes_.bytes.size(), where_); !likely) return likely.error();
+    exr_compression_t packing;
+    if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();
+    if (packing == EXR_COMPRESSION_DWAA || packing == EXR_COMPRESSION_DWAB)
+        return refused("is compressed by DWA: must be by ZIP, PIZ or another that loses nothing");
+    return ExrPart{*data, *display};
+}
+
+Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChannel*>& channels,
+                           const PutExrChunk& put) const {
+    const ExrWindow& data = part.data;
+    const int number = channels.front()->part;
+    ExrGrid grid;
+    if (!grid.read(context_, number, data)) return damaged();
+    ExrChunks chunks(context_, channels);
+    const int across = static_cast<int>(grid.across), down = static_cast<int>(grid.down);
+    for (int y = 0; y < data.height; y += down)
+        for (int x = 0; x < data.width; x += across) {
+            exr_chunk_info_t chunk;
+            const int width = std::min(across, data.width - x), height = std::min(down, data.height - y);
+            if (!grid.find(context_, number, data, x, y, chunk) || chunk.width != width ||
+                chunk.height != height || !chunks.unpack(chunk))
+                return damaged();
+            const ExrChunk unpacked{data.x - part.display.x + x, data.y - part.display.y + y, width, height,
+                                    chunks.numbers()};
+            if (auto taken = put(unpacked); !taken) return taken;
+        }
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,197 @@
+#include "engine/picture/exr_layers.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace touchable {
+namespace {
+
+using ExrChannelNames = std::vector<ExrChannelName>;
+using ExrColour = std::array<std::size_t, 3>;
+
+std::string in_small_letters(std::string_view text) {
+    std::string small(text);
+    for (char& c : small)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return small;
+}
+
+ExrChannelNames in_small_letters(ExrChannelNames channels) {
+    for (ExrChannelName& channel : channels) channel.name = in_small_letters(channel.name);
+    return channels;
+}
+
+/// The words of a name between its dots: the last is the channel's own.
+std::vector<std::string> words_of(const std::string& channel) {
+    std::vector<std::string> words(1);
+    for (const char c : channel)
+        if (c == '.')
+            words.emplace_back();
+        else
+            words.back() += c;
+    return words;
+}
+
+std::string joined_words(const std::vector<std::string>& words) {
+    std::string name;
+    for (const std::string& word : words)
+        if (!word.empty()) name += (name.empty() ? "" : ".") + word;
+    return name;
+}
+
+// From here on names are in small letters.
+
+/// Of this name; from part `home` where it has one.
+std::optional<std::size_t> channel_named(const ExrChannelNames& channels, const std::string& name, int home) {
+    std::optional<std::size_t> elsewhere;
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+        if (channels[k].name != name) continue;
+        if (channels[k].part == home) return k;
+        if (!elsewhere) elsewhere = k;
+    }
+    return elsewhere;
+}
+
+/// R, G and B of a layer, all from one part.
+std::optional<ExrColour> colour_in_layer(const ExrChannelNames& channels, const std::string& layer,
+                                         int home) {
+    const std::string before = layer.empty() ? "" : layer + '.';
+    const auto red = channel_named(channels, before + "r", home);
+    if (!red) return std::nullopt;
+    const int part = channels[*red].part;
+    const auto green = channel_named(channels, before + "g", part),
+               blue = channel_named(channels, before + "b", part);
+    if (!green || !blue || channels[*green].part != part || channels[*blue].part != part) return std::nullopt;
+    return ExrColour{*red, *green, *blue};
+}
+
+bool is_depth_word(const std::string& word) {
+    return word == "depth" || word == "denoising depth";
+}
+bool is_named_depth(const std::string& channel) {
+    const auto words = words_of(channel);
+    return std::any_of(words.begin(), words.end(), is_depth_word);
+}
+
+/// How well a channel goes as depth: 0 not at all.
+int depth_rank(const ExrChannelNames& channels, std::size_t k) {
+    const std::string& name = channels[k].name;
+    const std::vector<std::string> words = words_of(name);
+    const std::string& own = words.back();
+    const std::string layer = exr_layer_of(name), before = layer.empty() ? "" : layer + '.';
+    const auto beside = channel_named(channels, before + "x", channels[k].part);
+    const bool is_of_vector = beside && *beside != k && channels[*beside].part == channels[k].part;
+    const bool is_mist = words.size() > 1 && words[words.size() - 2] == "mist";
+    if (own == "z" && !is_of_vector && !is_mist)
+        return std::count(words.begin(), words.end(), "depth") > 0 ? 5 : 4;
+    if (is_named_depth(name) && own != "a") return 3;
+    if (own == "y" && !is_of_vector) return 2;
+    return own == "r" ? 1 : 0;
+}
+
+/// A name of which words[first] is the pass: what stands before it and behind it is of the view layer.
+std::string layer_of_pass(const std::vector<std::string>& words, std::size_t first, std::size_t count,
+                          const std::string& pass) {
+    std::vector<std::string> layer(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(first));
+    layer.push_back(pass);
+    layer.insert(layer.end(), words.begin() + static_cast<std::ptrdiff_t>(first + count), words.end() - 1);
+    return joined_words(layer);
+}
+
+/// What the view layer of a depth calls another pass of it.
+std::string pass_beside(const std::string& depth, const std::string& pass) {
+    const std::vector<std::string> words = words_of(depth);
+    const auto found = std::find_if(words.begin(), words.end() - 1, is_depth_word);
+    const bool is_in_layer = found != words.end() - 1;
+    return layer_of_pass(words, static_cast<std::size_t>(found - words.begin()), is_in_layer ? 1 : 0, pass);
+}
+
+constexpr const char* colour_passes[] = {"combined", "", "rgba", "beauty", "color", "colour", "image"};
+constexpr const char* material_passes[] = {"indexma", "material index"};
+
+std::optional<ExrColour> colour_beside(const ExrChannelNames& channels, std::size_t depth) {
+    for (const char* pass : colour_passes)
+        if (const auto found =
+                colour_in_layer(channels, pass_beside(channels[depth].name, pass), channels[depth].part))
+            return found;
+    return std::nullopt;
+}
+
+/// The first channel of a layer.
+std::optional<std::size_t> channel_in_layer(const ExrChannelNames& channels, const std::string& layer) {
+    for (std::size_t k = 0; k < channels.size(); ++k)
+        if (exr_layer_of(channels[k].name) == layer) return k;
+    return std::nullopt;
+}
+
+std::optional<std::size_t> materials_beside(const ExrChannelNames& channels, std::size_t depth) {
+    for (const char* pass : material_passes)
+        if (const auto found = channel_in_layer(channels, pass_beside(channels[depth].name, pass)))
+            return found;
+    return std::nullopt;
+}
+
+ExrLayers layers_among(const ExrChannelNames& channels) {
+    ExrLayers layers;
+    int best = 0;
+    std::vector<std::size_t> depths;
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+        const int rank = depth_rank(channels, k);
+        if (rank > best) depths.clear();
+        best = std::max(best, rank);
+        if (rank == best && rank > 0) depths.push_back(k);
+    }
+    if (depths.empty()) {
+        if (channels.size() == 1) layers.depth = 0;
+        return layers;
+    }
+    layers.depth = depths.front();
+    layers.depths = static_cast<int>(depths.size());
+    if (best < 3) return layers;  // a picture of one channel, or of colour that is grey
+    for (const std::size_t depth : depths)
+        if (const auto colour = colour_beside(channels, depth)) {
+            layers.depth = depth;
+            layers.colour = colour;
+            break;
+        }
+    if (!layers.colour) layers.colour = colour_in_layer(channels, "", channels[*layers.depth].part);
+    layers.materials = materials_beside(channels, *layers.depth);
+    return layers;
+}
+
+}  // namespace
+
+std::string exr_layer_of(const std::string& channel) {
+    const std::size_t dot = channel.rfind('.');
+    return dot == std::string::npos ? "" : channel.substr(0, dot);
+}
+
+ExrLayers exr_layers(const ExrChannelNames& channels) {
+    return layers_among(in_small_letters(channels));
+}
+
+std::optional<ExrColour> exr_colour(const ExrChannelNames& named) {
+    const ExrChannelNames channels = in_small_letters(named);
+    if (const auto of_depth = layers_among(channels).colour) return of_depth;
+    std::optional<ExrColour> first;
+    for (const ExrChannelName& channel : channels) {
+        const std::string layer = exr_layer_of(channel.name);
+        const auto found = colour_in_layer(channels, layer, channel.part);
+        if (found && (layer.empty() || layer.ends_with("combined"))) return found;
+        if (!first) first = found;
+    }
+    return first;
+}
+
+std::optional<std::size_t> exr_materials(const ExrChannelNames& named) {
+    const ExrChannelNames channels = in_small_letters(named);
+    if (const auto of_depth = layers_among(channels).materials) return of_depth;
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+        const std::vector<std::string> words = words_of(channels[k].name);
+        for (const char* pass : material_passes)
+            if (std::find(words.begin(), words.end() - 1, pass) != words.end() - 1) return k;
+    }
+    return channels.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
+}  // namespace touchable

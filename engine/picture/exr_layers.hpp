@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace touchable {
+
+/// A channel of an OpenEXR file: its part, and its whole name, such as ViewLayer.Depth.Z.
+struct ExrChannelName {
+    int part = 0;
+    std::string name;
+};
+
+/// Which of a file's channels are what, by their places in the list of all. Depth is a channel Z, or one in a
+/// layer `depth`, or else Y, R or the only one. Z of a vector (a normal, a position) is none. Of several
+/// depths the first that has colour of its own is taken: R, G and B in the layer Combined of its view layer,
+/// or beside it. Material indices are the channel of its layer IndexMA.
+struct ExrLayers {
+    std::optional<std::size_t> depth;
+    std::optional<std::array<std::size_t, 3>> colour;  ///< red, green, blue
+    std::optional<std::size_t> materials;
+    /// How many view layers have depth.
+    int depths = 0;
+};
+ExrLayers exr_layers(const std::vector<ExrChannelName>& channels);
+
+/// Colour, whatever depth there is: of the depth's view layer, else of the first layer that has any.
+std::optional<std::array<std::size_t, 3>> exr_colour(const std::vector<ExrChannelName>& channels);
+/// The same of material indices; a file with one channel has nothing else.
+std::optional<std::size_t> exr_materials(const std::vector<ExrChannelName>& channels);
+
+/// "ViewLayer.Combined" of ViewLayer.Combined.R; empty for R.
+std::string exr_layer_of(const std::string& channel);
+
+}  // namespace touchable
