@@ -1,11 +1,13 @@
 #include "engine/import/image_folder.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "engine/clip/plane_role.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
+#include "engine/import/guess/material_pictures.hpp"
 #include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/stored_clip.hpp"
@@ -22,7 +24,7 @@ public:
         : folder_(std::move(folder)),
           rules_{scene.depth.kind, scene.folder->haptic_may_be_lossy},
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()) {}
-    Result<void> find(StoredClip& clip);
+    Result<void> find(StoredClip& clip, Colour colour);
 
     std::string where(PlaneRole role, std::int64_t frame) const override {
         return file(track(role), frame).string() + in_words(role, frame);
@@ -53,12 +55,20 @@ private:
     }
     const Track& track(PlaneRole role) const { return *std::ranges::find(tracks_, role, &Track::role); }
     Result<void> find_cameras(const PictureFiles& depth, StoredClip& clip) const;
+    bool shares_depths_files(PlaneRole role) const;
 
     std::filesystem::path folder_;
     StillRules rules_;
     std::vector<Track> tracks_;               // depth is the first
     std::shared_ptr<ReadPictures> pictures_;  // not null
+    std::optional<MaterialPictures> materials_;
 };
+
+/// Of files with pictures of several planes.
+PictureLayer layer_of(PlaneRole role) {
+    if (role == PlaneRole::colour) return PictureLayer::colour;
+    return role == PlaneRole::haptic ? PictureLayer::materials : PictureLayer::own;
+}
 
 /// Files that were found for a track are inputs of the clip, each once.
 void add_inputs(const PictureFiles& found, StoredClip& clip) {
@@ -69,7 +79,7 @@ void add_inputs(const PictureFiles& found, StoredClip& clip) {
 }
 
 /// Every track has every frame, or the first that is missing is named.
-Result<void> FolderPictures::find(StoredClip& clip) {
+Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
     const SceneDescription& described = clip.described;
     const FolderSource& source = *described.scene.folder;
     auto depth = depth_files(folder_, source);
@@ -81,11 +91,20 @@ Result<void> FolderPictures::find(StoredClip& clip) {
     if (*stack) depth->frames = static_cast<std::size_t>((*stack)->count());
     for (const PlaneRole role : all_roles) {
         if (pattern_of(source, role).empty()) continue;
-        auto found = role == PlaneRole::depth ? depth : files_beside(folder_, role, source, *depth);
+        const bool is_depths = role == PlaneRole::depth ||
+                               (pattern_of(source, role) == source.depth && !numbers_of(source, role).any());
+        auto found = is_depths ? depth : files_beside(folder_, role, source, *depth);
         if (!found) return found.error();
-        add_inputs(*found, clip);
+        if (role == PlaneRole::depth || !is_depths) add_inputs(*found, clip);
         clip.roles.push_back(role);
         tracks_.push_back({role, std::move(*found), role == PlaneRole::depth ? *stack : nullptr});
+    }
+    pictures_->want_beside({colour == Colour::wanted && shares_depths_files(PlaneRole::colour),
+                            shares_depths_files(PlaneRole::haptic)});
+    if (!described.materials.empty()) {
+        materials_.emplace(described);
+        clip.notes.push_back("haptic properties are those of " + std::to_string(described.materials.size()) +
+                             " materials, by their indices; other indices have the default properties");
     }
     clip.count = static_cast<std::int64_t>(depth->count());
     const auto& files = depth->files;
@@ -99,6 +118,11 @@ Result<void> FolderPictures::find(StoredClip& clip) {
         clip.notes.push_back(why + ": played at " + short_number(rate.per_second()) +
                              " frames a second (the scene's rate says otherwise)");
     return {};
+}
+
+bool FolderPictures::shares_depths_files(PlaneRole role) const {
+    const auto own = std::ranges::find(tracks_, role, &Track::role);
+    return own != tracks_.end() && own->files.files == tracks_.front().files.files;
 }
 
 /// Of the frames; their median is the scene's, where it has none.
@@ -118,8 +142,16 @@ Result<void> FolderPictures::find_cameras(const PictureFiles& depth, StoredClip&
 
 Result<TrackPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame) {
     const Track& from = track(role);
-    auto stored = from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame));
+    auto stored = from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame), layer_of(role));
     if (!stored) return Error{stored.error().kind, stored.error().message + in_words(role, frame)};
+    if (role == PlaneRole::haptic && materials_) {
+        stored = materials_->haptic(*stored);
+        if (!stored) return error_at(where(role, frame), stored.error());
+    } else if (role == PlaneRole::haptic && stored->codec == "exr") {
+        return input_error(where(role, frame) +
+                           ": is of material indices: the scene file's haptic.materials must say what they "
+                           "feel like");
+    }
     return track_picture(std::move(*stored), role, rules_, where(role, frame));
 }
 
@@ -141,7 +173,7 @@ Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::pat
         haptic.clear();
     }
     auto pictures = std::make_unique<FolderPictures>(folder, described.scene, std::move(opened));
-    if (auto found = pictures->find(clip); !found) return found.error();
+    if (auto found = pictures->find(clip, colour); !found) return found.error();
     clip.pictures = std::move(pictures);
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);
 }

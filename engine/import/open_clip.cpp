@@ -218,7 +218,8 @@ const Format formats[] = {
      {"a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"}},
     {is_picture,
      open_picture,
-     {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
+     {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
+      ".npz)",
       "touchable play depth.png",
       {{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}}},
     {is_ros_recording,

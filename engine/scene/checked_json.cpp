@@ -141,6 +141,13 @@ Node Node::operator[](const char* member) const {
     return {value_.at(member), path_of(member)};
 }
 
+std::vector<std::string> Node::members() const {
+    if (!value_.is_object()) refuse("an object {...}");
+    std::vector<std::string> names;
+    for (const auto& member : value_.items()) names.push_back(member.key());
+    return names;
+}
+
 double Node::number() const {
     if (!value_.is_number()) refuse("a number");
     return value_.get<double>();

@@ -41,7 +41,9 @@ public:
     void allow_only(const std::vector<std::string>& legal) const;
     bool is_object() const { return value_.is_object(); }
     bool has(const char* member) const { return value_.contains(member); }  ///< false where this is no object
-    Node operator[](const char* member) const;                              ///< a member that must be there
+    /// Names of an object's members.
+    std::vector<std::string> members() const;
+    Node operator[](const char* member) const;  ///< a member that must be there
 
     double number() const;
     std::int64_t integer(std::int64_t least, std::int64_t most) const;

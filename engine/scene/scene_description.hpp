@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
@@ -26,6 +27,14 @@ struct Unstated {
     bool operator==(const Unstated&) const = default;
 };
 
+/// What a renderer's material of this index, 0 to 65535, feels like.
+struct Material {
+    int index = 0;
+    HapticProperties properties;
+};
+inline constexpr int largest_material_index = 65535;
+inline constexpr std::size_t most_materials = 256;
+
 /// What a scene file, a format or a person says of a clip. `settle` makes its scene of that, once the clip
 /// itself is there.
 struct SceneDescription {
@@ -35,6 +44,9 @@ struct SceneDescription {
 
     Scene scene;  ///< what is stated. Of what is not: a camera that could be, the deepest code as far plane
     Unstated unstated;
+    /// Where there are any, haptic pictures are of material indices; whoever reads them makes properties of
+    /// them, by Scene::haptic, which holds them all. By index, each once, at most 256.
+    std::vector<Material> materials{};
 };
 
 /// As `validate` of a scene, of what is known already.

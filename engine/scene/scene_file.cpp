@@ -9,6 +9,7 @@
 #include "engine/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/folder_json.hpp"
+#include "engine/scene/materials_json.hpp"
 #include "engine/scene/scene_words.hpp"
 
 namespace touchable {
@@ -164,21 +165,14 @@ void read_range(const Node& haptic, const char* member, PropertyRange& range) {
     range = {ends[0].number(), ends[1].number()};
 }
 
-void read_haptic(const Node& node, HapticRanges& haptic) {
-    node.allow_only({"stiffness", "static_friction", "dynamic_friction"});
+void read_haptic(const Node& node, SceneDescription& described) {
+    HapticRanges& haptic = described.scene.haptic;
+    node.allow_only({"stiffness", "static_friction", "dynamic_friction", "materials"});
     read_range(node, "stiffness", haptic.stiffness);
     read_range(node, "static_friction", haptic.static_friction);
     read_range(node, "dynamic_friction", haptic.dynamic_friction);
-}
-
-void read_default_properties(const Node& node, HapticProperties& properties) {
-    node.allow_only({"stiffness", "stiffness_n_per_m", "static_friction", "dynamic_friction"});
-    if (node.has("stiffness") && node.has("stiffness_n_per_m"))
-        node["stiffness_n_per_m"].refuse("left out where stiffness (in N/mm) is given");
-    if (node.has("stiffness")) properties.stiffness = node["stiffness"].number() * 1000.0;
-    if (node.has("stiffness_n_per_m")) properties.stiffness = node["stiffness_n_per_m"].number();
-    if (node.has("static_friction")) properties.static_friction = node["static_friction"].number();
-    if (node.has("dynamic_friction")) properties.dynamic_friction = node["dynamic_friction"].number();
+    if (node.has("materials"))
+        described.materials = read_materials(node, described.scene.default_properties, haptic);
 }
 
 DepthLength read_length(const Node& node) {
@@ -250,9 +244,8 @@ SceneDescription read_scene(const Node& node) {
     if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
     read_depth(node["depth"], described);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);
-    if (node.has("haptic")) read_haptic(node["haptic"], scene.haptic);
-    if (node.has("default_properties"))
-        read_default_properties(node["default_properties"], scene.default_properties);
+    if (node.has("default_properties")) read_properties(node["default_properties"], scene.default_properties);
+    if (node.has("haptic")) read_haptic(node["haptic"], described);
     if (node.has("hole_stiffness")) scene.hole_stiffness = node["hole_stiffness"].number();
     open.filters = all_unstated;
     if (node.has("filter")) read_filter(node["filter"], scene.filter, open.filters);
@@ -261,6 +254,9 @@ SceneDescription read_scene(const Node& node) {
         scene.device_metres_per_unit = node["device_metres_per_unit"].number();
     if (node.has("folder")) scene.folder = read_folder(node["folder"]);
     if (node.has("video")) scene.video = read_video(node["video"], scene);
+    if (!described.materials.empty() && !(scene.folder && !scene.folder->haptic.empty()))
+        node["haptic"]["materials"].refuse(
+            "left out where no folder.haptic names pictures of material indices");
     return described;
 }
 

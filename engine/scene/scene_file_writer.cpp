@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/scene/folder_json.hpp"
+#include "engine/scene/materials_json.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/scene_words.hpp"
 
@@ -77,16 +78,12 @@ OrderedJson write_range(const PropertyRange& range) {
     return OrderedJson::array({range.min, range.max});
 }
 
-OrderedJson write_default_properties(const HapticProperties& properties) {
-    // Not every double in N/m is a thousand times a double; those are written in N/m.
-    OrderedJson json;
-    const double in_n_per_mm = properties.stiffness / 1000.0;
-    if (in_n_per_mm * 1000.0 == properties.stiffness)
-        json["stiffness"] = in_n_per_mm;
-    else
-        json["stiffness_n_per_m"] = properties.stiffness;
-    json["static_friction"] = properties.static_friction;
-    json["dynamic_friction"] = properties.dynamic_friction;
+OrderedJson write_haptic(const SceneDescription& described) {
+    const HapticRanges& haptic = described.scene.haptic;
+    OrderedJson json = {{"stiffness", write_range(haptic.stiffness)},
+                        {"static_friction", write_range(haptic.static_friction)},
+                        {"dynamic_friction", write_range(haptic.dynamic_friction)}};
+    if (!described.materials.empty()) json["materials"] = write_materials(described.materials);
     return json;
 }
 
@@ -130,11 +127,8 @@ std::string scene_to_json(const SceneDescription& described) {
     if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
     json.update({{"depth", write_depth(described)},
                  {"height_map", write_height_map(scene.height_coding)},
-                 {"haptic",
-                  {{"stiffness", write_range(scene.haptic.stiffness)},
-                   {"static_friction", write_range(scene.haptic.static_friction)},
-                   {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
-                 {"default_properties", write_default_properties(scene.default_properties)},
+                 {"haptic", write_haptic(described)},
+                 {"default_properties", write_properties(scene.default_properties)},
                  {"filter", write_filter(scene.filter, open.filters)},
                  {"interpolation", name_of(interpolation_names, scene.interpolation)}});
     if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;

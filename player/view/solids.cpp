@@ -19,7 +19,7 @@ constexpr int sides = 40;
 struct Painter {
     const ViewCamera& camera;
     glm::vec3 to_eye;  // unit, from the solid
-    Material material;
+    SolidMaterial material;
     LightPicture& picture;
 
     glm::vec3 lit(const glm::vec3& normal) const { return solid_light(material.light, normal, to_eye); }
@@ -66,12 +66,13 @@ void draw_rings(const ViewCamera& camera, const Solid& solid, std::span<const Ri
 
 }  // namespace
 
-void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius, const Material& material) {
+void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius,
+              const SolidMaterial& material) {
     solids.push_back({centre, {0, 1, 0}, {0, radius, 0, 1}, {}, true, material});
 }
 
 void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
-             double radius_to, const Material& material) {
+             double radius_to, const SolidMaterial& material) {
     const double length = glm::length(to - from);
     if (!(length > 0)) return;
     solids.push_back(
@@ -79,7 +80,7 @@ void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec
 }
 
 void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-               const Material& material) {
+               const SolidMaterial& material) {
     const double length = glm::length(to - from);
     if (!(length > 0)) return;
     const double head = std::min(7.0 * shaft_radius, 0.6 * length), neck = length - head;

@@ -16,7 +16,7 @@ struct Ring {
 };
 
 /// What a solid is made of.
-struct Material {
+struct SolidMaterial {
     glm::vec3 light{1.0F};  ///< colour, as light
     float opacity = 1;  ///< below 1: seen through, and behind other things too, more faintly; leaves z alone
 };
@@ -28,18 +28,19 @@ struct Solid {
     glm::dvec3 along{0.0, 1, 0.0};  ///< the axis, a unit vector
     Ring from{}, to{};              ///< of a ball its radius stands in `from`, and no more
     bool is_ball = false;
-    Material material;
+    SolidMaterial material;
 };
 
-void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius, const Material& material);
+void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius,
+              const SolidMaterial& material);
 
 /// From `from` to `to`, a radius at either end; nothing where they are one point.
 void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
-             double radius_to, const Material& material);
+             double radius_to, const SolidMaterial& material);
 
 /// Shaft and head from `from` to `to`; the head is shorter where the arrow is.
 void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-               const Material& material);
+               const SolidMaterial& material);
 
 /// Smoothly lit; opaque solids hide and are hidden by z.
 void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& picture);

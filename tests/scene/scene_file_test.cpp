@@ -214,7 +214,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
             example += line + "\n";
         }
     }
-    EXPECT_EQ(examples, 6);
+    EXPECT_EQ(examples, 7);
 }
 
 class SceneFileOnDisk : public testing::Test {

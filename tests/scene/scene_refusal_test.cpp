@@ -262,5 +262,42 @@ TEST(SceneRefusal, NestingWithoutEndIsRefused) {
     expect_refused(objects, {"line 1", "nested too deeply"});
 }
 
+TEST(SceneRefusal, MaterialsThatCannotBe) {
+    const auto with_materials = [](const std::string& materials) {
+        return with("\"haptic\": {", ("\"haptic\": {\"materials\": " + materials + ", ").c_str());
+    };
+    EXPECT_TRUE(parse_scene(with_materials(R"({"0": {}, "65535": {"stiffness": 3}})"), "full").ok());
+    const std::pair<const char*, std::vector<std::string>> refused[] = {
+        {"[]", {"haptic.materials is []", "an object"}},
+        {"{}", {"haptic.materials is {}", "1 to 256"}},
+        {R"({"65536": {}})", {"haptic.materials", "0 to 65535", "\"65536\""}},
+        {R"({"-1": {}})", {"0 to 65535", "\"-1\""}},
+        {R"({"01": {}})", {"\"01\""}},
+        {R"({"1.0": {}})", {"\"1.0\""}},
+        {R"({"1\u0000": {}})", {"haptic.materials", "and not"}},
+        {R"({"wood": {}})", {"\"wood\""}},
+        {R"({"1": 5})", {"haptic.materials.1 is 5", "an object"}},
+        {R"({"1": {"hardness": 5}})", {"haptic.materials.1.hardness", "stiffness"}},
+        {R"({"1": {"stiffness": 0}})", {"haptic.materials.1 is", "above 0"}},
+        {R"({"1": {"stiffness": 1e300}})", {"haptic.materials.1 is", "at most 1e6"}},
+        {R"({"1": {"dynamic_friction": -0.1}})", {"haptic.materials.1 is", "0 or more"}},
+        {R"({"1": {"static_friction": 0.3, "dynamic_friction": 0.4}})", {"static_friction (0.3)", "(0.4)"}},
+        {R"({"1": {"stiffness": 11}})", {"haptic.stiffness is [0.1,10]", "a range that holds 11"}},
+        {R"({"1": {}, "1": {}})", {"\"1\"", "twice"}},
+    };
+    for (const auto& [materials, parts] : refused) {
+        SCOPED_TRACE(materials);
+        auto expected = parts;
+        const auto scene = parse_scene(with_materials(materials), "scene.json");
+        ASSERT_FALSE(scene.ok());
+        for (const std::string& part : expected)
+            EXPECT_NE(scene.error().message.find(part), std::string::npos) << scene.error().message;
+        EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+    }
+    std::string many = "{\"0\": {}";
+    for (int k = 1; k < 257; ++k) many += ", \"" + std::to_string(k) + "\": {}";
+    expect_refused(with_materials(many + "}"), {"haptic.materials", "1 to 256"});
+}
+
 }  // namespace
 }  // namespace touchable

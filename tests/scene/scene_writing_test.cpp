@@ -45,6 +45,13 @@ void expect_same(const SceneDescription& one, const SceneDescription& other) {
     EXPECT_TRUE(same_bits(a.default_properties.stiffness, b.default_properties.stiffness));
     EXPECT_TRUE(same_bits(a.default_properties.static_friction, b.default_properties.static_friction));
     EXPECT_TRUE(same_bits(a.default_properties.dynamic_friction, b.default_properties.dynamic_friction));
+    ASSERT_EQ(one.materials.size(), other.materials.size());
+    for (std::size_t k = 0; k < one.materials.size(); ++k) {
+        const HapticProperties &p = one.materials[k].properties, &q = other.materials[k].properties;
+        EXPECT_EQ(one.materials[k].index, other.materials[k].index);
+        EXPECT_TRUE(same_bits(p.stiffness, q.stiffness) && same_bits(p.static_friction, q.static_friction) &&
+                    same_bits(p.dynamic_friction, q.dynamic_friction));
+    }
     ASSERT_EQ(a.hole_stiffness.has_value(), b.hole_stiffness.has_value());
     if (a.hole_stiffness) {
         EXPECT_TRUE(same_bits(*a.hole_stiffness, *b.hole_stiffness));
@@ -236,6 +243,33 @@ TEST(SceneFile, NameThatIsNoUnicodeStillGivesJson) {
         "a\xff"
         "b";
     EXPECT_TRUE(parse_scene(scene_to_json(scene), "t").ok());
+}
+
+TEST(SceneWriting, MaterialsAndTheRangesThatHoldThem) {
+    const char* const text = R"({"touchable_scene": 1, "width": 4, "height": 3,
+        "camera": {"fx": 4, "fy": 4, "cx": 2, "cy": 1}, "depth": {"coding": "metric", "scale": 1},
+        "default_properties": {"stiffness": 0.5},
+        "haptic": {"static_friction": [0, 1], "materials": {
+            "10": {"stiffness_n_per_m": 777.7}, "2": {"stiffness": 2, "dynamic_friction": 0.05}, "0": {}}},
+        "folder": {"depth": "d%d.exr", "haptic": "d%d.exr"}})";
+    const auto read = parse_scene(text, "text");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->materials.size(), 3U);
+    EXPECT_EQ(read->materials[0].index, 0);
+    EXPECT_EQ(read->materials[0].properties.stiffness, 500);
+    EXPECT_EQ(read->materials[1].index, 2);
+    EXPECT_EQ(read->materials[1].properties.static_friction, 0.4);
+    EXPECT_EQ(read->materials[2].properties.stiffness, 777.7);
+    const HapticRanges& ranges = read->scene.haptic;
+    EXPECT_EQ(ranges.stiffness.min, 0.5);
+    EXPECT_EQ(ranges.stiffness.max, 2);
+    EXPECT_EQ(ranges.static_friction.min, 0);
+    EXPECT_EQ(ranges.static_friction.max, 1);
+    EXPECT_EQ(ranges.dynamic_friction.min, 0.05);
+    EXPECT_EQ(ranges.dynamic_friction.max, 0.3);
+    const auto again = parse_scene(scene_to_json(*read), "written");
+    ASSERT_TRUE(again.ok()) << again.error().message;
+    expect_same(*read, *again);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "engine/import/guess/camera_file.hpp"
 #include "engine/import/guess/guessed_cameras.hpp"
 #include "engine/import/guess/known_camera.hpp"
+#include "engine/import/guess/material_pictures.hpp"
 #include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/picture_groups.hpp"
@@ -42,6 +43,7 @@ public:
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
     }
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
+    void tell_of_layers(const BesideDepth& beside, bool has_colour);
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     Result<void> find_rate(const fs::path& folder);
     void doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures);
@@ -287,6 +289,24 @@ void Guess::doubt_colour(const fs::path& folder, const fs::path& colour, ReadPic
     say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise");
 }
 
+/// Of a rendering, which may have colour and materials in depth's own files.
+void Guess::tell_of_layers(const BesideDepth& beside, bool takes_colour) {
+    std::string said = "depth is channel " + beside.depth_name;
+    if (beside.depths > 1) said += ", the first of " + std::to_string(beside.depths) + " in a file";
+    if (takes_colour)
+        said += ", colour is " + (beside.colour_name.empty() ? "R, G, B" : beside.colour_name) +
+                " beside it, linear light shown as sRGB";
+    say(std::move(said));
+    if (!beside.materials) return;
+    std::string list;
+    const std::vector<int> indices = indices_in(*beside.materials);
+    for (const int index : indices) list += (list.empty() ? "" : ", ") + std::to_string(index);
+    add_remark(scene_.remarks,
+               {"material indices are there (" + beside.materials_name + ": " + list +
+                "), but nothing says what they feel like: in a scene file (touchable init-scene writes one) "
+                "haptic.materials does, with folder.haptic as folder.depth (docs/scene_file.md)"});
+}
+
 Result<const Preset*> known_preset(const SourceDescription& known) {
     if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
     if (const Preset* preset = preset_named(known.preset)) return preset;
@@ -472,13 +492,19 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     scene.folder->depth = depth->pattern;
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
+    const BesideDepth* const beside = stored->beside.get();
+    const bool has_own_colour = colour == nullptr && beside != nullptr && beside->colour;
     if (colour != nullptr) scene.folder->colour = colour->pattern;
+    if (has_own_colour) scene.folder->colour = depth->pattern;
     for (const PictureGroup& group : *groups)
         if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
             scene.folder->haptic = group.pattern;
     for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
     guess.say("depth is " + depth->pattern +
-              (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
+              (colour != nullptr ? ", colour is " + colour->pattern
+               : has_own_colour  ? ", colour is in the same files"
+                                 : ", there is no colour"));
+    if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
     if (const std::string others = left_out(depths); !others.empty())
         guess.say("left out: " + others, "name one of these to open it");
     if (colour != nullptr) guess.doubt_colour(folder, colour->first, *pictures);
@@ -519,7 +545,10 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.scene().folder->colour = colour->filename().string();
         guess.say("colour is " + guess.scene().folder->colour);
         guess.doubt_colour(file.parent_path(), *colour, *pictures);
+    } else if (stored->beside && stored->beside->colour) {
+        guess.scene().folder->colour = name;
     }
+    if (stored->beside) guess.tell_of_layers(*stored->beside, guess.scene().folder->colour == name);
     GuessedScene made = guess.made();
     made.pictures = pictures;
     return made;

@@ -1,12 +1,19 @@
 #include "engine/import/guess/read_pictures.hpp"
 
 #include <algorithm>
+#include <string>
+
+#include "engine/picture/exr_image.hpp"
 
 namespace touchable {
 namespace {
 
 std::size_t bytes_of(const StoredImage& picture) {
-    return picture.image.samples.size() + picture.values.size() * sizeof(float);
+    std::size_t bytes = picture.image.samples.size() + picture.values.size() * sizeof(float);
+    if (!picture.beside) return bytes;
+    for (const auto* other : {&picture.beside->colour, &picture.beside->materials})
+        if (*other) bytes += bytes_of(**other);
+    return bytes;
 }
 
 }  // namespace
@@ -31,22 +38,48 @@ Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesys
         return std::shared_ptr<const StoredImage>(there->second);
     const auto stack = stack_in(file);
     if (!stack) return stack.error();
-    auto picture = *stack ? (*stack)->image(0) : read_stored_image(source(file));
+    auto picture = *stack ? (*stack)->image(0) : read(file, PictureLayer::own);
     if (!picture) return picture.error();
-    newest_.reset();
     // A stack is read again, which opens nothing.
     return *stack ? std::make_shared<const StoredImage>(std::move(*picture))
                   : kept(file, std::move(*picture));
 }
 
-Result<StoredImage> ReadPictures::take(const std::filesystem::path& file) {
-    if (auto there = pictures_.extract(file.lexically_normal()); there) {
-        bytes_ -= bytes_of(*there.mapped());
-        if (there.mapped().use_count() == 1) return std::move(*there.mapped());
-        return *there.mapped();
-    }
-    auto picture = read_stored_image(source(file));
+Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
+    const auto bytes = read_picture_bytes(source(file));
+    if (!bytes) return bytes.error();
+    const std::string where = file.string();
     newest_.reset();
+    if (!is_exr(*bytes)) return decode_stored_image(*bytes, where);
+    if (layer == PictureLayer::own) return decode_exr(*bytes, where, wanted_);
+    return layer == PictureLayer::colour ? decode_exr_colour(*bytes, where)
+                                         : decode_exr_materials(*bytes, where);
+}
+
+std::optional<StoredImage> ReadPictures::taken_beside(const std::filesystem::path& file, PictureLayer layer) {
+    if (!beside_ || rendering_ != file.lexically_normal()) return std::nullopt;
+    return std::exchange(layer == PictureLayer::colour ? beside_->colour : beside_->materials, std::nullopt);
+}
+
+Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, PictureLayer layer) {
+    if (layer != PictureLayer::own)
+        if (auto beside = taken_beside(file, layer)) return std::move(*beside);
+    const auto kept = pictures_.find(file.lexically_normal());
+    const bool is_kept =
+        kept != pictures_.end() && (layer == PictureLayer::own || kept->second->codec != "exr");
+    auto picture = is_kept ? taken(kept) : read(file, layer);
+    if (!picture || !picture->beside) return picture;
+    rendering_ = file.lexically_normal();
+    beside_ = std::move(picture->beside);
+    return picture;
+}
+
+StoredImage ReadPictures::taken(Kept::iterator kept) {
+    auto there = pictures_.extract(kept);
+    bytes_ -= bytes_of(*there.mapped());
+    if (there.mapped().use_count() == 1) return std::move(*there.mapped());
+    StoredImage picture = *there.mapped();
+    if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
     return picture;
 }
 
