@@ -1,0 +1,196 @@
+"""Depth, material and factors of each pixel, all of them from one and the same sample at the pixel's centre.
+
+It is one render by Cycles on the CPU. A pixel's surface is the first one that is at least half opaque. Textures of haptics and of
+heights are plugged into shader AOVs, so that Cycles reads them as it reads an artist's colours. It adds the AOVs of all
+surfaces that a ray passes on its way; so those that are transparent there say nothing, and a mark counts who did.
+"""
+
+import math
+import os
+from dataclasses import dataclass
+
+import bpy
+import numpy
+
+from . import blender_versions, pictures
+from .faults import NoRenderer
+
+HAPTIC, HEIGHT, HAPTIC_MARK, HEIGHT_MARK = "touchable haptic", "touchable height", "touchable haptics", "touchable heights"
+OPAQUE = 0.5
+BACKGROUND = 1e9  # Cycles writes 1e10 where there is no surface
+MOST_MATERIALS = 32766
+
+
+@dataclass
+class Sample:
+    """What a frame's pixels show, as arrays of rows from the top."""
+
+    depth: numpy.ndarray  # Blender's units along the axis; infinity: no surface
+    material: numpy.ndarray  # 1 is the first one; 0: none
+    haptic: numpy.ndarray  # factors of stiffness, static and dynamic friction; 1 where no texture varies them
+    height: numpy.ndarray  # factor of the relief; 0 where there is none
+    doubtful: int  # pixels where several surfaces would have said something
+
+
+def prepare(scene, materials, feels):
+    """Sets the scene up for the data, for good: nobody saves it."""
+    if len(materials) > MOST_MATERIALS:
+        raise NoRenderer(f"the file has {len(materials)} materials, and Blender numbers {MOST_MATERIALS} of them")
+    _set_renderer(scene)
+    for layer in scene.view_layers:
+        if layer.use:
+            _set_layer(layer)
+    for number, (material, feel) in enumerate(zip(materials, feels), 1):
+        material.pass_index = number
+        if feel.haptic_socket:
+            _plug(material, feel.haptic_socket, HAPTIC, HAPTIC_MARK)
+        if feel.height_socket:
+            _plug(material, feel.height_socket, HEIGHT, HEIGHT_MARK)
+
+
+def _set_renderer(scene):
+    render = scene.render
+    try:
+        render.engine = "CYCLES"
+    except TypeError:
+        raise NoRenderer("this Blender has no Cycles, by which depth is rendered; enable it (Preferences > Add-ons > Cycles)") from None
+    render.use_compositing = render.use_sequencer = render.use_freestyle = False
+    render.use_motion_blur = render.use_multiview = False
+    for thing in bpy.data.cameras:
+        thing.dof.use_dof = False
+    # A filter of a hundredth of a pixel: rays go through the pixel's centre, but for that.
+    blender_versions.set_where_it_is(
+        scene.cycles, device="CPU", samples=1, use_adaptive_sampling=False, use_denoising=False, time_limit=0.0,
+        pixel_filter_type="BLACKMAN_HARRIS", filter_width=0.01, use_auto_tile=False, shading_system=False,
+        max_bounces=0, diffuse_bounces=0, glossy_bounces=0, transmission_bounces=0, volume_bounces=0,
+        transparent_max_bounces=max(scene.cycles.transparent_max_bounces, 128), use_sample_subset=False)
+    blender_versions.write_multilayer_floats(render.image_settings)
+
+
+def _set_layer(layer):
+    for settings in (layer, getattr(layer, "cycles", None)):
+        for name in dir(settings):
+            if name.startswith("use_pass_"):
+                setattr(settings, name, False)
+    layer.use_pass_combined = layer.use_pass_z = layer.use_pass_material_index = True
+    layer.pass_alpha_threshold = OPAQUE
+    layer.samples = 0
+    layer.material_override = None
+    blender_versions.set_where_it_is(layer.cycles, use_denoising=False, denoising_store_passes=False)
+    for name, kind in ((HAPTIC, "COLOR"), (HEIGHT, "VALUE"), (HAPTIC_MARK, "VALUE"), (HEIGHT_MARK, "VALUE")):
+        aov = layer.aovs.add()
+        aov.name, aov.type = name, kind
+
+
+def _plug(material, socket, name, mark):
+    """A socket of the material's nodes to an AOV, and 1 to the mark, both times whether the surface is opaque there."""
+    tree = blender_versions.node_tree_of(material)
+    opaque = _is_opaque(tree)
+    value = socket
+    if opaque is not None:
+        product = tree.nodes.new("ShaderNodeVectorMath")
+        product.operation = "MULTIPLY"
+        tree.links.new(socket, product.inputs[0])
+        tree.links.new(opaque, product.inputs[1])
+        value = product.outputs[0]
+    node = tree.nodes.new("ShaderNodeOutputAOV")
+    blender_versions.name_aov_node(node, name)
+    tree.links.new(value, node.inputs[0 if name == HAPTIC else 1])
+    node = tree.nodes.new("ShaderNodeOutputAOV")
+    blender_versions.name_aov_node(node, mark)
+    if opaque is None:
+        node.inputs[1].default_value = 1
+    else:
+        tree.links.new(opaque, node.inputs[1])
+
+
+def _is_opaque(tree):
+    """A socket that is 1 where the material is at least half opaque, otherwise 0; None: it is everywhere, for all we know."""
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    links = output.inputs["Surface"].links if output else ()
+    if not links:
+        return None
+    opacity, is_transparency = _opacity(links[0].from_node)
+    if opacity is None:
+        return None
+    above = tree.nodes.new("ShaderNodeMath")
+    above.operation = "GREATER_THAN"
+    above.inputs[1].default_value = OPAQUE - 1e-6
+    if is_transparency:
+        less = tree.nodes.new("ShaderNodeMath")
+        less.operation = "SUBTRACT"
+        less.inputs[0].default_value = 1
+        _feed(tree, opacity, less.inputs[1])
+        tree.links.new(less.outputs[0], above.inputs[0])
+    else:
+        _feed(tree, opacity, above.inputs[0])
+    return above.outputs[0]
+
+
+def _opacity(shader):
+    """The input that says how opaque a shader is, or how transparent; (None, False): it is opaque, for all we know."""
+    if shader.type == "BSDF_PRINCIPLED":
+        alpha = shader.inputs["Alpha"]
+        return (alpha, False) if alpha.is_linked or alpha.default_value < 1 else (None, False)
+    if shader.type == "MIX_SHADER":
+        kinds = [slot.links[0].from_node.type if slot.links else None for slot in shader.inputs[1:3]]
+        if kinds.count("BSDF_TRANSPARENT") == 1:
+            return shader.inputs[0], kinds[1] == "BSDF_TRANSPARENT"
+    return None, False
+
+
+def _feed(tree, source, target):
+    if source.is_linked:
+        tree.links.new(source.links[0].from_socket, target)
+    else:
+        target.default_value = source.default_value
+
+
+def take(scene, folder):
+    """The scene's current frame, rendered by way of a file in `folder`."""
+    path = os.path.join(folder, "data.exr")
+    scene.render.filepath = path
+    scene.render.use_file_extension = False
+    if "FINISHED" not in bpy.ops.render.render(write_still=True, scene=scene.name):
+        raise NoRenderer(f"Cycles did not finish frame {scene.frame_current}")
+    planes = pictures.read_exr(path)
+    os.remove(path)
+    layers = [layer.name for layer in scene.view_layers if layer.use]
+    return _nearest([_sample_of(planes, layer) for layer in layers])
+
+
+def _plane(planes, layer, names):
+    for name in names:
+        if f"{layer}.{name}" in planes:
+            return planes[f"{layer}.{name}"]
+    raise NoRenderer(f"Cycles wrote no pass {names[0]} of the view layer '{layer}'; it wrote {', '.join(sorted(planes))}")
+
+
+def _value(planes, layer, name):
+    return _plane(planes, layer, [f"{name}.{channel}" for channel in blender_versions.VALUE_NAMES])
+
+
+def _sample_of(planes, layer):
+    depth = _plane(planes, layer, blender_versions.DEPTH_NAMES)
+    is_surface = (depth > 0) & (depth < BACKGROUND)
+    material = numpy.rint(_plane(planes, layer, blender_versions.INDEX_NAMES)).astype(numpy.int32)
+    haptic = numpy.stack([_plane(planes, layer, [f"{HAPTIC}.{channel}"]) for channel in "RGB"], axis=-1)
+    haptics, heights = (numpy.rint(_value(planes, layer, mark)) for mark in (HAPTIC_MARK, HEIGHT_MARK))
+    height = _value(planes, layer, HEIGHT)
+    return Sample(numpy.where(is_surface, depth, math.inf).astype(numpy.float32), numpy.where(is_surface, material, 0),
+                  numpy.where((haptics == 1)[..., None], haptic, numpy.float32(1)),
+                  numpy.where(heights == 1, height, numpy.float32(0)),
+                  int(numpy.count_nonzero(is_surface & ((haptics > 1) | (heights > 1)))))
+
+
+def _nearest(samples):
+    """Of several view layers, in each pixel the surface that is nearest."""
+    nearest = samples[0]
+    for other in samples[1:]:
+        is_nearer = other.depth < nearest.depth
+        nearest = Sample(numpy.where(is_nearer, other.depth, nearest.depth),
+                         numpy.where(is_nearer, other.material, nearest.material),
+                         numpy.where(is_nearer[..., None], other.haptic, nearest.haptic),
+                         numpy.where(is_nearer, other.height, nearest.height),
+                         nearest.doubtful + other.doubtful)
+    return nearest

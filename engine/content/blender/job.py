@@ -1,0 +1,136 @@
+"""An export from its first look at the scene to the finished clip. It changes the file in memory, and nobody saves that."""
+
+import math
+import os
+from dataclasses import dataclass
+
+import bpy
+import numpy
+
+from . import blender_versions, colour_pass, data_pass, motion, pictures, scene_file
+from .camera import camera_of, picture_size
+from .faults import BadUsage, Refused
+from .materials import feel_of, guessed_line, materials_in_use
+from .planes import haptic_codes, height_codes, ranges_of
+
+
+@dataclass
+class Wish:
+    """What was asked for."""
+
+    frames: tuple = None  # first, last
+    size: tuple = None
+    near: float = None  # metres
+    far: float = None
+    colour: bool = True
+    colour_samples: int = None
+
+
+class Export:
+    """`say` takes lines for a person; `work` is an empty folder, in which everything is made."""
+
+    def __init__(self, wish, work, say):
+        self.wish, self.work, self.say = wish, work, say
+        self.scene = bpy.context.scene
+        self.remarks = []
+        self.metres_per_unit = self.scene.unit_settings.scale_length if self.scene.unit_settings.system != "NONE" else 1.0
+
+    def run(self):
+        """Makes the pictures in `work`; what is missing then is the clip."""
+        if blender_versions.untested_version():
+            self.say(blender_versions.untested_version())
+        self._choose_size()
+        self.rate = motion.rate_of(self.scene)
+        self.frames, why_one = motion.frames_of(self.scene, self.wish.frames)
+        if not self.frames:
+            raise BadUsage(f"there are no frames from {self.scene.frame_start} to {self.scene.frame_end}; right would be a last frame that is not before the first")
+        if why_one:
+            self.say(why_one)
+        self.materials = materials_in_use()
+        self._look_at_frames()
+        if self.wish.colour:
+            self._render_colour()
+        self._render_data()
+        self._write_scene()
+
+    def _choose_size(self):
+        render = self.scene.render
+        if self.wish.size:
+            render.resolution_x, render.resolution_y = self.wish.size
+            render.resolution_percentage = 100
+        if render.use_multiview:
+            raise Refused("the scene is rendered in stereo, and a clip is of one camera; turn Stereoscopy off (Output properties)")
+
+    def _look_at_frames(self):
+        """Camera, and what materials feel like, at each frame: before anything is rendered."""
+        self.camera, self.feels = None, {}
+        for frame in self.frames:
+            self.scene.frame_set(frame)
+            camera = camera_of(self.scene)
+            if self.camera and not _is_nearly(camera, self.camera):
+                raise Refused(f"the camera's lens changes at frame {frame} (focal length, shift or sensor), and a clip has one lens; "
+                              "move the camera instead of zooming")
+            self.camera = self.camera or camera
+            # Material 0 is that of objects that have none.
+            self.feels[frame] = [feel_of(material, self.metres_per_unit) for material in (None, *self.materials)]
+        self.ranges = ranges_of([feel for feels in self.feels.values() for feel in feels])
+
+    def _render_colour(self):
+        self.remarks += colour_pass.prepare(self.scene, self.wish.colour_samples)
+        for number, frame in enumerate(self.frames):
+            self._progress("colour", number)
+            self.scene.frame_set(frame)
+            colour_pass.take(self.scene, self._picture(scene_file.COLOUR, number))
+
+    def _render_data(self):
+        data_pass.prepare(self.scene, self.materials, self.feels[self.frames[0]])
+        self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
+        for number, frame in enumerate(self.frames):
+            self._progress("depth", number)
+            self.scene.frame_set(frame)
+            sample = data_pass.take(self.scene, self.work)
+            self._write_planes(number, sample, self.feels[frame])
+            doubtful += sample.doubtful
+        if doubtful:
+            self.remarks.append(f"{doubtful} pixels show a haptic texture through others that are transparent; they have the material's values without it")
+
+    def _write_planes(self, number, sample, feels):
+        metres = (sample.depth.astype(numpy.float64) * self.metres_per_unit).astype(numpy.float32)
+        near, far = self.wish.near or 0.0, self.wish.far or math.inf
+        metres[(metres < near) | (metres > far)] = math.inf
+        is_surface = numpy.isfinite(metres)
+        if is_surface.any():
+            self.nearest = min(self.nearest, float(metres[is_surface].min()))
+            self.farthest = max(self.farthest, float(metres[is_surface].max()))
+            self.seen.update(int(material) for material in numpy.unique(sample.material[is_surface]))
+        pictures.write_float_exr(self._picture(scene_file.DEPTH, number), metres)
+        pictures.write_png(self._picture(scene_file.HAPTIC, number), haptic_codes(sample, feels, self.ranges))
+        if self.ranges.height > 0:
+            pictures.write_png(self._picture(scene_file.HEIGHT, number), height_codes(sample, feels, self.ranges))
+
+    def _write_scene(self):
+        if not self.seen:
+            raise Refused("the camera sees no surface in any frame, so there is nothing to touch; look through it (Numpad 0) and move it")
+        near, far = scene_file.planes_between(self.nearest, self.farthest)
+        feels = [self.feels[self.frames[0]][material] for material in sorted(self.seen)]
+        self.remarks += [remark for feel in feels for remark in feel.remarks]
+        guessed = guessed_line(feels)
+        if guessed:
+            self.remarks.append(guessed)
+        for remark in self.remarks:
+            self.say(remark)
+        scene_file.write_scene(
+            self.work, name=os.path.splitext(bpy.path.basename(bpy.data.filepath))[0] or self.scene.name,
+            size=picture_size(self.scene), rate=self.rate, camera=self.camera, near=self.wish.near or near,
+            far=self.wish.far or far, ranges=self.ranges, has_colour=self.wish.colour, remarks=self.remarks)
+
+    def _picture(self, plane, number):
+        return os.path.join(self.work, scene_file.picture_name(plane, number))
+
+    def _progress(self, what, number):
+        self.say(f"{what} {number + 1} of {len(self.frames)}")
+
+
+def _is_nearly(camera, other):
+    return all(abs(a - b) <= 1e-4 for a, b in zip((camera.fx, camera.fy, camera.cx, camera.cy),
+                                                  (other.fx, other.fy, other.cx, other.cy)))

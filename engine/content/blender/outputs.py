@@ -1,0 +1,90 @@
+"""Where an export goes: a clip, where `touchable` is there to make one, or the folder of its pictures. It appears whole or not at all."""
+
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+
+from .faults import BadUsage, Fault
+
+children = []  # processes that are running, for whoever ends this one
+CLIPS = (".mkv", ".mp4", ".gltf")
+
+
+def program(named):
+    """The path of `touchable`: as named, from $TOUCHABLE, or where programs are; None: it is not there."""
+    for name in (named, os.environ.get("TOUCHABLE")):
+        if name:
+            found = shutil.which(os.path.expanduser(name))
+            if not found:
+                raise BadUsage(f"'{name}' is no program; right would be the path of touchable")
+            return found
+    return shutil.which("touchable")
+
+
+def is_clip(path):
+    return path.lower().endswith(CLIPS)
+
+
+def final_path(output, touchable):
+    """What will be there in the end: the output itself, or for want of the program a folder of its name."""
+    return output if touchable or not is_clip(output) else os.path.splitext(output)[0]
+
+
+def check_output(output, touchable, overwrite):
+    """Refuses what cannot be written, before anything is rendered."""
+    if not is_clip(output) and os.path.splitext(os.path.basename(output.rstrip("/")))[1]:
+        raise BadUsage(f"'{output}' is no clip and no folder; right would be NAME.mkv, or a name without a dot for the folder of pictures")
+    final = final_path(output, touchable)
+    folder = os.path.dirname(os.path.abspath(final))
+    if not os.path.isdir(folder):
+        raise BadUsage(f"'{folder}' is no folder, and the output shall be there")
+    if not os.access(folder, os.W_OK):
+        raise BadUsage(f"'{folder}' cannot be written to")
+    if os.path.lexists(final):
+        if not overwrite:
+            raise BadUsage(f"'{final}' is there already; --overwrite replaces it")
+        if os.path.isdir(final) and not is_clip(final) and os.listdir(final) and not os.path.exists(os.path.join(final, "scene.json")):
+            raise BadUsage(f"'{final}' is a folder of something else, and is not replaced; right would be another name")
+
+
+def work_folder(output):
+    """An empty one beside the output, on the same disk, so that it can become the output."""
+    return tempfile.mkdtemp(prefix=".touchable-", dir=os.path.dirname(os.path.abspath(output)))
+
+
+def publish(work, output, touchable, overwrite, say):
+    """The pictures in `work` become the output; returns what that is."""
+    final = final_path(output, touchable)
+    if is_clip(final):
+        _convert(work, final, touchable, overwrite)
+    else:
+        _become(work, final)
+        if is_clip(output):
+            say(f"touchable is not installed here, so this is a folder of pictures; where it is: touchable convert {shlex.quote(final)} {shlex.quote(output)}")
+    return final
+
+
+def _convert(work, final, touchable, overwrite):
+    command = [touchable, "convert", work, final] + (["--overwrite"] if overwrite else [])
+    # In a session of its own, so that Ctrl-C reaches it through this process alone.
+    running = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+    children.append(running)
+    told = running.communicate()[1].strip()
+    children.remove(running)
+    if running.returncode != 0:
+        last = (told or f"it ended with code {running.returncode}").splitlines()[-1]
+        fault = Fault(f"touchable convert: {last.removeprefix('touchable: ')}")
+        fault.code = running.returncode if running.returncode > 0 else 1
+        raise fault
+
+
+def _become(work, final):
+    os.chmod(work, 0o755)
+    if os.path.isdir(final) and not os.path.islink(final):
+        shutil.rmtree(final)
+    elif os.path.lexists(final):
+        os.remove(final)
+    os.rename(work, final)

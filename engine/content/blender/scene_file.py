@@ -1,0 +1,53 @@
+"""scene.json of the folder of pictures that an export makes. Lengths are in metres."""
+
+import json
+import math
+import os
+
+DEPTH, COLOUR, HAPTIC, HEIGHT = "depth", "colour", "haptic", "height"
+MOST_REMARK = 2000  # bytes
+
+
+def picture_name(plane, number):
+    """Of a picture in the folder, from 0."""
+    return f"{plane}_{number:06d}.{'exr' if plane == DEPTH else 'png'}"
+
+
+def planes_between(nearest, farthest):
+    """Near and far that hold both, outward to a ten-thousandth of what lies between them."""
+    grain = 10.0 ** (math.floor(math.log10(max(farthest - nearest, 1e-3 * farthest))) - 4)
+    near, far = math.floor(nearest / grain) * grain, math.ceil(farthest / grain) * grain
+    if not 0 < near <= nearest:
+        near = nearest
+    return float(f"{near:.9g}"), float(f"{far:.9g}")
+
+
+def write_scene(folder, *, name, size, rate, camera, near, far, ranges, has_colour, remarks):
+    """`near` and `far` in metres."""
+    scene = {
+        "touchable_scene": 1,
+        "name": name,
+        "remarks": [_cut(remark) for remark in remarks],
+        "width": size[0],
+        "height": size[1],
+        "rate": rate,
+        "metres_per_unit": 1,
+        "camera": {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy},
+        "depth": {"coding": "metric", "scale": 1, "near": near, "far": far},
+        "haptic": {key: [limits.least, limits.most] for key, limits in (
+            ("stiffness", ranges.stiffness), ("static_friction", ranges.static_friction),
+            ("dynamic_friction", ranges.dynamic_friction))},
+        "folder": {plane: f"{plane}_%06d.{'exr' if plane == DEPTH else 'png'}" for plane in (DEPTH, HAPTIC)},
+    }
+    if has_colour:
+        scene["folder"][COLOUR] = f"{COLOUR}_%06d.png"
+    if ranges.height > 0:
+        scene["height_map"] = {"max": ranges.height, "units": "world", "bits": 16}
+        scene["folder"][HEIGHT] = f"{HEIGHT}_%06d.png"
+    with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:
+        json.dump(scene, file, indent=2)
+        file.write("\n")
+
+
+def _cut(text):
+    return text.encode()[:MOST_REMARK].decode("utf-8", "ignore")
