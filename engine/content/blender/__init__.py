@@ -1,1 +1,23 @@
-"""Touchable clips from Blender: an add-on, and a script for Blender without a window (export.py)."""
+"""Touchable clips from Blender: an add-on with a panel, and a script for Blender without a window (export.py)."""
+
+bl_info = {
+    "name": "Touchable clips",
+    "description": "Exports what the camera sees as a clip that can be touched, and says what materials feel like",
+    "author": "touchable",
+    "version": (1, 0, 0),
+    "blender": (3, 4, 0),
+    "location": "Properties > Output > Touch, Properties > Material > Touch, File > Export",
+    "warning": "Run with Blender 3.4.1 only; calls for 4.x and 5.x are written from the documentation",
+    "doc_url": "",
+    "category": "Import-Export",
+}
+
+
+def register():
+    from . import panel
+    panel.register()
+
+
+def unregister():
+    from . import panel
+    panel.unregister()
