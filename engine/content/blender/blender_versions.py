@@ -50,6 +50,13 @@ def node_tree_of(material):
     return material.node_tree
 
 
+def add_group_output(group, name):
+    """A number that a group of nodes gives; its name. 4.0 keeps sockets in the group's interface."""
+    if hasattr(group, "interface"):
+        return group.interface.new_socket(name=name, in_out="OUTPUT", socket_type="NodeSocketFloat").name
+    return group.outputs.new("NodeSocketFloat", name).name
+
+
 def compositor_trees(scene):
     """`node_tree` was the scene's own until 5.0, which has groups instead."""
     tree = getattr(scene, "compositing_node_group", None) or getattr(scene, "node_tree", None)
@@ -77,6 +84,15 @@ def write_png(image_settings):
     image_settings.compression = 15
     if hasattr(image_settings, "color_management"):
         image_settings.color_management = "FOLLOW_SCENE"
+
+
+def can_denoise():
+    """Whether Cycles was built with OpenImageDenoise: without it, as Debian's, a scene that asks for it is not rendered at all."""
+    try:
+        import _cycles
+    except ImportError:
+        return True
+    return bool(getattr(_cycles, "with_openimagedenoise", True))
 
 
 def set_where_it_is(owner, **values):

@@ -19,6 +19,9 @@ def prepare(scene, samples):
         render.engine = "CYCLES"
         scene.cycles.device = "CPU"
         samples = samples or 32
+    if render.engine == "CYCLES" and scene.cycles.use_denoising and not blender_versions.can_denoise():
+        remarks.append("colour is not denoised: this Blender is built without OpenImageDenoise; more samples make it smooth")
+        scene.cycles.use_denoising = False
     if samples and render.engine == "CYCLES":
         scene.cycles.samples = samples
     elif samples and render.engine in blender_versions.GPU_ENGINES:

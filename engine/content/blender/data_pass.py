@@ -1,8 +1,8 @@
 """Depth, material and factors of each pixel, all of them from one and the same sample at the pixel's centre.
 
-It is one render by Cycles on the CPU. A pixel's surface is the first one that is at least half opaque. Textures of haptics and of
-heights are plugged into shader AOVs, so that Cycles reads them as it reads an artist's colours. It adds the AOVs of all
-surfaces that a ray passes on its way; so those that are transparent there say nothing, and a mark counts who did.
+It is one render by Cycles on the CPU. A pixel's surface is the first one that is at least half opaque (opacity.py). Textures of haptics and
+of heights are plugged into shader AOVs, so that Cycles reads them as it reads an artist's colours. It adds the AOVs of all surfaces
+that a ray passes on its way; so those that are transparent there say nothing, and a mark counts who did.
 """
 
 import math
@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import bpy
 import numpy
 
-from . import blender_versions, pictures
+from . import blender_versions, opacity, pictures
 from .faults import NoRenderer
 
 HAPTIC, HEIGHT, HAPTIC_MARK, HEIGHT_MARK = "touchable haptic", "touchable height", "touchable haptics", "touchable heights"
-OPAQUE = 0.5
 BACKGROUND = 1e9  # Cycles writes 1e10 where there is no surface
 MOST_MATERIALS = 32766
 
@@ -40,12 +39,14 @@ def prepare(scene, materials, feels):
     for layer in scene.view_layers:
         if layer.use:
             _set_layer(layer)
+    cutter = opacity.Cutter()
     for number, (material, feel) in enumerate(zip(materials, feels), 1):
         material.pass_index = number
+        is_surface = cutter.cut(material)
         if feel.haptic_socket:
-            _plug(material, feel.haptic_socket, HAPTIC, HAPTIC_MARK)
+            _plug(material, feel.haptic_socket, is_surface, HAPTIC, HAPTIC_MARK)
         if feel.height_socket:
-            _plug(material, feel.height_socket, HEIGHT, HEIGHT_MARK)
+            _plug(material, feel.height_socket, is_surface, HEIGHT, HEIGHT_MARK)
 
 
 def _set_renderer(scene):
@@ -73,7 +74,7 @@ def _set_layer(layer):
             if name.startswith("use_pass_"):
                 setattr(settings, name, False)
     layer.use_pass_combined = layer.use_pass_z = layer.use_pass_material_index = True
-    layer.pass_alpha_threshold = OPAQUE
+    layer.pass_alpha_threshold = opacity.HALF
     layer.samples = 0
     layer.material_override = None
     blender_versions.set_where_it_is(layer.cycles, use_denoising=False, denoising_store_passes=False)
@@ -82,68 +83,23 @@ def _set_layer(layer):
         aov.name, aov.type = name, kind
 
 
-def _plug(material, socket, name, mark):
-    """A socket of the material's nodes to an AOV, and 1 to the mark, both times whether the surface is opaque there."""
+def _plug(material, socket, is_surface, name, mark):
+    """A socket of the material's nodes to an AOV, and 1 to the mark: both times 0 where it is no surface."""
     tree = blender_versions.node_tree_of(material)
-    opaque = _is_opaque(tree)
-    value = socket
-    if opaque is not None:
+    if is_surface is not None:
         product = tree.nodes.new("ShaderNodeVectorMath")
         product.operation = "MULTIPLY"
         tree.links.new(socket, product.inputs[0])
-        tree.links.new(opaque, product.inputs[1])
-        value = product.outputs[0]
-    node = tree.nodes.new("ShaderNodeOutputAOV")
-    blender_versions.name_aov_node(node, name)
-    tree.links.new(value, node.inputs[0 if name == HAPTIC else 1])
-    node = tree.nodes.new("ShaderNodeOutputAOV")
-    blender_versions.name_aov_node(node, mark)
-    if opaque is None:
-        node.inputs[1].default_value = 1
+        tree.links.new(is_surface, product.inputs[1])
+        socket = product.outputs[0]
+    value, count = (tree.nodes.new("ShaderNodeOutputAOV") for _ in range(2))
+    blender_versions.name_aov_node(value, name)
+    blender_versions.name_aov_node(count, mark)
+    tree.links.new(socket, value.inputs[0 if name == HAPTIC else 1])
+    if is_surface is None:
+        count.inputs[1].default_value = 1
     else:
-        tree.links.new(opaque, node.inputs[1])
-
-
-def _is_opaque(tree):
-    """A socket that is 1 where the material is at least half opaque, otherwise 0; None: it is everywhere, for all we know."""
-    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-    links = output.inputs["Surface"].links if output else ()
-    if not links:
-        return None
-    opacity, is_transparency = _opacity(links[0].from_node)
-    if opacity is None:
-        return None
-    above = tree.nodes.new("ShaderNodeMath")
-    above.operation = "GREATER_THAN"
-    above.inputs[1].default_value = OPAQUE - 1e-6
-    if is_transparency:
-        less = tree.nodes.new("ShaderNodeMath")
-        less.operation = "SUBTRACT"
-        less.inputs[0].default_value = 1
-        _feed(tree, opacity, less.inputs[1])
-        tree.links.new(less.outputs[0], above.inputs[0])
-    else:
-        _feed(tree, opacity, above.inputs[0])
-    return above.outputs[0]
-
-
-def _opacity(shader):
-    """The input that says how opaque a shader is, or how transparent; (None, False): it is opaque, for all we know."""
-    if shader.type == "BSDF_PRINCIPLED":
-        alpha = shader.inputs["Alpha"]
-        return (alpha, False) if alpha.is_linked or alpha.default_value < 1 else (None, False)
-    if shader.type == "MIX_SHADER":
-        kinds = [slot.links[0].from_node.type if slot.links else None for slot in shader.inputs[1:3]]
-        if kinds.count("BSDF_TRANSPARENT") == 1:
-            return shader.inputs[0], kinds[1] == "BSDF_TRANSPARENT"
-    return None, False
-
-
-def _feed(tree, source, target):
-    if source.is_linked:
-        tree.links.new(source.links[0].from_socket, target)
-    else:
-        target.default_value = source.default_value
+        tree.links.new(is_surface, count.inputs[1])
 
 
 def take(scene, folder):

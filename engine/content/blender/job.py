@@ -83,7 +83,7 @@ class Export:
             colour_pass.take(self.scene, self._picture(scene_file.COLOUR, number))
 
     def _render_data(self):
-        data_pass.prepare(self.scene, self.materials, self.feels[self.frames[0]])
+        data_pass.prepare(self.scene, self.materials, self.feels[self.frames[0]][1:])
         self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
         for number, frame in enumerate(self.frames):
             self._progress("depth", number)
@@ -95,7 +95,7 @@ class Export:
             self.remarks.append(f"{doubtful} pixels show a haptic texture through others that are transparent; they have the material's values without it")
 
     def _write_planes(self, number, sample, feels):
-        metres = (sample.depth.astype(numpy.float64) * self.metres_per_unit).astype(numpy.float32)
+        metres = sample.depth.astype(numpy.float64) * self.metres_per_unit
         near, far = self.wish.near or 0.0, self.wish.far or math.inf
         metres[(metres < near) | (metres > far)] = math.inf
         is_surface = numpy.isfinite(metres)
@@ -103,7 +103,7 @@ class Export:
             self.nearest = min(self.nearest, float(metres[is_surface].min()))
             self.farthest = max(self.farthest, float(metres[is_surface].max()))
             self.seen.update(int(material) for material in numpy.unique(sample.material[is_surface]))
-        pictures.write_float_exr(self._picture(scene_file.DEPTH, number), metres)
+        numpy.save(self._metres(number), metres.astype(numpy.float32))
         pictures.write_png(self._picture(scene_file.HAPTIC, number), haptic_codes(sample, feels, self.ranges))
         if self.ranges.height > 0:
             pictures.write_png(self._picture(scene_file.HEIGHT, number), height_codes(sample, feels, self.ranges))
@@ -112,6 +112,8 @@ class Export:
         if not self.seen:
             raise Refused("the camera sees no surface in any frame, so there is nothing to touch; look through it (Numpad 0) and move it")
         near, far = scene_file.planes_between(self.nearest, self.farthest)
+        near, far = self.wish.near or near, self.wish.far or far
+        self._write_depths(scene_file.depth_unit(far))
         feels = [self.feels[self.frames[0]][material] for material in sorted(self.seen)]
         self.remarks += [remark for feel in feels for remark in feel.remarks]
         guessed = guessed_line(feels)
@@ -121,8 +123,18 @@ class Export:
             self.say(remark)
         scene_file.write_scene(
             self.work, name=os.path.splitext(bpy.path.basename(bpy.data.filepath))[0] or self.scene.name,
-            size=picture_size(self.scene), rate=self.rate, camera=self.camera, near=self.wish.near or near,
-            far=self.wish.far or far, ranges=self.ranges, has_colour=self.wish.colour, remarks=self.remarks)
+            size=picture_size(self.scene), rate=self.rate, camera=self.camera, near=near, far=far,
+            unit=scene_file.depth_unit(far), ranges=self.ranges, has_colour=self.wish.colour, remarks=self.remarks)
+
+    def _write_depths(self, unit):
+        """Once it is known in which unit they are."""
+        for number in range(len(self.frames)):
+            metres = numpy.load(self._metres(number)).astype(numpy.float64)
+            pictures.write_float_exr(self._picture(scene_file.DEPTH, number), (metres / unit).astype(numpy.float32))
+            os.remove(self._metres(number))
+
+    def _metres(self, number):
+        return os.path.join(self.work, f"metres_{number:06d}.npy")
 
     def _picture(self, plane, number):
         return os.path.join(self.work, scene_file.picture_name(plane, number))

@@ -15,15 +15,22 @@ def picture_name(plane, number):
 
 def planes_between(nearest, farthest):
     """Near and far that hold both, outward to a ten-thousandth of what lies between them."""
-    grain = 10.0 ** (math.floor(math.log10(max(farthest - nearest, 1e-3 * farthest))) - 4)
-    near, far = math.floor(nearest / grain) * grain, math.ceil(farthest / grain) * grain
-    if not 0 < near <= nearest:
-        near = nearest
-    return float(f"{near:.9g}"), float(f"{far:.9g}")
+    between = max(farthest - nearest, 2e-3 * farthest)  # of a wall that is seen from the front
+    grain = 10.0 ** (math.floor(math.log10(between)) - 4)
+    middle = (nearest + farthest) / 2
+    near = math.floor(min(nearest, middle - between / 2) / grain) * grain
+    far = math.ceil(max(farthest, middle + between / 2) / grain) * grain
+    return float(f"{near if near > 0 else nearest:.9g}"), float(f"{far:.9g}")
 
 
-def write_scene(folder, *, name, size, rate, camera, near, far, ranges, has_colour, remarks):
-    """`near` and `far` in metres."""
+def depth_unit(far):
+    """Metres that 1 in a depth picture stands for: the power of ten by which `far` is from 6554 to 65535. A scene file's near and far have to
+    be depths of whole numbers up to 65535, which they are then, of whatever size the scene is."""
+    return 10.0 ** math.ceil(math.log10(far / 65535))
+
+
+def write_scene(folder, *, name, size, rate, camera, near, far, unit, ranges, has_colour, remarks):
+    """`near`, `far` and `unit`, that of the depth pictures, in metres."""
     scene = {
         "touchable_scene": 1,
         "name": name,
@@ -33,7 +40,7 @@ def write_scene(folder, *, name, size, rate, camera, near, far, ranges, has_colo
         "rate": rate,
         "metres_per_unit": 1,
         "camera": {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy},
-        "depth": {"coding": "metric", "scale": 1, "near": near, "far": far},
+        "depth": {"coding": "metric", "scale": unit, "near": near, "far": far},
         "haptic": {key: [limits.least, limits.most] for key, limits in (
             ("stiffness", ranges.stiffness), ("static_friction", ranges.static_friction),
             ("dynamic_friction", ranges.dynamic_friction))},

@@ -1,0 +1,285 @@
+// What Blender renders, exported, against surfaces in closed form, read as anybody reads a clip.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "tests/content/blender/blender.hpp"
+#include "tests/content/blender/exported.hpp"
+#include "tests/content/blender/table_truth.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::test {
+namespace {
+
+class Blender : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (!has_blender()) GTEST_SKIP() << "needs Blender (Debian: blender)";
+    }
+    /// The clip of a scene, which must export.
+    Exported exported(const std::string& scene, std::vector<std::string> words = {"--no-colour"}) {
+        words.insert(words.begin(), file());
+        run = export_scene(scene, words);
+        EXPECT_EQ(run.code, 0) << run.error;
+        return open_exported(file());
+    }
+    std::string file() const { return folder / "clip.mkv"; }
+    void check_in_blender(const std::string& names) {
+        const BlenderRun checked =
+            run_blender({std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/content/blender/checks.py"}, {},
+                        {"CHECKS=" + names});
+        EXPECT_EQ(checked.code, 0) << checked.error;
+    }
+
+    TemporaryFolder folder;
+    BlenderRun run;
+};
+
+/// The largest and the mean distance between what a clip says and what is true, of many pixels.
+struct Errors {
+    double codes = 0, millimetres = 0, squares = 0;
+    int pixels = 0;
+
+    void add(const Exported& clip, int x, int y, double true_depth) {
+        const auto depth = clip.depth(x, y);
+        ASSERT_TRUE(depth) << "no surface at " << x << ", " << y;
+        codes = std::max(codes, clip.codes_off(x, y, true_depth));
+        const double off = 1000 * (*depth - true_depth);
+        millimetres = std::max(millimetres, std::abs(off));
+        squares += off * off;
+        ++pixels;
+    }
+    void tell(const char* what) const {
+        std::printf("%s: %.0f codes and %.4f mm at most, %.4f mm RMS, of %d pixels\n", what, codes,
+                    millimetres, std::sqrt(squares / pixels), pixels);
+    }
+};
+
+TEST_F(Blender, PlaneIsWhereItIs) {
+    const Exported clip = exported("plane");
+    ASSERT_EQ(clip.frames.size(), 1u);
+    const Camera& camera = clip.scene().camera;
+    EXPECT_EQ(clip.frames[0].depth.width, 360);
+    EXPECT_EQ(clip.frames[0].depth.height, 240);
+    EXPECT_NEAR(camera.fx, 50.0 * 240 * 1.25 / 24, 1e-3);
+    EXPECT_NEAR(camera.fy, 50.0 * 240 / 24, 1e-3);
+    EXPECT_NEAR(camera.cx, 179.5 - 0.11 * 240 * 1.25, 1e-3);
+    EXPECT_NEAR(camera.cy, 119.5 - 0.07 * 240, 1e-3);
+    Errors errors;
+    for (int y = 0; y < 240; ++y)
+        for (int x = 0; x < 360; ++x) errors.add(clip, x, y, 4 / (1 + 0.3 * camera.u(x) + 0.2 * camera.v(y)));
+    errors.tell("plane");
+    EXPECT_LE(errors.codes, 1);
+    EXPECT_NEAR(clip.haptic(20, 20).stiffness, 700, 1e-9);  // and not the window's
+}
+
+/// The depth at which a ray meets the sphere of `sphere`; nothing beside it, or near its silhouette.
+std::optional<double> sphere_depth(double u, double v) {
+    // |d (u, v, -1) - (0, 0, -5)| = 1
+    const double a = u * u + v * v + 1, root = 25 - a * 24;
+    if (root < 0.1) return std::nullopt;
+    return (5 - std::sqrt(root)) / a;
+}
+
+TEST_F(Blender, SphereIsRoundAndPushesOutward) {
+    const Exported clip = exported("sphere");
+    ASSERT_EQ(clip.frames.size(), 1u);
+    const Camera& camera = clip.scene().camera;
+    Errors errors, wall;
+    for (int y = 0; y < 480; ++y)
+        for (int x = 0; x < 720; ++x) {
+            const double u = camera.u(x), v = camera.v(y);
+            if (const auto depth = sphere_depth(u, v)) errors.add(clip, x, y, *depth);
+            if (25 - (u * u + v * v + 1) * 24 < -0.1) wall.add(clip, x, y, 8);
+        }
+    errors.tell("sphere");
+    wall.tell("wall behind it");
+    EXPECT_GT(errors.pixels, 50000);
+    EXPECT_LE(errors.codes, 1);
+    EXPECT_LE(wall.codes, 1);
+
+    // A hand that goes round and about on its front.
+    const std::string forces = folder / "forces.csv";
+    const Outcome touched =
+        run_touchable({"touch", file(), "--hand", "wander:extent=0.45,depth=1,seed=3,speed=0.05", "--seconds",
+                       "6", "--forces", forces});
+    ASSERT_EQ(touched.code, 0) << touched.err;
+    double squares = 0, worst = 0;
+    int ticks = 0;
+    for (const ForcesRow& row : read_forces(forces)) {
+        const auto force = row.vector("force"), proxy = row.vector("proxy");
+        const glm::dvec3 f(force[0], force[1], force[2]), p(proxy[0], proxy[1], proxy[2]);
+        const glm::dvec3 outward = p * clip.scene().metres_per_unit - glm::dvec3(0, 0, -5);
+        if (row["contact"] == 0 || glm::length(f) < 0.05 || std::abs(glm::length(outward) - 1) > 0.01)
+            continue;
+        const double cosine = glm::dot(glm::normalize(f), glm::normalize(outward));
+        const double degrees = std::acos(std::min(1.0, cosine)) * 180 / 3.14159265358979;
+        squares += degrees * degrees;
+        worst = std::max(worst, degrees);
+        ++ticks;
+    }
+    ASSERT_GT(ticks, 3000);
+    std::printf("force on the sphere: %.3f degrees RMS, %.2f at most, of %d ticks\n",
+                std::sqrt(squares / ticks), worst, ticks);
+    EXPECT_LT(std::sqrt(squares / ticks), 2);
+}
+
+// The texel that a share of the way falls on, and the mean of neighbours as Blender has it.
+double ramp_height(double u) {
+    static constexpr double texels[8] = {0, 51, 102, 153, 204, 255, 51, 0};
+    const double at = u * 8 - 0.5;
+    const int left = static_cast<int>(std::floor(at));
+    const double share = at - left;
+    return (texels[(left + 8) % 8] * (1 - share) + texels[(left + 1) % 8] * share) / 255;
+}
+
+TEST_F(Blender, TexturesOfHeightAndHapticsAreWhatIsSeen) {
+    const Exported clip = exported("textures");
+    ASSERT_EQ(clip.frames.size(), 1u);
+    ASSERT_EQ(clip.scene().height_coding.code_max, 65535);
+    const Camera& camera = clip.scene().camera;
+    static constexpr double factors[4][3] = {{255, 0, 255}, {0, 255, 51}, {102, 153, 204}, {255, 255, 255}};
+    double height_off = 0;
+    int on_wall = 0, on_leaf = 0;
+    for (int y = 0; y < 256; ++y)
+        for (int x = 0; x < 256; ++x) {
+            const double leaf_x = 1.5 * camera.u(x), leaf_y = 1.5 * camera.v(y);
+            const double wall_x = (2 * camera.u(x) + 0.64) / 1.28, wall_y = (2 * camera.v(y) + 0.64) / 1.28;
+            const double edge = std::min(
+                {std::abs(leaf_x), std::abs(leaf_x + 0.4), std::abs(leaf_y), std::abs(leaf_y + 0.4)});
+            const bool is_leaf = leaf_x > -0.4 && leaf_x < 0 && leaf_y > -0.4 && leaf_y < 0;
+            const double row = wall_y * 4;
+            if (edge < 0.01 || std::abs(row - std::round(row)) < 0.02 || wall_x < 0 || wall_x >= 1 ||
+                wall_y < 0 || wall_y >= 1)
+                continue;
+            const HapticProperties felt = clip.haptic(x, y);
+            const auto& ranges = clip.scene().haptic;
+            const double half_codes[3] = {(ranges.stiffness.max - ranges.stiffness.min) / 510,
+                                          (ranges.static_friction.max - ranges.static_friction.min) / 510,
+                                          (ranges.dynamic_friction.max - ranges.dynamic_friction.min) / 510};
+            if (is_leaf) {
+                ++on_leaf;
+                EXPECT_NEAR(*clip.depth(x, y), 1.5, 2e-5);
+                EXPECT_NEAR(clip.height(x, y), 0.005 * 102 / 255, 1e-7);
+                EXPECT_NEAR(felt.stiffness / 1000, 0.3, half_codes[0]);
+                continue;
+            }
+            ++on_wall;
+            EXPECT_NEAR(*clip.depth(x, y), 2, 2e-5) << x << ", " << y;
+            height_off = std::max(height_off, std::abs(clip.height(x, y) - 0.01 * ramp_height(wall_x)));
+            const auto& factor = factors[static_cast<int>(row)];
+            EXPECT_NEAR(felt.stiffness / 1000, 2 * factor[0] / 255, half_codes[0] * 1.001) << x << ", " << y;
+            EXPECT_NEAR(felt.static_friction, 0.8 * factor[1] / 255, half_codes[1] * 1.001) << x << ", " << y;
+            EXPECT_NEAR(felt.dynamic_friction, 0.4 * factor[2] / 255, half_codes[2] * 1.001)
+                << x << ", " << y;
+        }
+    std::printf("heights: %.3f micrometres off at most, %.2f codes\n", 1e6 * height_off,
+                height_off / (0.01 / 65535));
+    EXPECT_GT(on_wall, 15000);
+    EXPECT_GT(on_leaf, 3000);
+    // Between texels a pixel's centre is a hundredth of a pixel off at most: 6 codes on the ramp's steepest
+    // part.
+    EXPECT_LT(height_off, 0.01 * 0.0002);
+}
+
+TEST_F(Blender, ThingsOnTheTableAreWhatTheyAre) {
+    const Exported clip = exported("table");
+    ASSERT_EQ(clip.frames.size(), 1u);
+    const std::array<std::array<double, 3>, 6> felt{{{1.6, 0.45, 0.35},
+                                                     {0.5, 0.95, 0.85},
+                                                     {2, 0.15, 0.1},
+                                                     {0.2, 0.8, 0.7},
+                                                     {1.8, 0.25, 0.18},
+                                                     {0.35, 0.7, 0.55}}};
+    std::array<Errors, 6> errors;
+    std::vector<TableHit> hits;
+    for (int y = 0; y < 480; ++y)
+        for (int x = 0; x < 720; ++x) hits.push_back(table_hit(clip.scene().camera, x, y));
+    for (int y = 1; y + 1 < 480; ++y)
+        for (int x = 1; x + 1 < 720; ++x) {
+            const auto at = static_cast<std::size_t>(y * 720 + x);
+            const TableHit& hit = hits[at];
+            bool is_plain = true;
+            for (const std::size_t beside :
+                 {at - 721, at - 720, at - 719, at - 1, at, at + 1, at + 719, at + 720, at + 721})
+                is_plain = is_plain && hits[beside].is_plain && hits[beside].thing == hit.thing &&
+                           std::abs(hits[beside].depth - hit.depth) < 0.0015;
+            if (!is_plain) continue;
+            const auto thing = static_cast<std::size_t>(hit.thing);
+            errors[thing].add(clip, x, y, hit.depth);
+            const HapticProperties there = clip.haptic(x, y);
+            ASSERT_NEAR(there.stiffness / 1000, felt[thing][0], 1e-9) << x << ", " << y;
+            ASSERT_NEAR(there.static_friction, felt[thing][1], 1e-9) << x << ", " << y;
+            ASSERT_NEAR(there.dynamic_friction, felt[thing][2], 1e-9) << x << ", " << y;
+        }
+    const char* names[] = {"table", "ball", "can", "sponge", "egg", "coaster"};
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        errors[k].tell(names[k]);
+        EXPECT_LE(errors[k].codes, 1) << names[k];
+        EXPECT_GT(errors[k].pixels, 5000) << names[k];
+    }
+}
+
+TEST_F(Blender, CameraMovesAndTheWallIsTouchedInItsFrame) {
+    const Exported clip = exported("moving");
+    ASSERT_EQ(clip.frames.size(), 3u);
+    EXPECT_EQ(clip.frames[1].time_ns, 2 * 1001000000LL / 30);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double frame = 3 + 2.0 * static_cast<double>(k);
+        EXPECT_NEAR(*clip.depth(20, 30, k), 3 + 0.25 * frame, 2e-5);
+        EXPECT_NEAR(clip.haptic(20, 30, k).stiffness, 100 * frame, 1e-9);
+    }
+}
+
+TEST_F(Blender, OrdinarySceneIsGuessedAndTouches) {
+    const Exported clip = exported("ordinary", {});
+    ASSERT_EQ(clip.frames.size(), 1u) << "nothing moves";
+    EXPECT_NE(run.told.find("nothing moves"), std::string::npos) << run.told;
+    EXPECT_NE(run.told.find("guessed: "), std::string::npos) << run.told;
+    EXPECT_NE(run.told.find("no material (0.6 N/mm"), std::string::npos) << run.told;
+    EXPECT_NE(run.told.find("Material (0.8 N/mm"), std::string::npos) << run.told;
+    EXPECT_NE(run.told.find("Chrome (1.6 N/mm"), std::string::npos) << run.told;
+    EXPECT_FALSE(clip.frames[0].colour.empty());
+    ASSERT_FALSE(clip.scene().remarks.empty());
+    EXPECT_NE(clip.scene().remarks.back().what.find("what these materials feel like"), std::string::npos);
+    EXPECT_GT(touch({file(), "--hand", "press", "--seconds", "1"}).at("contact_ticks").get<int>(), 100);
+}
+
+TEST_F(Blender, WithoutTheProgramItIsAFolderThatConvertsToTheSameClip) {
+    const std::string out = folder / "pictures", later = folder / "later.mkv";
+    const BlenderRun run = export_scene("moving", {out, "--no-colour"});
+    ASSERT_EQ(run.code, 0) << run.error;
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"pictures"});
+    ASSERT_EQ(run_touchable({"convert", out, later}).code, 0);
+    const Exported clip = exported("moving"), converted = open_exported(later);
+    ASSERT_EQ(converted.frames.size(), clip.frames.size());
+    for (std::size_t k = 0; k < clip.frames.size(); ++k)
+        EXPECT_TRUE(same_touch_planes(clip.frames[k], converted.frames[k]));
+}
+
+TEST_F(Blender, LeavesNothingAtCtrlC) {
+    const auto has_begun = [&] {
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+            if (std::filesystem::exists(entry.path() / "metres_000000.npy")) return true;
+        return false;
+    };
+    EXPECT_EQ(export_scene("moving", {file(), "--no-colour", "--frames", "1-300"}, has_begun).code, 130);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{});
+}
+
+TEST_F(Blender, CameraAgreesWithBlenderAndRangesAreExact) {
+    check_in_blender("cameras ranges guesses what_moves");
+}
+
+TEST_F(Blender, WhatAClipCannotSayIsRefused) {
+    check_in_blender("refusals");
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,196 @@
+"""What is checked within Blender: blender -b --factory-startup --python-exit-code 9 -P checks.py. The first that fails ends it."""
+
+import importlib
+import itertools
+import os
+import sys
+import tempfile
+
+import bpy
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
+
+sys.dont_write_bytecode = True
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "../../../engine/content"))
+
+from blender import export, materials, motion
+from blender.camera import camera_of, picture_size
+from blender.planes import range_of
+
+
+def fresh():
+    bpy.ops.wm.read_factory_settings()
+    return bpy.context.scene
+
+
+def check_cameras():
+    """Focal lengths, centre and shifts against what Blender itself says of where a point is seen."""
+    scene = fresh()
+    seen, render = scene.camera, scene.render
+    seen.scale = (1.5, 1.5, 1.5)
+    lens = seen.data
+    lens.sensor_width, lens.sensor_height = 36, 20
+    points = [seen.matrix_world.normalized() @ Vector(place) for place in ((0, 0, -3), (0.7, 0.4, -2), (-1, 0.3, -5), (0.2, -0.9, -4))]
+    for fit, size, aspect, percent, shift, focal in itertools.product(
+            ("AUTO", "HORIZONTAL", "VERTICAL"), ((720, 480), (300, 901)), ((1, 1), (1.5, 1), (1, 1.7)), (100, 37), ((0, 0), (0.2, -0.35)), (50, 17)):
+        lens.sensor_fit, lens.lens, (lens.shift_x, lens.shift_y) = fit, focal, shift
+        render.resolution_x, render.resolution_y, render.resolution_percentage = *size, percent
+        render.pixel_aspect_x, render.pixel_aspect_y = aspect
+        bpy.context.view_layer.update()
+        camera, (width, height) = camera_of(scene), picture_size(scene)
+        # Blender's own answer is a share of the whole picture of the size before the percentage is taken.
+        rounded = abs(width - size[0] * percent / 100) + abs(height - size[1] * percent / 100) > 0
+        for point in points:
+            place = seen.matrix_world.normalized().inverted() @ point
+            ours = (camera.cx + camera.fx * place.x / -place.z, camera.cy - camera.fy * place.y / -place.z)
+            share = world_to_camera_view(scene, seen, point)
+            theirs = (share.x * width - 0.5, (1 - share.y) * height - 0.5)
+            assert rounded or all(abs(a - b) < 0.002 for a, b in zip(ours, theirs)), (fit, size, aspect, percent, shift, focal, ours, theirs)
+
+
+def check_ranges():
+    """Every one of a few values has a code of its own, exactly; of too many the ends have."""
+    for values in ({0.5}, {0.2, 0.5, 1.8}, {0.1, 0.25, 0.95, 0.3}, {0.0, 2.0}, {0.333, 0.7}):
+        limits = range_of(values, False)
+        for value in values:
+            code = float(limits.codes(value, 255))
+            assert abs(limits.least + (limits.most - limits.least) * code / 255 - value) < 1e-12, (values, limits)
+    limits = range_of({0.1234, 0.5, 0.987654}, False)
+    assert (limits.least, limits.most) == (0.1234, 0.987654)
+    assert range_of({0.5}, True).least == 0
+
+
+def check_what_moves():
+    """Nothing in Blender's own scene; each of these does."""
+    def keyframe(scene):
+        bpy.data.objects["Cube"].keyframe_insert("location")
+
+    def driver(scene):
+        bpy.data.materials["Material"].driver_add("roughness")
+
+    def node_keyframe(scene):
+        bpy.data.materials["Material"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].keyframe_insert("default_value")
+
+    def shape_key(scene):
+        cube = bpy.data.objects["Cube"]
+        cube.shape_key_add(name="Basis")
+        cube.shape_key_add(name="Wide").keyframe_insert("value")
+
+    def modifier(scene):
+        bpy.data.objects["Cube"].modifiers.new("Wave", "WAVE")
+
+    def particles(scene):
+        bpy.data.objects["Cube"].modifiers.new("Dust", "PARTICLE_SYSTEM")
+
+    def film(scene):
+        bpy.data.images.new("film", 4, 4).source = "MOVIE"
+
+    def script(scene):
+        bpy.app.handlers.frame_change_pre.append(lambda *_: None)
+
+    def marker(scene):
+        scene.timeline_markers.new("cut", frame=5).camera = scene.camera
+
+    scene = fresh()
+    assert motion.what_may_move() is None, motion.what_may_move()
+    scene.frame_set(7)
+    assert motion.frames_of(scene, None)[0] == [7]
+    assert motion.frames_of(scene, (2, 4))[0] == [2, 3, 4]
+    for change in (keyframe, driver, node_keyframe, shape_key, modifier, particles, film, script, marker):
+        scene = fresh()
+        change(scene)
+        assert motion.what_may_move(), change.__name__
+        scene.frame_end, scene.frame_step = 11, 4
+        assert motion.frames_of(scene, None)[0] == [1, 5, 9], change.__name__
+    bpy.app.handlers.frame_change_pre.clear()
+
+
+def check_guesses():
+    """Of a material that says something only the rest is guessed."""
+    fresh()
+    made = bpy.data.materials["Material"]
+    feel = materials.feel_of(made, 1.0)
+    assert feel.values() == (0.8, 0.45, 0.34) and feel.guessed == ["stiffness", "friction"], feel
+    made["touchable_stiffness"] = 3
+    made["touchable_dynamic_friction"] = 0.9
+    feel = materials.feel_of(made, 1.0)
+    assert feel.values() == (3, 0.9, 0.9) and not feel.guessed, feel
+    made["touchable_static_friction"] = 0.2
+    feel = materials.feel_of(made, 1.0)
+    assert feel.values() == (3, 0.2, 0.2) and "0.9" in feel.remarks[0], feel
+
+
+def check_refusals():
+    """Each with its code, in one line, with nothing written."""
+    def no_camera(scene):
+        scene.camera = None
+        return [], 3, "no camera"
+
+    def panorama(scene):
+        scene.camera.data.type = "PANO"
+        return [], 3, "panorama"
+
+    def orthographic(scene):
+        scene.camera.data.type = "ORTHO"
+        return [], 3, "orthographic"
+
+    def zoom(scene):
+        for frame, focal in ((1, 50), (3, 40)):
+            scene.camera.data.lens = focal
+            scene.camera.data.keyframe_insert("lens", frame=frame)
+        scene.frame_end = 3
+        return [], 3, "frame 2"
+
+    def stereo(scene):
+        scene.render.use_multiview = True
+        return [], 3, "stereo"
+
+    def nothing_seen(scene):
+        scene.camera.rotation_euler = (3.1, 0, 0)
+        return ["--no-colour", "--size", "32x32"], 3, "no surface"
+
+    def nearer(scene):
+        return ["--near", "3", "--far", "2"], 2, "--near 3"
+
+    def unknown(scene):
+        return ["--colour-sample", "2"], 2, "--colour-sample"
+
+    def no_frames(scene):
+        return ["--frames", "9-2"], 2, "9-2"
+
+    def no_program(scene):
+        return ["--touchable", "/nowhere/touchable"], 2, "/nowhere/touchable"
+
+    def there_already(scene):
+        open("out.mkv", "w").write("mine")
+        return ["--touchable", "/bin/true"], 2, "--overwrite"
+
+    for case in (no_camera, panorama, orthographic, zoom, stereo, nothing_seen, nearer, unknown, no_frames, no_program, there_already):
+        scene = fresh()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            words, code, why = case(scene)
+            before = os.listdir(folder)
+            sys.argv = ["blender", "--", "out.mkv", *words]
+            with open("../" + os.path.basename(folder) + ".err", "w+") as told:
+                stderr, sys.stderr = sys.stderr, told
+                try:
+                    ended = export.main()
+                finally:
+                    sys.stderr = stderr
+                told.seek(0)
+                lines = told.read().splitlines()
+            os.remove(told.name)
+            assert os.listdir(folder) == before, (case.__name__, os.listdir(folder))
+            assert ended == code and len(lines) == 1 and why in lines[0] and lines[0].startswith("touchable: "), (case.__name__, ended, lines)
+            os.chdir(HERE)
+
+
+def main():
+    for name in os.environ["CHECKS"].split():
+        globals()[f"check_{name}"]()
+        print(f"checked {name}", file=sys.stderr, flush=True)
+
+
+main()
