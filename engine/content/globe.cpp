@@ -83,12 +83,13 @@ private:
     };
 
     bool moves() const override { return true; }
-    void paint(double t, FramePlanes& planes) const override;
+    void paint(double t, const std::vector<double>& depths, RowBands& rows,
+               FramePlanes& planes) const override;
     Sight look(int x, int y, const Turn& turn) const;
     std::vector<Sight> look_along(int y, const Turn& turn) const;
     void colour_row(const std::vector<Sight>& above, const std::vector<Sight>& row,
                     const std::vector<Sight>& below, int y, FramePlanes& planes) const;
-    void touch(const Sight& sight, FramePlanes& planes) const;
+    void touch(const Sight& sight, std::size_t pixel, FramePlanes& planes) const;
 
     Planet planet_;
 };
@@ -119,6 +120,7 @@ std::vector<PlanetGlobe::Sight> PlanetGlobe::look_along(int y, const Turn& turn)
 
 void PlanetGlobe::colour_row(const std::vector<Sight>& above, const std::vector<Sight>& row,
                              const std::vector<Sight>& below, int y, FramePlanes& planes) const {
+    const auto first = static_cast<std::size_t>(y) * row.size();
     const double radius_pixels = scene().camera.fx * sphere_.radius / -sphere_.centre.z;
     for (std::size_t x = 0; x < row.size(); ++x) {
         const Sight& sight = row[x];
@@ -136,7 +138,8 @@ void PlanetGlobe::colour_row(const std::vector<Sight>& above, const std::vector<
                 planet_colour(sight.ground, sight.normal, sight.to_eye, exaggeration * slope);
             colour += sight.coverage * (surface - colour);
         }
-        for (const std::uint8_t byte : to_bytes(colour)) planes.colour.push_back(byte);
+        const std::array<std::uint8_t, 3> bytes = to_bytes(colour);
+        std::copy(bytes.begin(), bytes.end(), &planes.colour[3 * (first + x)]);
     }
 }
 
@@ -146,7 +149,7 @@ std::uint8_t property_code(const PropertyRange& range, double value) {
 }
 
 /// Land is stiffer and rougher than the sea; a narrow coast leads from one to the other.
-void PlanetGlobe::touch(const Sight& sight, FramePlanes& planes) const {
+void PlanetGlobe::touch(const Sight& sight, std::size_t pixel, FramePlanes& planes) const {
     const HapticProperties sea{400, 0.15, 0.10}, land{1200, 0.60, 0.45}, beyond{800, 0.30, 0.20};
     const bool ball = sight.altitude < 0;
     HapticProperties felt = beyond;
@@ -157,29 +160,34 @@ void PlanetGlobe::touch(const Sight& sight, FramePlanes& planes) const {
         felt.dynamic_friction = sea.dynamic_friction + dry * (land.dynamic_friction - sea.dynamic_friction);
     }
     const HapticRanges& ranges = scene().haptic;
-    planes.haptic.push_back(property_code(ranges.stiffness, felt.stiffness / 1000));
-    planes.haptic.push_back(property_code(ranges.static_friction, felt.static_friction));
-    planes.haptic.push_back(property_code(ranges.dynamic_friction, felt.dynamic_friction));
-    planes.height.push_back(ball ? static_cast<std::uint8_t>(std::floor(255 * sight.ground.relief + 0.5))
-                                 : 0);
+    planes.haptic[3 * pixel] = property_code(ranges.stiffness, felt.stiffness / 1000);
+    planes.haptic[3 * pixel + 1] = property_code(ranges.static_friction, felt.static_friction);
+    planes.haptic[3 * pixel + 2] = property_code(ranges.dynamic_friction, felt.dynamic_friction);
+    planes.height[pixel] =
+        ball ? static_cast<std::uint8_t>(std::floor(255 * sight.ground.relief + 0.5)) : std::uint8_t{0};
 }
 
-void PlanetGlobe::paint(double t, FramePlanes& planes) const {
+void PlanetGlobe::paint(double t, const std::vector<double>& depths, RowBands& rows,
+                        FramePlanes& planes) const {
     const double turns = first_turn + t / seconds_per_turn;
     const Turn turn(2 * pi * (turns - std::floor(turns)));
-    const auto pixels = static_cast<std::size_t>(scene().width) * static_cast<std::size_t>(scene().height);
-    planes.colour.reserve(3 * pixels);
-    planes.haptic.reserve(3 * pixels);
-    planes.height.reserve(pixels);
+    const auto width = static_cast<std::size_t>(scene().width);
+    planes.colour.resize(3 * depths.size());
+    planes.haptic.resize(3 * depths.size());
+    planes.height.resize(depths.size());
     // A row's relief is lit by its neighbours'; three rows at a time keep a large picture small in memory.
-    std::vector<Sight> row = look_along(0, turn), above = row;
-    for (int y = 0; y < scene().height; ++y) {
-        std::vector<Sight> below = y + 1 < scene().height ? look_along(y + 1, turn) : row;
-        colour_row(above, row, below, y, planes);
-        for (const Sight& sight : row) touch(sight, planes);
-        above = std::move(row);
-        row = std::move(below);
-    }
+    rows.for_each_band(scene().height, 1, [&](const RowBand& band) {
+        std::vector<Sight> row = look_along(band.first, turn);
+        std::vector<Sight> above = band.first > 0 ? look_along(band.first - 1, turn) : row;
+        for (int y = band.first; y < band.last; ++y) {
+            std::vector<Sight> below = y + 1 < scene().height ? look_along(y + 1, turn) : row;
+            colour_row(above, row, below, y, planes);
+            for (std::size_t x = 0; x < width; ++x)
+                touch(row[x], static_cast<std::size_t>(y) * width + x, planes);
+            above = std::move(row);
+            row = std::move(below);
+        }
+    });
 }
 
 }  // namespace

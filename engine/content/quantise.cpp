@@ -1,5 +1,7 @@
 #include "engine/content/quantise.hpp"
 
+#include <type_traits>
+
 namespace touchable {
 namespace {
 
@@ -17,24 +19,32 @@ PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_pe
 
 }  // namespace
 
-std::vector<double> sample_depths(const AnalyticScene& scene, double t) {
+std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows) {
     const int width = scene.scene().width, height = scene.scene().height;
-    std::vector<double> depths;
-    depths.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) depths.push_back(scene.depth(x, y, t));
+    std::vector<double> depths(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    rows.for_each_band(height, 1, [&](const RowBand& band) {
+        double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
+        for (int y = band.first; y < band.last; ++y)
+            for (int x = 0; x < width; ++x) *out++ = scene.depth(x, y, t);
+    });
     return depths;
 }
 
-void quantise(const Scene& scene, const std::vector<double>& depths, FramePlanes& planes) {
-    if (scene.depth_bits == 8) {
-        planes.depth8.reserve(depths.size());
-        for (const double depth : depths)
-            planes.depth8.push_back(static_cast<std::uint8_t>(scene.depth.code(depth)));
-    } else {
-        planes.depth16.reserve(depths.size());
-        for (const double depth : depths) planes.depth16.push_back(scene.depth.code(depth));
-    }
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes) {
+    const auto fill = [&](auto& codes) {
+        codes.resize(depths.size());
+        const auto width = static_cast<std::size_t>(scene.width);
+        rows.for_each_band(scene.height, 1, [&](const RowBand& band) {
+            const std::size_t end = static_cast<std::size_t>(band.last) * width;
+            for (std::size_t n = static_cast<std::size_t>(band.first) * width; n < end; ++n)
+                codes[n] =
+                    static_cast<std::remove_reference_t<decltype(codes[n])>>(scene.depth.code(depths[n]));
+        });
+    };
+    if (scene.depth_bits == 8)
+        fill(planes.depth8);
+    else
+        fill(planes.depth16);
 }
 
 RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number) {

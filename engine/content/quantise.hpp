@@ -3,14 +3,15 @@
 #include <vector>
 
 #include "engine/content/scenes.hpp"
+#include "engine/row_bands.hpp"
 
 namespace touchable {
 
 /// Analytic depths of a whole picture at time t, row-major, scene units.
-std::vector<double> sample_depths(const AnalyticScene& scene, double t);
+std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows);
 
 /// Writes each depth's nearest code as the scene's plane of 8 or 16 bits.
-void quantise(const Scene& scene, const std::vector<double>& depths, FramePlanes& planes);
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes);
 
 /// The planes seen as a frame that keeps them alive.
 RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <thread>
 
 #include "engine/content/families.hpp"
 #include "engine/content/quantise.hpp"
@@ -49,10 +50,20 @@ double AnalyticScene::time_of(std::int64_t n) const {
     return static_cast<double>(scene_.rate.time_ns(n)) / 1e9;
 }
 
+/// One for each core, where nobody said how many; but a thread is not started for a handful of rows.
+int AnalyticScene::threads_of_a_frame() const {
+    constexpr int least_pixels = 1 << 14;
+    if (threads_ > 0) return threads_;
+    const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+    return std::clamp(scene_.width * scene_.height / least_pixels, 1, std::max(cores, 1));
+}
+
 std::shared_ptr<const FramePlanes> AnalyticScene::planes(double t) const {
     auto made = std::make_shared<FramePlanes>();
-    quantise(scene_, sample_depths(*this, t), *made);
-    paint(t, *made);
+    RowBands rows(threads_of_a_frame());
+    const std::vector<double> depths = sample_depths(*this, t, rows);
+    quantise(scene_, depths, rows, *made);
+    paint(t, depths, rows, *made);
     return made;
 }
 
@@ -74,15 +85,18 @@ void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
     for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) out.validity_row(y)[x >> 5] |= std::uint32_t{1} << (x & 31);
     auto touch = std::make_shared<FramePlanes>();
-    paint(t, *touch);
+    RowBands rows(threads_of_a_frame());
+    std::vector<double> depths = sample_depths(*this, t, rows);
+    paint(t, depths, rows, *touch);
     copy_touch_planes(view_of(std::move(touch), scene_, n), out);
     out.raw = {};
-    out.vertices = std::make_unique<ExactVertices>(out.width, out.height, sample_depths(*this, t));
+    out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
 }
 
 Scene blank_scene(std::string_view name, const SceneOptions& options) {
     Scene scene;
     scene.name = name;
+    scene.rate = options.rate;
     scene.width = options.width;
     scene.height = options.height;
     scene.depth_bits = options.bits;
@@ -121,6 +135,7 @@ Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const S
     auto made = family->make(name, options);
     if (!made) return made;
     if (auto valid = validate((*made)->scene()); !valid) return valid.error();
+    (*made)->threads_ = options.threads;
     return made;
 }
 

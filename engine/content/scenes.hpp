@@ -12,6 +12,7 @@
 #include "engine/frame/raw_frame.hpp"
 #include "engine/frame/surface_frame.hpp"
 #include "engine/result.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -27,6 +28,8 @@ struct SceneOptions {
     double tilt_direction_degrees = 0;      ///< plane: where it recedes to in the picture; 0 right, 90 up
     std::uint64_t seed = 1;                 ///< noise, cliffs, grain, and the planet of globe
     bool properties = false;                ///< globe: rotating planet with land and ocean, heights, friction
+    FrameRate rate{};                       ///< frames come evenly
+    int threads = 0;  ///< that share a frame's rows; 0: one for each core. No bit depends on them
 };
 
 /// The analytic surface's nearest point to a goal under it, and the outward unit normal there.
@@ -70,13 +73,17 @@ protected:
     AnalyticScene& operator=(const AnalyticScene&) = delete;
 
 private:
-    /// Adds colour, haptic and height planes at time t, where the scene has them.
-    virtual void paint(double /*t*/, FramePlanes& /*planes*/) const {}
+    /// Adds colour, haptic and height planes at time t, where the scene has them, whose depths are these.
+    virtual void paint(double /*t*/, const std::vector<double>& /*depths*/, RowBands& /*rows*/,
+                       FramePlanes& /*planes*/) const {}
     /// False where every frame is the same picture.
     virtual bool moves() const { return false; }
     std::shared_ptr<const FramePlanes> planes(double t) const;
+    int threads_of_a_frame() const;
+    friend Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view, const SceneOptions&);
 
     Scene scene_;
+    int threads_ = 0;                    // as SceneOptions has them
     mutable std::once_flag still_once_;  // a picture that never changes is made once
     mutable std::shared_ptr<const FramePlanes> still_;
 };

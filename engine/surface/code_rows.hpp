@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "engine/frame/raw_frame.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/surface/code_line.hpp"
-#include "engine/surface/row_bands.hpp"
 
 namespace touchable {
 

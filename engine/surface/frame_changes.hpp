@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/frame/raw_frame.hpp"
-#include "engine/surface/row_bands.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/surface/stale_blocks.hpp"
 #include "engine/surface/vector_unit.hpp"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/surface/patches.hpp"
-#include "engine/surface/row_bands.hpp"
 #include "engine/surface/vector_unit.hpp"
 
 namespace touchable {

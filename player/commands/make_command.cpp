@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -42,7 +43,7 @@ constexpr std::int64_t most_frames = 1'000'000;
 /// Options as typed; what was not typed stays with the scene's own default.
 struct MakeWords {
     MakeOptions options;
-    std::string size, preset, frames = "90", seed = "1", archive = "fast";
+    std::string size, preset, frames = "90", rate = "30", seed = "1", archive = "fast";
     bool properties = false, plain = false;
     const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
                       *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
@@ -54,7 +55,8 @@ Result<void> check_name(const std::filesystem::path& out) {
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (ending == ".mkv" || is_mp4_name(out)) return {};
-    return usage_error("OUT '" + out.string() + "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
+    return usage_error("OUT '" + out.string() +
+                       "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
 }
 
 Result<void> read_preset(const std::string& text, SceneOptions& out) {
@@ -123,6 +125,9 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     const auto frames = read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames);
     if (!frames.ok()) return frames.error();
     options.frames = *frames;
+    const auto rate = read_frame_rate("--rate", words.rate);
+    if (!rate.ok()) return rate.error();
+    generator.rate = *rate;
     const auto archive = read_archive(words.archive);
     if (!archive.ok()) return archive.error();
     options.storage.archive = *archive;
@@ -154,10 +159,17 @@ Result<void> run_make(const MakeOptions& options) {
     if (!writer.ok()) return writer.error();
 
     Progress progress("making frame", options.frames, Progress::InALog::lines);
+    // A frame is made while the one before is encoded; where no thread is to be had for that, in between.
+    const auto make = [&source](std::int64_t n) {
+        return std::async([&source, n] { return source.frame(n); });
+    };
+    std::future<RawFrame> made = make(0);
     for (std::int64_t n = 0; n < options.frames; ++n) {
         if (interrupted()) return interrupted_error();
         progress.at(n + 1);
-        if (auto written = (*writer)->write(source.frame(n)); !written.ok()) return written.error();
+        const RawFrame frame = made.get();
+        if (n + 1 < options.frames) made = make(n + 1);
+        if (auto written = (*writer)->write(frame); !written.ok()) return written.error();
     }
     return (*writer)->finish();
 }
@@ -175,7 +187,9 @@ void add_make_command(CLI::App& app, Command& command) {
     add_overwrite_option(*make, words->options.existing);
     words->size_typed = make->add_option("--size", words->size,
                                          "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
-    make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
+    make->add_option("--frames", words->frames, "how many")->capture_default_str();
+    make->add_option("--rate", words->rate, "frames per second, exactly: 30, 29.97, 30000/1001")
+        ->capture_default_str();
     add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16", 8, 16)
         ->capture_default_str();
     make->add_option(

@@ -1,7 +1,11 @@
 #include "player/options/typed_numbers.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <numeric>
+#include <optional>
 
 namespace touchable {
 namespace {
@@ -20,7 +24,46 @@ bool has_decimal_comma(std::string_view text) {
            text.find(',', comma + 1) == std::string_view::npos;
 }
 
+/// Digits alone, at most as many as scenes have in a rate's terms.
+std::optional<std::int64_t> digits(std::string_view text) {
+    std::int64_t value = 0;
+    if (text.empty() || text.size() > 9) return std::nullopt;
+    for (const char c : text) {
+        if (c < '0' || c > '9') return std::nullopt;
+        value = 10 * value + (c - '0');
+    }
+    return value;
+}
+
+/// num / den of "num/den", and of a decimal fraction.
+std::optional<FrameRate> exact_fraction(std::string_view text) {
+    if (const std::size_t slash = text.find('/'); slash != std::string_view::npos) {
+        const auto num = digits(text.substr(0, slash)), den = digits(text.substr(slash + 1));
+        return num && den ? std::optional(FrameRate{*num, *den}) : std::nullopt;
+    }
+    const std::size_t point = std::min(text.find('.'), text.size());
+    const std::string_view behind = text.substr(std::min(point + 1, text.size()));
+    const auto all = digits(std::string(text.substr(0, point)).append(behind));
+    if (!all || point == 0 || (point < text.size() && behind.empty())) return std::nullopt;
+    std::int64_t den = 1;
+    for (std::size_t n = 0; n < behind.size(); ++n) den *= 10;
+    return FrameRate{*all, den};
+}
+
 }  // namespace
+
+Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text) {
+    constexpr std::int64_t fastest = 1000, slowest_seconds = 1000;
+    const auto rate = exact_fraction(text);
+    if (rate && rate->den > 0 && rate->num <= fastest * rate->den &&
+        rate->num * slowest_seconds >= rate->den) {
+        const std::int64_t common = std::gcd(rate->num, rate->den);
+        return FrameRate{rate->num / common, rate->den / common};
+    }
+    return usage_error(option + " '" + std::string(text) +
+                       "' will not do; right would be frames per second, 0.001 to 1000, such as 30, 29.97 "
+                       "or 30000/1001");
+}
 
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
     double value = 0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/result.hpp"
+#include "engine/scene/frame_rate.hpp"
 
 namespace touchable {
 
@@ -27,6 +28,9 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
 
 /// A finite number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range.
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most);
+
+/// Frames per second as typed after `option`, exactly: "25", "29.97" (2997/100), "30000/1001"; 0.001 to 1000.
+Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text);
 
 struct PixelSize {
     int width = 0, height = 0;

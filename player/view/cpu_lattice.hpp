@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/surface/row_bands.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/surface/vector_unit.hpp"
 #include "player/view/cpu_light.hpp"
 #include "player/view/view_surface.hpp"

@@ -107,6 +107,41 @@ TEST(Scenes, ExactFrameHoldsTheAnalyticDepthAndTheTouchPlanes) {
         }
 }
 
+TEST(Scenes, FramesComeAtTheAskedRate) {
+    SceneOptions options = sized(64, 48);
+    options.rate = {30000, 1001};
+    const auto scene = made("moving", options);
+    EXPECT_EQ(scene->scene().rate.num, 30000);
+    EXPECT_EQ(scene->frame(30000).time_ns, 1001'000'000'000);
+    EXPECT_DOUBLE_EQ(scene->time_of(30000), 1001);
+    EXPECT_EQ(scene->frame(3).depth.sample(40, 20),
+              scene->scene().depth.code(scene->depth(40, 20, 3 * 1001.0 / 30000)));
+}
+
+/// All bytes of a frame, plane after plane.
+std::string bytes_of(const RawFrame& frame) {
+    std::string bytes;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        for (int y = 0; y < plane->height; ++y)
+            bytes.append(reinterpret_cast<const char*>(plane->row(y)),
+                         static_cast<std::size_t>(plane->stride));
+    return bytes;
+}
+
+TEST(Scenes, ThreadsThatShareTheRowsChangeNoBit) {
+    for (const std::string_view name : scene_names()) {
+        SceneOptions options = sized(75, 151, name == "step" ? 8 : 16);
+        if (name == "globe") options = sized(150, 101);
+        options.properties = name == "globe";
+        options.threads = 1;
+        const std::string alone = bytes_of(made(name, options)->frame(5));
+        for (const int threads : {2, 3, 7}) {
+            options.threads = threads;
+            EXPECT_TRUE(bytes_of(made(name, options)->frame(5)) == alone) << name << ", " << threads;
+        }
+    }
+}
+
 TEST(Scenes, FramesOutliveTheSceneThatMadeThem) {
     auto scene = made("bumps", sized(20, 20));
     const std::uint16_t code = scene->frame(0).depth.sample(3, 4);

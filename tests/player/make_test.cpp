@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <tuple>
 
 #include "engine/content/scenes.hpp"
 #include "engine/import/open_clip.hpp"
@@ -74,6 +75,31 @@ TEST(Make, ColourIsExactWhereThatIsAskedFor) {
     auto reader = open_clip(folder / "exact.mkv");
     ASSERT_TRUE(reader.ok());
     expect_same_samples((*(*reader)->next())->colour, (*source)->frame(0).colour);
+}
+
+TEST(Make, RateIsStoredExactly) {
+    const TemporaryFolder folder;
+    const std::vector<std::tuple<const char*, std::int64_t, std::int64_t>> rates{
+        {"30000/1001", 30000, 1001}, {"29.97", 2997, 100}, {"24", 24, 1}, {"0.5", 1, 2}, {"60.0", 60, 1}};
+    for (const char* name : {"clip.mkv", "clip.mp4"})
+        for (const auto& [rate, num, den] : rates) {
+            ASSERT_EQ(run_touchable({"make", "moving", folder / name, "--size", "32x24", "--frames", "3",
+                                     "--rate", rate, "--overwrite"})
+                          .code,
+                      0)
+                << rate;
+            auto reader = open_clip(folder / name);
+            ASSERT_TRUE(reader.ok()) << reader.error().message;
+            EXPECT_EQ((*reader)->scene().rate.num, num) << name << " " << rate;
+            EXPECT_EQ((*reader)->scene().rate.den, den) << name << " " << rate;
+        }
+    for (const char* wrong : {"0", "-30", "1001", "30/0", "", "30,5", ".", "30.", ".5", "30/1001/2", "1/1001",
+                              "1e2", "12345678901"}) {
+        const Outcome run = run_touchable({"make", "moving", folder / "no.mkv", "--rate", wrong});
+        EXPECT_EQ(run.code, 2) << wrong;
+        EXPECT_NE(run.err.find("--rate"), std::string::npos) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
 }
 
 TEST(Make, UnknownArchiveIsNamed) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <type_traits>
@@ -33,7 +34,8 @@ public:
 
     /// Calls `work(RowBand)` for bands that together are rows 0 to `rows` - 1, each a multiple of `step` rows
     /// but the last; returns when all are done. What a band writes no other may read or write, and which
-    /// thread has a band must not matter. One call at a time. No allocation but where threads start.
+    /// thread has a band must not matter. What `work` throws is thrown on, the first of several, and bands
+    /// that had not begun are left out. One call at a time. No allocation but where threads start.
     template <class Work>
     void for_each_band(int rows, int step, Work&& work) {
         using Plain = std::remove_reference_t<Work>;
@@ -49,6 +51,7 @@ private:
     };
     void run(Job job);
     void start_others();
+    void work_on(std::unique_lock<std::mutex>& lock, const RowBand& band);
     void take_bands(std::unique_lock<std::mutex>& lock, int thread);
     void serve(int thread);
 
@@ -56,6 +59,7 @@ private:
     std::mutex mutex_;
     std::condition_variable there_is_work_, all_done_;
     Job job_;
+    std::exception_ptr fault_;
     bool ending_ = false;
     std::vector<std::thread> others_;
 };

@@ -1,8 +1,9 @@
-#include "engine/surface/row_bands.hpp"
+#include "engine/row_bands.hpp"
 
 #include <gtest/gtest.h>
 
 #include <mutex>
+#include <new>
 #include <set>
 #include <vector>
 
@@ -83,6 +84,23 @@ TEST(RowBands, StartNoThreadForASinglePieceOfWork) {
             EXPECT_EQ(std::this_thread::get_id(), caller);
             EXPECT_TRUE(band.first == 0 && band.last == 16 && band.thread == 0);
         });
+}
+
+TEST(RowBands, GiveTheCallerWhatABandThrewAndGoOn) {
+    for (const int threads : {1, 3}) {
+        RowBands bands(threads);
+        for (int round = 0; round < 20; ++round) {
+            auto refuse_one = [](const RowBand& band) {
+                if (band.first >= 300) throw std::bad_alloc();
+            };
+            EXPECT_THROW(bands.for_each_band(512, 1, refuse_one), std::bad_alloc);
+            std::vector<int> visits(512);
+            bands.for_each_band(512, 1, [&](const RowBand& band) {
+                for (int y = band.first; y < band.last; ++y) ++visits[static_cast<std::size_t>(y)];
+            });
+            EXPECT_EQ(visits, std::vector<int>(512, 1));
+        }
+    }
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
-#include "engine/surface/row_bands.hpp"
+#include "engine/row_bands.hpp"
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "engine/start_thread.hpp"
 
@@ -50,6 +51,7 @@ void RowBands::run(Job job) {
     there_is_work_.notify_all();
     take_bands(lock, 0);
     all_done_.wait(lock, [this] { return job_.bands_at_work == 0; });
+    if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
 }
 
 /// Where the system grants no more threads, those that there are do all the work.
@@ -64,17 +66,29 @@ void RowBands::start_others() {
     }
 }
 
+void RowBands::work_on(std::unique_lock<std::mutex>& lock, const RowBand& band) {
+    const auto call = job_.call;
+    void* const work = job_.work;
+    lock.unlock();
+    std::exception_ptr fault;
+    try {
+        call(work, band);
+    } catch (...) {
+        fault = std::current_exception();
+    }
+    lock.lock();
+    if (!fault) return;
+    if (!fault_) fault_ = fault;
+    job_.next_row = job_.rows;
+}
+
 /// Until none is left. `lock` is held but while a band is worked on.
 void RowBands::take_bands(std::unique_lock<std::mutex>& lock, int thread) {
     while (job_.next_row < job_.rows) {
         const RowBand band{job_.next_row, std::min(job_.next_row + job_.band_rows, job_.rows), thread};
         job_.next_row = band.last;
         ++job_.bands_at_work;
-        const auto call = job_.call;
-        void* const work = job_.work;
-        lock.unlock();
-        call(work, band);
-        lock.lock();
+        work_on(lock, band);
         if (--job_.bands_at_work == 0) all_done_.notify_one();
     }
 }
