@@ -18,6 +18,7 @@ def prepare(scene, samples):
         remarks.append(f"colour is by Cycles: {render.engine} needs OpenGL, which Blender does not have here without a display")
         render.engine = "CYCLES"
         scene.cycles.device = "CPU"
+        scene.cycles.use_denoising = blender_versions.can_denoise()
         samples = samples or 32
     if render.engine == "CYCLES" and scene.cycles.use_denoising and not blender_versions.can_denoise():
         remarks.append("colour is not denoised: this Blender is built without OpenImageDenoise; more samples make it smooth")

@@ -143,6 +143,12 @@ class TOUCHABLE_OT_touch_it(Exporting, bpy.types.Operator):
         self.report({"INFO"}, "touchable opens the current frame")
 
 
+def material_of(context):
+    """The one that the material properties show, elsewhere that of the active object; None: there is none."""
+    shown = getattr(context, "material", None)
+    return shown or (context.object.active_material if context.object else None)
+
+
 class MATERIAL_OT_touchable_set(bpy.types.Operator):
     """Sets stiffness and friction of this material by hand, beginning with the guess"""
 
@@ -150,10 +156,14 @@ class MATERIAL_OT_touchable_set(bpy.types.Operator):
     bl_label = "Set by Hand"
     bl_options = {"REGISTER", "UNDO"}
 
+    @classmethod
+    def poll(cls, context):
+        return material_of(context) is not None
+
     def execute(self, context):
-        feel = materials.feel_of(context.material, 1.0)
+        feel = materials.feel_of(material_of(context), 1.0)
         for key, value in zip((materials.STIFFNESS, materials.STATIC, materials.DYNAMIC), feel.values()):
-            set_number(context.material, key, value)
+            set_number(material_of(context), key, value)
         return {"FINISHED"}
 
 
@@ -164,10 +174,15 @@ class MATERIAL_OT_touchable_guess(bpy.types.Operator):
     bl_label = "Guess Again"
     bl_options = {"REGISTER", "UNDO"}
 
+    @classmethod
+    def poll(cls, context):
+        return material_of(context) is not None
+
     def execute(self, context):
+        material = material_of(context)
         for key in (materials.STIFFNESS, materials.STATIC, materials.DYNAMIC):
-            if key in context.material:
-                del context.material[key]
+            if key in material:
+                del material[key]
         return {"FINISHED"}
 
 
@@ -178,10 +193,14 @@ class MATERIAL_OT_touchable_texture(bpy.types.Operator):
     bl_label = "Add Texture"
     bl_options = {"REGISTER", "UNDO"}
 
+    @classmethod
+    def poll(cls, context):
+        return material_of(context) is not None
+
     label: StringProperty(options={"HIDDEN"})
 
     def execute(self, context):
-        material = context.material
+        material = material_of(context)
         material.use_nodes = True
         node = material.node_tree.nodes.new("ShaderNodeTexImage")
         node.label = node.name = self.label

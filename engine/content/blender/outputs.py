@@ -83,8 +83,10 @@ def _convert(work, final, touchable, overwrite):
 
 def _become(work, final):
     os.chmod(work, 0o755)
-    if os.path.isdir(final) and not os.path.islink(final):
-        shutil.rmtree(final)
-    elif os.path.lexists(final):
-        os.remove(final)
-    os.rename(work, final)
+    if not os.path.lexists(final):
+        os.rename(work, final)
+        return
+    # What was there is whole until the new one has its name.
+    with tempfile.TemporaryDirectory(prefix=".touchable-", dir=os.path.dirname(final)) as aside:
+        os.rename(final, os.path.join(aside, "before"))
+        os.rename(work, final)

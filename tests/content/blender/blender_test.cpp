@@ -274,7 +274,7 @@ TEST_F(Blender, LeavesNothingAtCtrlC) {
 }
 
 TEST_F(Blender, CameraAgreesWithBlenderAndRangesAreExact) {
-    check_in_blender("cameras ranges guesses what_moves");
+    check_in_blender("cameras ranges guesses relief opacity what_moves");
 }
 
 TEST_F(Blender, WhatAClipCannotSayIsRefused) {

@@ -121,6 +121,92 @@ def check_guesses():
     assert feel.values() == (3, 0.2, 0.2) and "0.9" in feel.remarks[0], feel
 
 
+def check_relief():
+    """Of a displacement that only light shows; not of one that moves the geometry, which depth has."""
+    scene = fresh()
+    made = bpy.data.materials["Material"]
+    tree = made.node_tree
+    noise, displacement = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeDisplacement")
+    displacement.inputs["Scale"].default_value = 0.02
+    tree.links.new(noise.outputs["Fac"], displacement.inputs["Height"])
+    tree.links.new(displacement.outputs[0], tree.get_output_node("ALL").inputs["Displacement"])
+    feel = materials.feel_of(made, 0.5)
+    assert abs(feel.relief - 0.01) < 1e-8 and feel.height_socket == noise.outputs["Fac"] and "relief" in feel.guessed, feel
+    assert "relief 10 mm" in materials.guessed_line([feel])
+    made.cycles.displacement_method = "BOTH"
+    assert materials.feel_of(made, 0.5).height_socket is None
+    made.cycles.displacement_method = "BUMP"
+    made["touchable_relief"] = 0.0
+    assert materials.feel_of(made, 0.5).height_socket is None
+
+
+def check_opacity():
+    """What is less than half opaque is no surface: shaders mixed, added and within groups."""
+    from blender import opacity
+
+    def kinds(tree, *names):
+        return [tree.nodes.new(f"ShaderNode{name}") for name in names]
+
+    def material_of(build):
+        made = bpy.data.materials.new("made")
+        made.use_nodes = True
+        made.node_tree.nodes.remove(made.node_tree.nodes["Principled BSDF"])
+        shader = build(made.node_tree)
+        made.node_tree.links.new(shader, made.node_tree.get_output_node("ALL").inputs["Surface"])
+        return made
+
+    def mixed(tree, share=0.3):
+        mix, clear, solid = kinds(tree, "MixShader", "BsdfTransparent", "BsdfDiffuse")
+        mix.inputs[0].default_value = share
+        tree.links.new(clear.outputs[0], mix.inputs[1])
+        tree.links.new(solid.outputs[0], mix.inputs[2])
+        return mix.outputs[0]
+
+    def added(tree):
+        add, light = kinds(tree, "AddShader", "Emission")
+        tree.links.new(mixed(tree, 0.6), add.inputs[0])
+        tree.links.new(light.outputs[0], add.inputs[1])
+        return add.outputs[0]
+
+    def grouped(tree):
+        group = bpy.data.node_groups.get("leaf")
+        if group is None:
+            group = bpy.data.node_groups.new("leaf", "ShaderNodeTree")
+            group.outputs.new("NodeSocketShader", "Shader")
+            group.links.new(mixed(group, 0.2), group.nodes.new("NodeGroupOutput").inputs[0])
+        node = tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = group
+        return node.outputs[0]
+
+    fresh()
+    cutter = opacity.Cutter()
+    opaque = material_of(lambda tree: kinds(tree, "BsdfGlass")[0].outputs[0])
+    assert cutter.cut(opaque) is None
+    made = [material_of(build) for build in (mixed, lambda tree: mixed(tree, 0.7), added, grouped, grouped)]
+    assert all(cutter.cut(each) is not None for each in made)
+    assert len(bpy.data.node_groups["leaf"].outputs) == 2
+    # By Cycles' own word: a row of squares with these materials, seen from above.
+    scene = bpy.context.scene
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.data.sensor_width, camera.data.lens = (2.5, 0.5, 10), 5, 10
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    for number, each in enumerate([opaque, *made]):
+        mesh = bpy.data.meshes.new("square")
+        mesh.from_pydata([(number - 0.5 + x, y, 0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], [], [(0, 1, 2, 3)])
+        mesh.materials.append(each)
+        scene.collection.objects.link(bpy.data.objects.new("square", mesh))
+    scene.render.resolution_x, scene.render.resolution_y = 60, 12
+    from blender import data_pass
+    data_pass.prepare(scene, [], [])
+    with tempfile.TemporaryDirectory() as folder:
+        row = data_pass.take(scene, folder).depth[6]
+    seen = [float(sum(row[12 * number - 4:12 * number + 4] < 100)) / 8 for number in range(1, 5)]
+    assert seen == [0, 1, 1, 0], seen
+
+
 def check_refusals():
     """Each with its code, in one line, with nothing written."""
     def no_camera(scene):

@@ -8,7 +8,7 @@ from mathutils import Quaternion, Vector
 
 import scene_tools as tools
 
-FRAMES, RATE, TURNS = 36, 18, 2
+FRAMES, RATE, TURNS = 24, 12, 2
 INNER = 0.095  # radius of the ball that the bowl's inside is part of
 MARBLE = 0.021
 TILT = math.asin(3.5 * MARBLE / INNER)  # from the bowl's axis to the marble: so that it has rolled seven times in both rounds
@@ -64,7 +64,8 @@ def marble_place(frame):
 
 
 def make():
-    scene = tools.empty_scene("a marble in a bowl", (720, 480), 48)
+    scene = tools.empty_scene("a marble in a bowl", (720, 480), 12)
+    scene.cycles.max_bounces = 2
     scene.frame_start, scene.frame_end = 1, FRAMES
     scene.render.fps, scene.render.fps_base = RATE, 1.0
     tools.grid_object("Bowl", tools.turned(bowl_profile(), SEGMENTS), cherry(), closed=(False, True)).location = (0, 0, 0.012)

@@ -122,7 +122,7 @@ def slate():
 
 
 def make():
-    tools.empty_scene("a face in bronze", (720, 720), 96)
+    tools.empty_scene("a face in bronze", (720, 720), 48)
     at = numpy.linspace(-1.0, 1.0, ROWS)
     square = numpy.stack(numpy.meshgrid(at, at), axis=-1)
     disc = square * numpy.sqrt(1 - square[..., ::-1] ** 2 / 2)

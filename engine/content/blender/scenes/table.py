@@ -85,7 +85,7 @@ def box_places(size, bevel, steps=5):
 
 
 def make():
-    tools.empty_scene("materials on a table", (720, 480), 96)
+    tools.empty_scene("materials on a table", (720, 480), 64)
     top = tools.grid_object("Table", numpy.stack(numpy.meshgrid([-0.9, 0.9], [-0.6, 0.9], [0.0]), axis=-1)[:, :, 0], oak())
     top.data.polygons.foreach_set("use_smooth", [False])
     centre, radius = BALL
