@@ -56,6 +56,7 @@ private:
     const Track& track(PlaneRole role) const { return *std::ranges::find(tracks_, role, &Track::role); }
     Result<void> find_cameras(const PictureFiles& depth, StoredClip& clip) const;
     bool shares_depths_files(PlaneRole role) const;
+    void tell_of_materials(StoredClip& clip);
 
     std::filesystem::path folder_;
     StillRules rules_;
@@ -99,13 +100,10 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
         clip.roles.push_back(role);
         tracks_.push_back({role, std::move(*found), role == PlaneRole::depth ? *stack : nullptr});
     }
+    if (!described.materials.empty()) materials_.emplace(described);
+    if (!*stack) tell_of_materials(clip);
     pictures_->want_beside({colour == Colour::wanted && shares_depths_files(PlaneRole::colour),
                             shares_depths_files(PlaneRole::haptic)});
-    if (!described.materials.empty()) {
-        materials_.emplace(described);
-        clip.notes.push_back("haptic properties are those of " + std::to_string(described.materials.size()) +
-                             " materials, by their indices; other indices have the default properties");
-    }
     clip.count = static_cast<std::int64_t>(depth->count());
     const auto& files = depth->files;
     clip.name = (files.front() == files.back() ? files.front() : folder_).string();
@@ -118,6 +116,27 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
         clip.notes.push_back(why + ": played at " + short_number(rate.per_second()) +
                              " frames a second (the scene's rate says otherwise)");
     return {};
+}
+
+/// What they feel like, or that nothing says it.
+void FolderPictures::tell_of_materials(StoredClip& clip) {
+    if (materials_)
+        clip.notes.push_back("haptic is that of " + std::to_string(clip.described.materials.size()) +
+                             " materials, by their indices; other indices have the default properties");
+    const auto& first = file(tracks_.front(), 0);
+    const bool has_haptic = std::ranges::count(tracks_, PlaneRole::haptic, &Track::role) > 0;
+    if (has_haptic || first.extension() != ".exr") return;
+    const auto looked = pictures_->look(first);
+    if (!looked || !(*looked)->beside || !(*looked)->beside->materials) return;
+    std::string list;
+    for (const int index : indices_in(*(*looked)->beside->materials))
+        list += (list.empty() ? "" : ", ") + std::to_string(index);
+    clip.notes.push_back(
+        "haptic is not there: the files have material indices (" + (*looked)->beside->materials_name + ": " +
+        list +
+        "), but nothing says what they feel like: haptic.materials in a scene file does, with "
+        "folder.haptic as folder.depth (docs/scene_file.md; touchable init-scene writes one "
+        "to begin with)");
 }
 
 bool FolderPictures::shares_depths_files(PlaneRole role) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
@@ -75,7 +76,7 @@ TEST_F(Rendering, OfOneFileOpensWithDepthAndColour) {
     render(1, "two_layers.exr");
     reader = open_clip(folder / "r_0001.exr");
     EXPECT_TRUE(tells(**reader, "depth is channel b.Depth.Z, colour is b.Combined beside it"));
-    EXPECT_TRUE(tells(**reader, "material indices are there (b.IndexMA.X: 0, 2, 5)"));
+    EXPECT_TRUE(tells(**reader, "the files have material indices (b.IndexMA.X: 0, 2, 5)"));
 }
 
 TEST_F(Rendering, OfAFolderOfFilesIsReadFromEachOnce) {
@@ -102,7 +103,7 @@ TEST_F(Rendering, MaterialIndicesHaveThePropertiesOfATable) {
                                                            "5": {"stiffness": 0.3, "dynamic_friction": 0.1}}})",
                                           planes));
     ASSERT_EQ(message(reader), "");
-    EXPECT_TRUE(tells(**reader, "haptic properties are those of 2 materials"));
+    EXPECT_TRUE(tells(**reader, "haptic is that of 2 materials"));
     const Scene& scene = (*reader)->scene();
     const auto frames = read_all(**reader);
     ASSERT_EQ(message(frames), "");
@@ -161,6 +162,22 @@ TEST_F(Rendering, WhatIsMissingIsNamed) {
                   "(haptic, frame 0)");
     EXPECT_NE(message(open_described(scene_of(R"({"materials": {"5": {}}})", ""))).find("folder.haptic"),
               std::string::npos);
+}
+
+/// A scene without a table is told too; a map of touch that stays takes the place of what was said.
+TEST_F(Rendering, IndicesThatNobodyUsesAreToldOnce) {
+    render(3);
+    auto reader = open_described(scene_of("{}", ""));
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(tells(**reader,
+                      "haptic is not there: the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"));
+    const auto scene = (*reader)->scene();
+    for (const Remark& remark : scene.remarks) EXPECT_EQ(remark.what.find("indices"), std::string::npos);
+    Image map{1, 1, 1, 3, {255, 128, 128}};
+    ASSERT_EQ(message(write_png(folder / "map.png", map.view())), "");
+    reader = open_described(scene_of("{}", R"(, "haptic": "map.png")"));
+    ASSERT_EQ(message(reader), "");
+    EXPECT_FALSE(tells(**reader, "material indices"));
 }
 
 }  // namespace

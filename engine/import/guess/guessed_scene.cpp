@@ -7,7 +7,6 @@
 #include "engine/import/guess/camera_file.hpp"
 #include "engine/import/guess/guessed_cameras.hpp"
 #include "engine/import/guess/known_camera.hpp"
-#include "engine/import/guess/material_pictures.hpp"
 #include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/picture_groups.hpp"
@@ -289,7 +288,7 @@ void Guess::doubt_colour(const fs::path& folder, const fs::path& colour, ReadPic
     say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise");
 }
 
-/// Of a rendering, which may have colour and materials in depth's own files.
+/// Of a rendering, which may have colour in depth's own files.
 void Guess::tell_of_layers(const BesideDepth& beside, bool takes_colour) {
     std::string said = "depth is channel " + beside.depth_name;
     if (beside.depths > 1) said += ", the first of " + std::to_string(beside.depths) + " in a file";
@@ -297,14 +296,6 @@ void Guess::tell_of_layers(const BesideDepth& beside, bool takes_colour) {
         said += ", colour is " + (beside.colour_name.empty() ? "R, G, B" : beside.colour_name) +
                 " beside it, linear light shown as sRGB";
     say(std::move(said));
-    if (!beside.materials) return;
-    std::string list;
-    const std::vector<int> indices = indices_in(*beside.materials);
-    for (const int index : indices) list += (list.empty() ? "" : ", ") + std::to_string(index);
-    add_remark(scene_.remarks,
-               {"material indices are there (" + beside.materials_name + ": " + list +
-                "), but nothing says what they feel like: in a scene file (touchable init-scene writes one) "
-                "haptic.materials does, with folder.haptic as folder.depth (docs/scene_file.md)"});
 }
 
 Result<const Preset*> known_preset(const SourceDescription& known) {
