@@ -90,8 +90,9 @@ TEST_F(Rendering, OfAFolderOfFilesIsReadFromEachOnce) {
         ASSERT_EQ(message(frames), "");
         ASSERT_EQ(frames->size(), 9U);
         for (const RawFrame& frame : *frames) expect_seen(frame, (*reader)->scene());
-        // Those that the range of depth was searched in are read once more, for their colour.
-        for (const auto& [name, count] : opened.counts()) EXPECT_LE(count, 2) << name;
+        // The first is read once more, for its colour: the range of depth is searched in between.
+        for (const auto& [name, count] : opened.counts())
+            EXPECT_LE(count, name.find("0001") != std::string::npos ? 2 : 1) << name;
         EXPECT_EQ((*reader)->inputs().size(), is_described ? 10U : 9U);
     }
 }

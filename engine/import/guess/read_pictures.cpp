@@ -84,6 +84,7 @@ StoredImage ReadPictures::taken(Kept::iterator kept) {
 }
 
 void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {
+    if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
     kept(file, std::move(picture));
 }
 

@@ -36,7 +36,7 @@ public:
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
     /// The pictures of a file that is a stack of them (.npy, .npz), which stays open; null of others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
-    /// Keeps one for `take`.
+    /// Keeps one for `take`, with what is beside it.
     void keep(const std::filesystem::path& file, StoredImage picture);
     /// Forgets all but these.
     void keep_only(std::initializer_list<std::filesystem::path> files);
