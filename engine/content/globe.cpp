@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "engine/content/families.hpp"
+#include "engine/content/globe_motion.hpp"
+#include "engine/content/globe_touch.hpp"
 #include "engine/content/planet_look.hpp"
 #include "engine/content/presets.hpp"
 #include "engine/content/smooth.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
@@ -40,32 +41,11 @@ protected:
     GlobeSphere sphere_;
 };
 
-/// Axes of the turning planet in the world: the pole leans to the right and a little toward the camera, and
-/// what faces the camera moves to the right.
-class Turn {
-public:
-    explicit Turn(double angle) {
-        const double c = cosine(angle), s = sine(angle);
-        x_ = c * east_ - s * toward_;
-        z_ = s * east_ + c * toward_;
-    }
-    /// A world direction in the planet's own frame.
-    glm::dvec3 place(const glm::dvec3& normal) const {
-        return {glm::dot(normal, x_), glm::dot(normal, pole_), glm::dot(normal, z_)};
-    }
-
-private:
-    const glm::dvec3 pole_ = glm::normalize(glm::dvec3(0.36, 0.90, 0.25));
-    const glm::dvec3 east_ = glm::normalize(glm::cross(pole_, glm::dvec3(0, 0, 1)));
-    const glm::dvec3 toward_ = glm::cross(east_, pole_);
-    glm::dvec3 x_, z_;
-};
-
 /// The globe with the procedural planet on it.
 class PlanetGlobe final : public Globe {
 public:
-    PlanetGlobe(Scene scene, const GlobeSphere& sphere, std::uint64_t seed)
-        : Globe(std::move(scene), sphere), planet_(seed) {}
+    PlanetGlobe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options)
+        : Globe(std::move(scene), sphere), motion_(options), planet_(options.seed) {}
 
     /// The relief on the sphere has no closed form.
     std::optional<SurfaceTruth> closest(const glm::dvec3&, const glm::dvec3&, double) const override {
@@ -73,8 +53,6 @@ public:
     }
 
 private:
-    static constexpr double seconds_per_turn = 12, first_turn = 0.2;
-
     /// One line of sight: how much of the pixel the disc covers, and what it meets there (or at the limb).
     struct Sight {
         double coverage, altitude;
@@ -85,16 +63,17 @@ private:
     bool moves() const override { return true; }
     void paint(double t, const std::vector<double>& depths, RowBands& rows,
                FramePlanes& planes) const override;
-    Sight look(int x, int y, const Turn& turn) const;
-    std::vector<Sight> look_along(int y, const Turn& turn) const;
+    Sight look(int x, int y, const GlobeAxes& axes) const;
+    std::vector<Sight> look_along(int y, const GlobeAxes& axes) const;
     void colour_row(const std::vector<Sight>& above, const std::vector<Sight>& row,
                     const std::vector<Sight>& below, int y, FramePlanes& planes) const;
     void touch(const Sight& sight, std::size_t pixel, FramePlanes& planes) const;
 
+    GlobeMotion motion_;
     Planet planet_;
 };
 
-PlanetGlobe::Sight PlanetGlobe::look(int x, int y, const Turn& turn) const {
+PlanetGlobe::Sight PlanetGlobe::look(int x, int y, const GlobeAxes& axes) const {
     const Camera& camera = scene().camera;
     const glm::dvec3 ray = glm::dvec3(camera.u(x), camera.v(y), -1) / camera.ray_length(x, y);
     const double distance = -sphere_.centre.z, b = glm::dot(ray, sphere_.centre);
@@ -107,14 +86,14 @@ PlanetGlobe::Sight PlanetGlobe::look(int x, int y, const Turn& turn) const {
     sight.altitude = passing / sphere_.radius - 1;
     sight.normal = outward / std::sqrt(glm::dot(outward, outward));
     sight.to_eye = -ray;
-    if (sight.coverage > 0) sight.ground = planet_.ground(turn.place(sight.normal));
+    if (sight.coverage > 0) sight.ground = planet_.ground(axes.place(sight.normal));
     return sight;
 }
 
-std::vector<PlanetGlobe::Sight> PlanetGlobe::look_along(int y, const Turn& turn) const {
+std::vector<PlanetGlobe::Sight> PlanetGlobe::look_along(int y, const GlobeAxes& axes) const {
     std::vector<Sight> row;
     row.reserve(static_cast<std::size_t>(scene().width));
-    for (int x = 0; x < scene().width; ++x) row.push_back(look(x, y, turn));
+    for (int x = 0; x < scene().width; ++x) row.push_back(look(x, y, axes));
     return row;
 }
 
@@ -143,44 +122,27 @@ void PlanetGlobe::colour_row(const std::vector<Sight>& above, const std::vector<
     }
 }
 
-/// Code of a property value in its range (Eq. 1 turned round).
-std::uint8_t property_code(const PropertyRange& range, double value) {
-    return static_cast<std::uint8_t>(std::floor(255 * (value - range.min) / (range.max - range.min) + 0.5));
-}
-
-/// Land is stiffer and rougher than the sea; a narrow coast leads from one to the other.
 void PlanetGlobe::touch(const Sight& sight, std::size_t pixel, FramePlanes& planes) const {
-    const HapticProperties sea{400, 0.15, 0.10}, land{1200, 0.60, 0.45}, beyond{800, 0.30, 0.20};
     const bool ball = sight.altitude < 0;
-    HapticProperties felt = beyond;
-    if (ball) {
-        const double dry = smooth_step(-0.012, 0.012, sight.ground.elevation);
-        felt.stiffness = sea.stiffness + dry * (land.stiffness - sea.stiffness);
-        felt.static_friction = sea.static_friction + dry * (land.static_friction - sea.static_friction);
-        felt.dynamic_friction = sea.dynamic_friction + dry * (land.dynamic_friction - sea.dynamic_friction);
-    }
-    const HapticRanges& ranges = scene().haptic;
-    planes.haptic[3 * pixel] = property_code(ranges.stiffness, felt.stiffness / 1000);
-    planes.haptic[3 * pixel + 1] = property_code(ranges.static_friction, felt.static_friction);
-    planes.haptic[3 * pixel + 2] = property_code(ranges.dynamic_friction, felt.dynamic_friction);
+    put_feel(ball ? globe_feel(smooth_step(-0.012, 0.012, sight.ground.elevation)) : beyond_feel,
+             &planes.haptic[3 * pixel]);
     planes.height[pixel] =
         ball ? static_cast<std::uint8_t>(std::floor(255 * sight.ground.relief + 0.5)) : std::uint8_t{0};
 }
 
 void PlanetGlobe::paint(double t, const std::vector<double>& depths, RowBands& rows,
                         FramePlanes& planes) const {
-    const double turns = first_turn + t / seconds_per_turn;
-    const Turn turn(2 * pi * (turns - std::floor(turns)));
+    const GlobeAxes axes = motion_.axes(t);
     const auto width = static_cast<std::size_t>(scene().width);
     planes.colour.resize(3 * depths.size());
     planes.haptic.resize(3 * depths.size());
     planes.height.resize(depths.size());
     // A row's relief is lit by its neighbours'; three rows at a time keep a large picture small in memory.
     rows.for_each_band(scene().height, 1, [&](const RowBand& band) {
-        std::vector<Sight> row = look_along(band.first, turn);
-        std::vector<Sight> above = band.first > 0 ? look_along(band.first - 1, turn) : row;
+        std::vector<Sight> row = look_along(band.first, axes);
+        std::vector<Sight> above = band.first > 0 ? look_along(band.first - 1, axes) : row;
         for (int y = band.first; y < band.last; ++y) {
-            std::vector<Sight> below = y + 1 < scene().height ? look_along(y + 1, turn) : row;
+            std::vector<Sight> below = y + 1 < scene().height ? look_along(y + 1, axes) : row;
             colour_row(above, row, below, y, planes);
             for (std::size_t x = 0; x < width; ++x)
                 touch(row[x], static_cast<std::size_t>(y) * width + x, planes);
@@ -204,10 +166,10 @@ MadeScene make_globe(std::string_view name, const SceneOptions& options) {
     scene.default_properties = {1000, 0, 0};
     if (!options.properties)
         return std::unique_ptr<AnalyticScene>(std::make_unique<Globe>(std::move(scene), sphere));
+    scene.haptic = globe_ranges;
+    if (options.maps) return make_map_globe(std::move(scene), sphere, options);
     scene.height_coding = {1, HeightUnits::levels, 255};
-    scene.haptic = {{0.1, 2}, {0, 1}, {0, 1}};
-    return std::unique_ptr<AnalyticScene>(
-        std::make_unique<PlanetGlobe>(std::move(scene), sphere, options.seed));
+    return std::unique_ptr<AnalyticScene>(std::make_unique<PlanetGlobe>(std::move(scene), sphere, options));
 }
 
 }  // namespace touchable

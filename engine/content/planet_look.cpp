@@ -36,13 +36,15 @@ glm::dvec3 planet_colour(const Ground& ground, const glm::dvec3& normal, const g
                          double slope) {
     const glm::dvec3 snow{0.80, 0.84, 0.88};
     const glm::dvec3 bare = ground.elevation > 0 ? land_colour(ground) : sea_colour(ground);
-    const glm::dvec3 ground_colour = glm::mix(bare, snow, ground.ice);
+    return in_daylight(glm::mix(bare, snow, ground.ice), normal, to_eye, std::clamp(1 + slope, 0.35, 1.9));
+}
 
+glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                       double relief_light) {
     // A soft terminator: light reaches a little past the edge of the day.
     const double facing = glm::dot(normal, sunward), day = smooth_step(-0.12, 0.30, facing);
-    const double relief_light = std::clamp(1 + slope, 0.35, 1.9);
     const double light = 0.012 + 1.55 * day * (0.18 + 0.82 * std::max(0.0, facing)) * relief_light;
-    const glm::dvec3 colour = light * ground_colour;
+    const glm::dvec3 colour = light * ground;
 
     // More air is looked through toward the limb.
     const double grazing = 1 - std::max(0.0, glm::dot(normal, to_eye));

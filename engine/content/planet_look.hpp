@@ -13,8 +13,13 @@ namespace touchable {
 /// Towards the sun: a unit vector in the world.
 inline constexpr glm::dvec3 sunward{-0.56, 0.42, 0.7141428428542850};
 
-/// Colour of a place. `normal` and `to_eye` are unit vectors; `slope` is how much the ground rises toward the
-/// sun (relief per radius of the planet; 0: level).
+/// Colour of a place in the day, of the ground's own colour. `normal` is the unit vector up, `to_eye` one
+/// toward the eye; `relief_light` is how much brighter the ground is than level ground, 1: as bright.
+glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                       double relief_light);
+
+/// Colour of a place of the procedural planet. `normal` and `to_eye` are unit vectors; `slope` is how much
+/// the ground rises toward the sun (relief per radius of the planet; 0: level).
 glm::dvec3 planet_colour(const Ground& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
                          double slope);
 

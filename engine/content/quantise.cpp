@@ -24,8 +24,7 @@ std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands
     std::vector<double> depths(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     rows.for_each_band(height, 1, [&](const RowBand& band) {
         double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
-        for (int y = band.first; y < band.last; ++y)
-            for (int x = 0; x < width; ++x) *out++ = scene.depth(x, y, t);
+        for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);
     });
     return depths;
 }

@@ -41,6 +41,10 @@ Result<void> check(std::string_view name, const SceneOptions& options) {
         return refuse("depth of " + std::to_string(options.bits) + " bits is impossible; it must be 8 to 16");
     if (options.properties && name != "globe")
         return refuse("only 'globe' has haptic properties and heights");
+    if (options.maps && !options.properties) return refuse("maps are for a globe with properties");
+    if (!(options.seconds_per_turn > 0)) return refuse("a turn must take longer than 0 seconds");
+    const double tilt = options.axial_tilt_degrees.value_or(0);
+    if (!(tilt >= -90 && tilt <= 90)) return refuse("the axis can tilt by -90 to 90 degrees");
     return {};
 }
 
@@ -50,12 +54,8 @@ double AnalyticScene::time_of(std::int64_t n) const {
     return static_cast<double>(scene_.rate.time_ns(n)) / 1e9;
 }
 
-/// One for each core, where nobody said how many; but a thread is not started for a handful of rows.
 int AnalyticScene::threads_of_a_frame() const {
-    constexpr int least_pixels = 1 << 14;
-    if (threads_ > 0) return threads_;
-    const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-    return std::clamp(scene_.width * scene_.height / least_pixels, 1, std::max(cores, 1));
+    return threads_for_pixels(threads_, std::int64_t{scene_.width} * scene_.height);
 }
 
 std::shared_ptr<const FramePlanes> AnalyticScene::planes(double t) const {
@@ -91,6 +91,13 @@ void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
     copy_touch_planes(view_of(std::move(touch), scene_, n), out);
     out.raw = {};
     out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
+}
+
+int threads_for_pixels(int threads, std::int64_t pixels) {
+    constexpr std::int64_t least_pixels = 1 << 14;  // what pays for starting a thread
+    if (threads > 0) return threads;
+    const auto cores = std::max<std::int64_t>(std::thread::hardware_concurrency(), 1);
+    return static_cast<int>(std::clamp<std::int64_t>(pixels / least_pixels, 1, cores));
 }
 
 Scene blank_scene(std::string_view name, const SceneOptions& options) {

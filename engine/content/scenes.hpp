@@ -17,6 +17,8 @@
 
 namespace touchable {
 
+struct GlobeMaps;
+
 enum class CameraPreset { a, a_prime, b };
 
 /// Size, depth and look of a generated scene.
@@ -28,7 +30,11 @@ struct SceneOptions {
     double tilt_direction_degrees = 0;      ///< plane: where it recedes to in the picture; 0 right, 90 up
     std::uint64_t seed = 1;                 ///< noise, cliffs, grain, and the planet of globe
     bool properties = false;                ///< globe: rotating planet with land and ocean, heights, friction
-    FrameRate rate{};                       ///< frames come evenly
+    const GlobeMaps* maps = nullptr;  ///< globe with properties: in place of the planet, until it is made
+    double seconds_per_turn = 12;     ///< globe with properties: above 0
+    std::optional<double> axial_tilt_degrees{};       ///< likewise: of the pole from upright, -90 to 90
+    std::optional<double> first_longitude_degrees{};  ///< likewise: that faces the camera at time 0
+    FrameRate rate{};                                 ///< frames come evenly
     int threads = 0;  ///< that share a frame's rows; 0: one for each core. No bit depends on them
 };
 
@@ -55,9 +61,13 @@ public:
 
     /// Depth at pixel (x, y) at time t (seconds), of the scene's semantics, scene units, before height.
     virtual double depth(double x, double y, double t) const = 0;
+    /// The same of a whole row of pixels.
+    virtual void row_depths(int y, double t, double* depths) const {
+        for (int x = 0; x < scene_.width; ++x) depths[x] = depth(x, y, t);
+    }
     /// Nearest surface point to `goal`, searched by descent from `start` (a point on or near the surface)
-    /// where the surface has several. Nothing for scenes without a truth: noise, cliffs, grain, and the
-    /// planet's relief.
+    /// where the surface has several. Nothing for scenes without a truth: noise, cliffs, grain, the planet's
+    /// relief, and a globe of maps, whose facets between pixels have no tangent.
     virtual std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
                                                 double t) const = 0;
 

@@ -3,19 +3,16 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
-#include <future>
-#include <iostream>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "engine/clip/clip_reader.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/video/mp4_writer.hpp"
+#include "player/commands/make_run.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/fragmented_option.hpp"
 #include "player/options/number_option.hpp"
@@ -23,26 +20,16 @@
 #include "player/options/typed_numbers.hpp"
 #include "player/options/whole_option.hpp"
 #include "player/run/memory.hpp"
-#include "player/terminal/interrupt.hpp"
-#include "player/terminal/progress.hpp"
 
 namespace touchable {
 namespace {
-
-struct MakeOptions {
-    std::string scene;                   ///< of scene_names()
-    std::filesystem::path out;           ///< a name that ends in .mkv
-    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
-    std::int64_t frames = 90;            ///< 1 to 1 000 000
-    ClipStorage storage{};
-    SceneOptions generator;
-};
 
 constexpr std::int64_t most_frames = 1'000'000;
 
 /// Options as typed; what was not typed stays with the scene's own default.
 struct MakeWords {
     MakeOptions options;
+    GlobeWords globe;
     std::string size, preset, frames = "90", rate = "30", seed = "1", archive = "fast";
     bool properties = false, plain = false;
     const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
@@ -91,13 +78,14 @@ Result<void> refuse_idle_options(const MakeWords& words) {
           only(words.properties, "--properties", globe, "globe"),
           only(words.plain, "--plain", globe, "globe"),
           only(words.options.storage.exact_colour, "--exact-colour", globe && !words.plain,
-               "the planet of globe"),
+               "a globe that turns"),
           only(typed(words.tilt_typed), "--tilt", plane, "plane"),
           only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
-          only(typed(words.seed_typed), "--seed", random || (globe && !words.plain),
+          only(typed(words.seed_typed), "--seed",
+               random || (globe && !words.plain && !words.globe.maps.any()),
                "noise, cliffs, grain and the planet of globe")})
         if (!checked.ok()) return checked;
-    return {};
+    return check_globe_words(words.globe, scene, words.plain);
 }
 
 Result<Archive> read_archive(const std::string& text) {
@@ -136,6 +124,8 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     if (!seed.ok()) return seed.error();
     generator.seed = *seed;
     generator.properties = options.scene == "globe" && !words.plain;
+    take_motion(words.globe, generator);
+    options.maps = words.globe.maps;
     return options;
 }
 
@@ -144,34 +134,6 @@ std::string known_scenes() {
     for (const std::string_view name : scene_names())
         names += (names.empty() ? "" : ", ") + std::string(name);
     return names;
-}
-
-/// Writes a clip of a generated scene. The same options give the same file, byte for byte.
-Result<void> run_make(const MakeOptions& options) {
-    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, {}); !apart.ok())
-        return apart;
-    const auto scene = make_scene(options.scene, options.generator);
-    if (!scene.ok()) return scene.error();
-    const AnalyticScene& source = **scene;
-    SceneDescription described(source.scene());
-    described.unstated.filters = all_unstated;  // what its frames ask for
-    auto writer = create_named_clip(options.out, described, options.storage, options.existing);
-    if (!writer.ok()) return writer.error();
-
-    Progress progress("making frame", options.frames, Progress::InALog::lines);
-    // A frame is made while the one before is encoded; where no thread is to be had for that, in between.
-    const auto make = [&source](std::int64_t n) {
-        return std::async([&source, n] { return source.frame(n); });
-    };
-    std::future<RawFrame> made = make(0);
-    for (std::int64_t n = 0; n < options.frames; ++n) {
-        if (interrupted()) return interrupted_error();
-        progress.at(n + 1);
-        const RawFrame frame = made.get();
-        if (n + 1 < options.frames) made = make(n + 1);
-        if (auto written = (*writer)->write(frame); !written.ok()) return written.error();
-    }
-    return (*writer)->finish();
 }
 
 }  // namespace
@@ -214,19 +176,16 @@ void add_make_command(CLI::App& app, Command& command) {
         add_number_option(*make, "--tilt-direction", generator.tilt_direction_degrees,
                           "plane: degrees in the picture")
             ->capture_default_str();
+    add_globe_options(*make, words->globe);
     make->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);
             if (!options.ok()) return options.error();
             const SceneOptions& made = options->generator;
-            const std::string size = std::to_string(made.width) + "x" + std::to_string(made.height);
-            if (auto done =
-                    within_memory("frames of " + size + " pixels", [&] { return run_make(*options); });
-                !done.ok())
-                return done;
-            std::cout << options->out.string() << ": " << options->frames << " frames of " << options->scene
-                      << ", " << size << ", " << made.bits << " bits\n";
-            return {};
+            return within_memory("frames of " + std::to_string(made.width) + 'x' +
+                                     std::to_string(made.height) + " pixels" +
+                                     (options->maps.any() ? " and their maps" : ""),
+                                 [&] { return run_make(*options); });
         };
     });
 }

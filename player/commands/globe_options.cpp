@@ -1,0 +1,146 @@
+#include "player/commands/globe_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <utility>
+
+#include "engine/stop_request.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/number_option.hpp"
+
+namespace touchable {
+namespace {
+
+GlobeMap map_of(const StoredImage& picture) {
+    const Image& image = picture.image;
+    const bool numbers = !picture.values.empty();
+    return {numbers ? PlaneView{} : image.view(), picture.values, image.width, image.height,
+            numbers ? 1 : image.channels};
+}
+
+/// A grey picture may be stored as one of colour.
+void make_grey(Image& image) {
+    if (image.channels == 1) return;
+    if (auto grey = as_grey(image)) image = std::move(*grey);
+}
+
+std::string shore_in_words(const Shore& shore, bool told) {
+    char agreement[32], level[32];
+    std::snprintf(agreement, sizeof agreement, "%.1f", 100 * shore.agreement);
+    std::snprintf(level, sizeof level, "%.9g", shore.sea_level);
+    return std::string("sea level ") + level + (told ? ", as told" : " of the elevation map") + "; land is " +
+           (shore.bright_is_land ? "bright" : "dark") + " in the mask; the two agree on " + agreement +
+           " % of the globe" + (told ? "" : " (--sea-level VALUE says otherwise)");
+}
+
+}  // namespace
+
+std::vector<NamedFile> GlobeMapFiles::files() const {
+    std::vector<NamedFile> named;
+    const std::pair<const char*, const std::filesystem::path*> all[] = {
+        {"--colour", &colour}, {"--elevation", &elevation}, {"--mask", &mask}, {"--haptic", &haptic}};
+    for (const auto& [name, path] : all)
+        if (!path->empty()) named.push_back({name, *path});
+    return named;
+}
+
+void add_globe_options(CLI::App& make, GlobeWords& words) {
+    GlobeMapFiles& maps = words.maps;
+    add_file_option(
+        make, "--colour", maps.colour,
+        "globe of maps: a picture of all of it, longitude -180 to 180 from left to right, north up");
+    add_file_option(make, "--elevation", maps.elevation, "globe of maps: the same of heights, in any unit");
+    add_file_option(make, "--mask", maps.mask,
+                    "globe of maps: land and ocean, black and white or white and black");
+    add_file_option(
+        make, "--haptic", maps.haptic,
+        "globe of maps: RGB, the codes of stiffness (0.1 to 2 N/mm), static and dynamic friction (0 "
+        "to 1), in place of land and ocean");
+    add_number_option(
+        make, "--sea-level", maps.sea_level,
+        "globe of maps: value of the elevation map up to which it is sea (default: where the mask "
+        "says so)");
+    add_number_option(make, "--relief", maps.relief_percent,
+                      "globe of maps: how far the highest place rises, percent of the radius (default 3)",
+                      0.01, 10);
+    add_number_option(
+        make, "--smoothing", maps.smoothing_degrees,
+        "globe of maps: mountains narrower than some degrees are in the height plane, wider ones in "
+        "the depth (default 1; 0: all in the depth)",
+        0, 10);
+    add_number_option(make, "--turn", words.seconds_per_turn, "globe: seconds for a turn (default 12)", 0.1,
+                      1e9);
+    add_number_option(make, "--axial-tilt", words.axial_tilt,
+                      "globe: degrees from upright, of the pole, to the right (default 26; of maps 23.4)",
+                      -90, 90);
+    add_number_option(make, "--longitude", words.longitude,
+                      "globe: degrees east that face the camera at first (default -72; of maps 80)", -180,
+                      180);
+}
+
+Result<void> check_globe_words(const GlobeWords& words, const std::string& scene, bool plain) {
+    const GlobeMapFiles& maps = words.maps;
+    const bool turns = scene == "globe" && !plain;
+    const auto only = [&](bool given, const char* option, bool fits, const char* whose) -> Result<void> {
+        if (!given || fits) return {};
+        return usage_error(std::string(option) + " does nothing for '" + scene + (plain ? "' --plain" : "'") +
+                           "; it belongs to " + whose);
+    };
+    const char* const turning = "a globe that turns";
+    const char* const of_maps = "a globe of maps (--colour, --elevation and --mask)";
+    for (const Result<void>& checked :
+         {only(!maps.colour.empty(), "--colour", turns, turning),
+          only(!maps.elevation.empty(), "--elevation", turns, turning),
+          only(!maps.mask.empty(), "--mask", turns, turning),
+          only(words.seconds_per_turn.has_value(), "--turn", turns, turning),
+          only(words.axial_tilt.has_value(), "--axial-tilt", turns, turning),
+          only(words.longitude.has_value(), "--longitude", turns, turning),
+          only(!maps.haptic.empty(), "--haptic", maps.any(), of_maps),
+          only(maps.sea_level.has_value(), "--sea-level", maps.any(), of_maps),
+          only(maps.relief_percent.has_value(), "--relief", maps.any(), of_maps),
+          only(maps.smoothing_degrees.has_value(), "--smoothing", maps.any(), of_maps)})
+        if (!checked.ok()) return checked;
+    if (!maps.any()) return {};
+    for (const auto& [option, file] :
+         {std::pair{"--colour", &maps.colour}, {"--elevation", &maps.elevation}, {"--mask", &maps.mask}})
+        if (file->empty())
+            return usage_error(std::string(option) +
+                               " is missing; a globe of maps needs --colour, --elevation and --mask");
+    return {};
+}
+
+void take_motion(const GlobeWords& words, SceneOptions& options) {
+    if (words.seconds_per_turn) options.seconds_per_turn = *words.seconds_per_turn;
+    options.axial_tilt_degrees = words.axial_tilt;
+    options.first_longitude_degrees = words.longitude;
+    if (!words.maps.any()) return;
+    constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
+    options.axial_tilt_degrees = words.axial_tilt.value_or(tilt_of_the_earth);
+    options.first_longitude_degrees = words.longitude.value_or(himalaya);
+}
+
+Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files) {
+    auto read = std::make_unique<ReadGlobeMaps>();
+    for (const NamedFile& file : files.files()) {
+        if (stop_requested()) return interrupted_error();
+        auto picture = read_stored_image(SourceFile(file.path));
+        if (!picture.ok()) return picture.error();
+        if (file.name == "--elevation" || file.name == "--mask") make_grey(picture->image);
+        read->pictures.push_back(std::move(*picture));
+    }
+    GlobeMaps& maps = read->maps;
+    maps.colour = map_of(read->pictures[0]);
+    maps.elevation = map_of(read->pictures[1]);
+    maps.mask = map_of(read->pictures[2]);
+    if (!files.haptic.empty()) maps.haptic = map_of(read->pictures[3]);
+    if (files.relief_percent) maps.relief = *files.relief_percent / 100;
+    if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
+    if (auto checked = check_globe_maps(maps); !checked.ok()) return checked.error();
+    auto shore = find_shore(maps.elevation, maps.mask, files.sea_level);
+    if (!shore.ok()) return shore.error();
+    maps.shore = *shore;
+    read->remark = shore_in_words(*shore, files.sea_level.has_value());
+    return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
+}
+
+}  // namespace touchable
