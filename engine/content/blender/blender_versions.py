@@ -63,6 +63,12 @@ def compositor_trees(scene):
     return [tree] if tree else []
 
 
+def has_strips(scene):
+    """Of the video sequencer: 5.0 calls `strips_all` what were sequences."""
+    editor = scene.sequence_editor
+    return bool(editor and getattr(editor, "strips_all", None) or getattr(editor, "sequences_all", None))
+
+
 def write_multilayer_floats(image_settings):
     """Every pass into one OpenEXR of 32-bit floats without compression. 5.0 first asks which kind of file it is."""
     if hasattr(image_settings, "media_type"):

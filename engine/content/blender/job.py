@@ -113,6 +113,9 @@ class Export:
             raise Refused("the camera sees no surface in any frame, so there is nothing to touch; look through it (Numpad 0) and move it")
         near, far = scene_file.planes_between(self.nearest, self.farthest)
         near, far = self.wish.near or near, self.wish.far or far
+        if self.ranges.height > near / 2:
+            raise Refused(f"a relief is {self.ranges.height:g} m deep, and the nearest surface is {near:g} m away; "
+                          "make touchable_relief of the material less than half of that")
         self._write_depths(scene_file.depth_unit(far))
         feels = [self.feels[self.frames[0]][material] for material in sorted(self.seen)]
         self.remarks += [remark for feel in feels for remark in feel.remarks]

@@ -20,6 +20,9 @@ HAPTIC_NODE, HEIGHT_NODE = "Touch Haptic", "Touch Height"
 # What a person may set, and what a clip can say.
 LIMITS = {STIFFNESS: (0.0, 100.0), STATIC: (0.0, 10.0), DYNAMIC: (0.0, 10.0), RELIEF: (0.0, 1000.0)}
 
+# A displacement that is deeper, in metres, is not what somebody wanted to feel: it is the node's scale of 1 as it comes.
+DEEPEST_GUESS = 0.1
+
 # Of what has no material, or one that no guess knows: what `touchable` takes itself where a clip says nothing.
 UNKNOWN = (0.6, 0.4, 0.3)
 
@@ -125,8 +128,9 @@ def _guess_relief(material, feel, metres_per_unit):
     if node is None or node.type != "DISPLACEMENT" or blender_versions.is_displaced(material):
         return
     height, scale = node.inputs["Height"], node.inputs["Scale"]
-    if height.is_linked and not scale.is_linked and scale.default_value > 0:
-        feel.height_socket, feel.relief = height.links[0].from_socket, scale.default_value * metres_per_unit
+    relief = scale.default_value * metres_per_unit
+    if height.is_linked and not scale.is_linked and 0 < relief <= DEEPEST_GUESS:
+        feel.height_socket, feel.relief = height.links[0].from_socket, relief
         feel.guessed.append("relief")
 
 

@@ -133,6 +133,9 @@ def check_relief():
     feel = materials.feel_of(made, 0.5)
     assert abs(feel.relief - 0.01) < 1e-8 and feel.height_socket == noise.outputs["Fac"] and "relief" in feel.guessed, feel
     assert "relief 10 mm" in materials.guessed_line([feel])
+    displacement.inputs["Scale"].default_value = 1
+    assert materials.feel_of(made, 0.5).height_socket is None
+    displacement.inputs["Scale"].default_value = 0.02
     made.cycles.displacement_method = "BOTH"
     assert materials.feel_of(made, 0.5).height_socket is None
     made.cycles.displacement_method = "BUMP"
@@ -236,6 +239,12 @@ def check_refusals():
         scene.camera.rotation_euler = (3.1, 0, 0)
         return ["--no-colour", "--size", "32x32"], 3, "no surface"
 
+    def deep_relief(scene):
+        made = bpy.data.materials["Material"]
+        made["touchable_relief"] = 8.0
+        made.node_tree.nodes.new("ShaderNodeTexNoise").label = "Touch Height"
+        return ["--no-colour", "--size", "32x32"], 3, "touchable_relief"
+
     def nearer(scene):
         return ["--near", "3", "--far", "2"], 2, "--near 3"
 
@@ -252,7 +261,7 @@ def check_refusals():
         open("out.mkv", "w").write("mine")
         return ["--touchable", "/bin/true"], 2, "--overwrite"
 
-    for case in (no_camera, panorama, orthographic, zoom, stereo, nothing_seen, nearer, unknown, no_frames, no_program, there_already):
+    for case in (no_camera, panorama, orthographic, zoom, stereo, nothing_seen, deep_relief, nearer, unknown, no_frames, no_program, there_already):
         scene = fresh()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

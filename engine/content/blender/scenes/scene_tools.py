@@ -50,6 +50,15 @@ def grid_object(name, places, material, closed=(False, False), uv=True):
     return thing
 
 
+def keep_edges(thing, degrees):
+    """Light shows edges sharper than that, and rounds the others. 4.1 keeps it in the edges."""
+    mesh = thing.data
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth, mesh.auto_smooth_angle = True, math.radians(degrees)
+    else:
+        mesh.set_sharp_from_angle(angle=math.radians(degrees))
+
+
 def turned(profile, segments):
     """The places of a body of revolution about z: `profile` is n x 2, radius and height."""
     angle = numpy.linspace(0, 2 * math.pi, segments, endpoint=False)

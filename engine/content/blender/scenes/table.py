@@ -97,11 +97,11 @@ def make():
     can = tools.grid_object("Can", tools.turned(profile, 512) + numpy.array([x, y, 0]),
                             tools.material("Steel", (0.78, 0.79, 0.81), roughness=0.22, metallic=1, stiffness=2.0, friction=(0.15, 0.1)),
                             closed=(False, True))
-    can.data.use_auto_smooth, can.data.auto_smooth_angle = True, math.radians(40)
+    tools.keep_edges(can, 40)
     place, size, turn = SPONGE
     block = tools.grid_object("Sponge", box_places(size, 0.004), sponge(), closed=(False, True))
     block.location, block.rotation_euler = place, (0, 0, turn)
-    block.data.use_auto_smooth, block.data.auto_smooth_angle = True, math.radians(50)
+    tools.keep_edges(block, 50)
     tools.grid_object("Egg", tools.sphere_places(*EGG),
                       tools.material("Porcelain", (0.9, 0.88, 0.84), roughness=0.12, stiffness=1.8, friction=(0.25, 0.18)), closed=(False, True))
     (x, y), radius, height = COASTER
