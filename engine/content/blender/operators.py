@@ -75,6 +75,12 @@ class Exporting:
             area.tag_redraw()
         return self.finish(context)
 
+    def cancel(self, context):
+        """Blender's own word: another file is loaded, or the window closes."""
+        Exporting.running = None
+        self.child.cancel()
+        self.child.poll()
+
     def finish(self, context):
         if self.child.error == "cancelled":
             self.report({"WARNING"}, "the export was cancelled; nothing was written")

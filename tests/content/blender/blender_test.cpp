@@ -33,7 +33,7 @@ protected:
     void check_in_blender(const std::string& names) {
         const BlenderRun checked =
             run_blender({std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/content/blender/checks.py"}, {},
-                        {"CHECKS=" + names});
+                        {"CHECKS=" + names, "TOUCHABLE=" TOUCHABLE_PROGRAM});
         EXPECT_EQ(checked.code, 0) << checked.error;
     }
 
@@ -275,6 +275,10 @@ TEST_F(Blender, LeavesNothingAtCtrlC) {
 
 TEST_F(Blender, CameraAgreesWithBlenderAndRangesAreExact) {
     check_in_blender("cameras ranges guesses relief opacity what_moves");
+}
+
+TEST_F(Blender, AddOnExportsWhatIsInTheWindowAndTouchesIt) {
+    check_in_blender("addon");
 }
 
 TEST_F(Blender, WhatAClipCannotSayIsRefused) {

@@ -3,8 +3,10 @@
 import importlib
 import itertools
 import os
+import subprocess
 import sys
 import tempfile
+import time
 
 import bpy
 from bpy_extras.object_utils import world_to_camera_view
@@ -208,6 +210,51 @@ def check_opacity():
         row = data_pass.take(scene, folder).depth[6]
     seen = [float(sum(row[12 * number - 4:12 * number + 4] < 100)) / 8 for number in range(1, 5)]
     assert seen == [0, 1, 1, 0], seen
+
+
+def check_addon():
+    """Its operators export the file as it is in this session, saved or not, and leave the session as it is."""
+    import blender
+
+    scene = fresh()
+    blender.register()
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+    scene.render.resolution_x, scene.render.resolution_y = 64, 48
+    made = bpy.data.materials["Material"]
+    assert bpy.ops.material.touchable_set.poll()
+    bpy.ops.material.touchable_set()
+    assert materials.feel_of(made, 1).values() == (0.8, 0.45, 0.34) and not materials.feel_of(made, 1).guessed
+    made["touchable_stiffness"] = 3.5
+    bpy.ops.material.touchable_texture(label="Touch Height")
+    assert materials.labelled_node(made, "Touch Height").type == "TEX_IMAGE" and made["touchable_relief"] == 0.001
+    with tempfile.TemporaryDirectory() as folder:
+        # A program that only writes down what it is asked to play.
+        real, played = os.environ["TOUCHABLE"], os.path.join(folder, "played")
+        stand_in = os.path.join(folder, "touchable")
+        with open(stand_in, "w") as file:
+            file.write(f"#!/bin/sh\nif [ \"$1\" = play ]; then cp \"$2\" '{played}'; else exec '{real}' \"$@\"; fi\n")
+        os.chmod(stand_in, 0o755)
+        os.environ["TOUCHABLE"] = stand_in
+        clip = os.path.join(folder, "clip.mkv")
+        assert bpy.ops.export_scene.touchable(filepath=clip) == {"FINISHED"}
+        assert "3.5" in subprocess.run([real, "info", clip], capture_output=True, text=True).stdout
+        assert bpy.ops.touchable.touch_it() == {"FINISHED"}
+        for _ in range(600):
+            if os.path.exists(played) and os.path.getsize(played) == os.path.getsize(clip):
+                break
+            time.sleep(0.1)
+        assert os.path.getsize(played) == os.path.getsize(clip)
+        assert scene.render.image_settings.file_format == "PNG" and made.pass_index == 0 and bpy.data.filepath == ""
+        scene.camera = None
+        try:
+            bpy.ops.export_scene.touchable(filepath=os.path.join(folder, "none.mkv"))
+            assert False
+        except RuntimeError as told:
+            assert "no camera" in str(told)
+        assert sorted(os.listdir(folder)) == ["clip.mkv", "played", "touchable"]
+        bpy.ops.material.touchable_guess()
+        assert "touchable_stiffness" not in made
+    blender.unregister()
 
 
 def check_refusals():
