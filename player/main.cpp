@@ -114,6 +114,7 @@ int run(int argc, char** argv) {
     add_init_scene_command(app, command);
     add_export_command(app, command);
     add_convert_command(app, command);
+    add_relief_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_cameras_command(app, command);

@@ -10,6 +10,7 @@
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/frame_times_text.hpp"
 #include "engine/video/muxed_clip_writer.hpp"
+#include "engine/video/track_copy.hpp"
 #include "engine/video/track_writer.hpp"
 
 namespace touchable {
@@ -32,13 +33,19 @@ private:
     Result<void> open_tracks(const RawFrame& first);
     Result<void> begin_file();
     Result<void> add_track(const TrackWriter& track);
+    Result<void> add_copied_track(const AVStream& from, PlaneRole role);
+    bool is_shown(PlaneRole role) const;
+    Result<void> copy_until(std::int64_t frame);
     Result<void> write_complete();
     Result<void> write_stored(std::size_t track);
+    Result<void> write_picture_of(std::size_t stream, const StoredPicture& picture);
     Result<void> attach(const char* name, const char* type, const std::string& text);
     Result<void> attach_scene();
 
-    std::vector<TrackWriter> tracks_;  // track k is stream k
-    bool begun_ = false;               // the file, once it is known how all tracks are coded
+    std::vector<TrackWriter> tracks_;   // track k is stream k
+    std::unique_ptr<TrackCopy> copy_;   // its tracks are the streams after those; null: none
+    std::vector<StoredPicture> ahead_;  // of each of them the picture that is written next
+    bool begun_ = false;                // the file, once it is known how all tracks are coded
 };
 
 Result<void> MatroskaWriter::attach_scene() {
@@ -64,9 +71,14 @@ Result<void> MatroskaWriter::attach(const char* name, const char* type, const st
 }
 
 Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
+    if (storage_.copied) {
+        auto copy = TrackCopy::open(storage_.copied->file, storage_.copied->roles);
+        if (!copy) return copy.error();
+        copy_ = std::move(*copy);
+    }
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(first, role);
-        if (plane.empty()) continue;
+        if (plane.empty() || (copy_ && copy_->has(role))) continue;
         auto track = TrackWriter::open(role, plane, scene_, storage_);
         if (!track) return track.error();
         tracks_.push_back(std::move(*track));
@@ -89,16 +101,34 @@ Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
     if (check_.bytes_per_sample(role) == 2 && track.coding() != TrackCoding::ffv1)
         av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
                         role == PlaneRole::depth ? scene_.depth_bits : 16, 0);
-    // Ordinary players show the track that is there to be seen.
+    stream->disposition = is_shown(role) ? AV_DISPOSITION_DEFAULT : 0;
+    return {};
+}
+
+/// Ordinary players show the track that is there to be seen.
+bool MatroskaWriter::is_shown(PlaneRole role) const {
     const bool has_colour = check_.bytes_per_sample(PlaneRole::colour) > 0;
-    const PlaneRole shown = has_colour ? PlaneRole::colour : PlaneRole::depth;
-    stream->disposition = role == shown ? AV_DISPOSITION_DEFAULT : 0;
+    return role == (has_colour ? PlaneRole::colour : PlaneRole::depth);
+}
+
+Result<void> MatroskaWriter::add_copied_track(const AVStream& from, PlaneRole role) {
+    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
+    if (!stream || avcodec_parameters_copy(stream->codecpar, from.codecpar) < 0)
+        return refuse("out of memory");
+    stream->time_base = {1, 1000};
+    stream->avg_frame_rate = from.avg_frame_rate;
+    for (const char* tag : {clip_tags::role_tag, "title", clip_tags::lossless_tag, clip_tags::bits_tag})
+        if (const AVDictionaryEntry* const entry = av_dict_get(from.metadata, tag, nullptr, 0))
+            av_dict_set(&stream->metadata, tag, entry->value, 0);
+    stream->disposition = is_shown(role) ? AV_DISPOSITION_DEFAULT : 0;
     return {};
 }
 
 Result<void> MatroskaWriter::begin_file() {
     for (const TrackWriter& track : tracks_)
         if (auto added = add_track(track); !added) return added;
+    for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
+        if (auto added = add_copied_track(copy_->stream(k), copy_->role(k)); !added) return added;
     if (auto added = add_sound_stream(); !added) return added;
     if (auto attached = attach_scene(); !attached) return attached;
     add_tags();
@@ -108,13 +138,41 @@ Result<void> MatroskaWriter::begin_file() {
 
 Result<void> MatroskaWriter::write_stored(std::size_t track) {
     const StoredPicture picture = tracks_[track].take_oldest();
-    AVPacket* packet = picture.packet.get();
+    if (auto copied = copy_until(picture.frame); !copied) return copied;
     const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
-    if (auto added = add_block_addition(*packet, codec, picture.frames); !added) return added;
+    if (auto added = add_block_addition(*picture.packet, codec, picture.frames); !added) return added;
+    return write_picture_of(track, picture);
+}
+
+/// A picture that has its addition.
+Result<void> MatroskaWriter::write_picture_of(std::size_t stream, const StoredPicture& picture) {
+    AVPacket* packet = picture.packet.get();
     packet->pts = packet->dts = time_ms(picture.frame);
     if (auto written = write_sound(packet->pts); !written) return written;
     packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
-    return write_picture(*packet, track, {1, 1000});
+    return write_picture(*packet, stream, {1, 1000});
+}
+
+/// Copied pictures that are shown before this frame, in their order.
+Result<void> MatroskaWriter::copy_until(std::int64_t frame) {
+    if (!copy_) return {};
+    for (std::size_t k = ahead_.size(); k < copy_->count(); ++k) {
+        auto first = copy_->next(k);
+        if (!first) return first.error();
+        ahead_.push_back(std::move(*first));
+    }
+    while (true) {
+        std::size_t next = ahead_.size();
+        for (std::size_t k = 0; k < ahead_.size(); ++k)
+            if (ahead_[k].packet && ahead_[k].frame < frame &&
+                (next == ahead_.size() || ahead_[k].frame < ahead_[next].frame))
+                next = k;
+        if (next == ahead_.size()) return {};
+        if (auto written = write_picture_of(tracks_.size() + next, ahead_[next]); !written) return written;
+        auto after = copy_->next(next);
+        if (!after) return after.error();
+        ahead_[next] = std::move(*after);
+    }
 }
 
 /// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which it is
@@ -146,7 +204,8 @@ Result<void> MatroskaWriter::add(const RawFrame& frame) {
 
 Result<void> MatroskaWriter::add_rest() {
     for (TrackWriter& track : tracks_) track.end();
-    return write_complete();
+    if (auto written = write_complete(); !written) return written;
+    return copy_until(check_.frames());
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 
 #include "engine/clip/clip_part.hpp"
@@ -44,6 +46,8 @@ struct ConvertOptions {
     std::int64_t every = 1;
     std::optional<PixelBox> crop;
     std::optional<PixelSize> size;
+    /// What is made of the clip before it is written, such as relief; nothing: the clip as it is.
+    std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};
     bool still = false;        ///< --still: NAME.mp4 is a static scene
     bool allow_lossy = false;  ///< that values of what is touched may change
 };

@@ -176,6 +176,7 @@ private:
     std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
+    std::optional<CopiedTracks> copied_;  // of a clip that is written with more than it has
     std::optional<Progress> progress_;
     std::vector<FrameMark> marks_;  // of what is to be read of the frames that were written
     std::optional<Stroke> stroke_;  // over the source, where its size changes
@@ -299,6 +300,7 @@ Result<void> Conversion::open_writer() {
         }
         ClipStorage storage = options_.storage;
         storage.gives_colour = true;
+        storage.copied = copied_;
         if (options_.form == ClipForm::gltf)
             return create_gltf_clip(options_.out, described, is_of_one_frame(), storage, options_.existing,
                                     sound);
@@ -366,6 +368,15 @@ Result<void> Conversion::compare(ClipReader& written) {
     return {};
 }
 
+/// What stays as it is stored, but for heights, which are made anew.
+CopiedTracks tracks_to_copy(const ClipReader& clip) {
+    CopiedTracks copied{clip.inputs().front(), {}};
+    for (const TrackInfo& track : clip.tracks())
+        if (const auto role = role_named(track.role); role && *role != PlaneRole::height)
+            copied.roles.push_back(*role);
+    return copied;
+}
+
 Result<void> Conversion::check(const fs::path& written) {
     auto reader = open_clip(written);
     if (!reader.ok()) return reader.error();
@@ -389,6 +400,11 @@ Result<void> Conversion::run(std::string& at_work) {
     at_work = frames_in_words((*clip)->scene());
     if (auto one = check_frames(options_, **clip); !one.ok()) return one;
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
+    if (options_.content) {
+        copied_ = tracks_to_copy(**clip);
+        clip = options_.content(std::move(*clip));
+        if (!clip.ok()) return clip.error();
+    }
     done_.notes = remarks_with_options(remarks_of(**clip));
     part_ = part_of(options_, **clip);
     from_ns_ = (*clip)->scene().rate.time_ns(part_.first);

@@ -1,0 +1,141 @@
+#include "engine/content/relief/relief_clip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/clip/far_plane.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/clip/prefetch.hpp"
+#include "engine/clip/reader_around.hpp"
+#include "engine/content/relief/relief_estimator.hpp"
+#include "engine/content/relief/relief_heights.hpp"
+
+namespace touchable {
+namespace {
+
+std::string short_length(double number) {
+    std::array<char, 32> words{};
+    std::snprintf(words.data(), words.size(), "%.3g", number);
+    return words.data();
+}
+
+class ReliefReader final : public ReaderAround {
+public:
+    ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene, const ReliefSettings& settings,
+                 const ReliefRange& range, std::vector<std::string> notes);
+
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    /// Relief is made of it.
+    void leave_out_colour() override {}
+
+private:
+    const Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    ReliefFilter filter_;
+    ReliefHeights heights_;
+    std::optional<FramePlace> before_;
+};
+
+ReliefReader::ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene,
+                           const ReliefSettings& settings, const ReliefRange& range,
+                           std::vector<std::string> notes)
+    : ReaderAround(std::move(clip)),
+      scene_(scene),
+      tracks_(inner().tracks()),
+      notes_(inner().notes()),
+      filter_(settings, scene.depth),
+      heights_(range, settings.amount) {
+    const std::string height(role_name(PlaneRole::height));
+    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == height; });
+    tracks_.push_back({height, "relief of colour", "gray", scene.width, scene.height, true});
+    std::move(notes.begin(), notes.end(), std::back_inserter(notes_));
+}
+
+Result<std::optional<RawFrame>> ReliefReader::next() {
+    auto frame = ReaderAround::next();
+    if (!frame || !*frame) return frame;
+    RawFrame& raw = **frame;
+    if (!before_ || !before_->is_before(raw) || raw.number != before_->number + 1) heights_.forget();
+    before_.emplace(raw);
+    Image image{scene_.width, scene_.height, 1, 1, heights_.next(filter_.apply(raw))};
+    add_plane(raw, PlaneRole::height, plane_from(std::move(image), 8));
+    return frame;
+}
+
+/// What the telling frames have of relief.
+Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
+    ReliefFilter filter(settings, ahead.clip().scene().depth);
+    ReliefEstimator estimator;
+    std::optional<std::int64_t> newest;
+    const auto add = [&](const RawFrame& frame) {
+        const NumberField& relief = filter.apply(frame);
+        estimator.add(relief, filter.confidence(), newest && frame.number == *newest + 1);
+        newest = frame.number;
+    };
+    for (std::int64_t k = 0; k < first_frames; ++k) {
+        const auto frame = ahead.next();
+        if (!frame) return frame.error();
+        if (!*frame) return estimator.range();
+        if ((*frame)->colour.empty())
+            return input_error(ahead.clip().inputs().front().string() +
+                               ": has no colour, which relief is made of");
+        add(**frame);
+    }
+    for (const std::int64_t wanted : telling_frames(ahead.clip().frame_count().value_or(0))) {
+        if (wanted < first_frames) continue;
+        const auto frame = ahead.at(wanted);
+        if (!frame || !*frame) break;  // who reads on learns of it
+        add(**frame);
+    }
+    return estimator.range();
+}
+
+/// The scene with such heights, and what a person should know of them.
+Scene with_heights(Scene scene, double max_height, std::vector<std::string>& notes) {
+    DepthCoding& depth = scene.depth;
+    if (depth.kind == DepthCodingKind::metric && depth.near < 2 * max_height) {
+        depth.near = 2 * max_height;
+        derive_valid_range(depth);
+        notes.push_back("depths below " + short_length(depth.near * scene.metres_per_unit * 1000) +
+                        " mm are taken for none, so that heights have room before the camera");
+    }
+    const double room = depth.nearest_depth() / 2;
+    if (max_height > room)
+        notes.push_back("heights reach half of the nearest depth, " +
+                        short_length(room * scene.metres_per_unit * 1000) +
+                        " mm: more would leave no room before the camera");
+    scene.height_coding = {std::min(max_height, room), HeightUnits::world, 255};
+    return scene;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip,
+                                                const ReliefSettings& settings, double max_height) {
+    Prefetch ahead(std::move(clip));
+    const auto range = look(ahead, settings);
+    if (!range) return range.error();
+    std::vector<std::string> notes;
+    const Scene scene = with_heights(ahead.clip().scene(), max_height, notes);
+    if (auto valid = validate(scene); !valid) return valid.error();
+    notes.push_back("relief: the largest height stands for details of " + short_length(range->full / 16.0) +
+                    " of 255 levels of brightness; " +
+                    (range->noise == 0
+                         ? std::string("no noise was found")
+                         : "noise from frame to frame is " + short_length(range->noise / 16.0)));
+    auto again = ahead.finish();
+    if (!again) return again.error();
+    return std::unique_ptr<ClipReader>(
+        std::make_unique<ReliefReader>(std::move(*again), scene, settings, *range, std::move(notes)));
+}
+
+}  // namespace touchable

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/clip/plane_role.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/frame_rate.hpp"
+#include "engine/video/track_writer.hpp"
+
+namespace touchable {
+
+/// Tracks of a touchable clip in Matroska as they are stored there, for a clip of the same frames: nothing is
+/// decoded or encoded, and what its coding once made of colour stays as it is.
+class TrackCopy {
+public:
+    /// Null where they cannot be copied: the file is no Matroska, or has not all of these roles, or other
+    /// programs wrote it.
+    static Result<std::unique_ptr<TrackCopy>> open(const std::filesystem::path& file,
+                                                   std::vector<PlaneRole> roles);
+
+    std::size_t count() const { return streams_.size(); }
+    bool has(PlaneRole role) const { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); }
+    PlaneRole role(std::size_t track) const { return roles_[track]; }
+    const AVStream& stream(std::size_t track) const;
+    /// A track's next picture, with its BlockAddition; `packet` is null after the last.
+    Result<StoredPicture> next(std::size_t track);
+
+private:
+    TrackCopy() = default;
+
+    std::unique_ptr<Demuxer> demuxer_;
+    std::vector<PlaneRole> roles_;
+    std::vector<int> streams_;
+    std::vector<std::int64_t> frames_;  // that each track's pictures were shown for so far
+};
+
+}  // namespace touchable

@@ -1,0 +1,133 @@
+// A clip with relief: its other planes as they were, heights that are the same bits everywhere.
+#include "engine/content/relief/relief_clip.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/byte_hash.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/video/clip_remux.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int columns = 48, rows = 36, count = 20;
+
+class ReliefClip : public ::testing::Test {
+protected:
+    ReliefClip() {
+        scene_.rate = {30000, 1001};
+        EXPECT_EQ(message(write_clip(folder_ / "clip.mkv", scene_, count, planes_, {Archive::fast, false})),
+                  "");
+    }
+    std::unique_ptr<ClipReader> open(const ReliefSettings& settings = {}) const {
+        auto clip = open_clip(folder_ / "clip.mkv");
+        EXPECT_EQ(message(clip), "");
+        auto relief = with_relief(std::move(*clip), settings, 2);
+        EXPECT_EQ(message(relief), "");
+        return relief.ok() ? std::move(*relief) : nullptr;
+    }
+    static std::uint64_t hash_of(const std::vector<RawFrame>& frames) {
+        ByteHash hash;
+        for (const RawFrame& frame : frames)
+            for (int y = 0; y < rows; ++y) hash.add(frame.height.row(y), columns);
+        return hash.value();
+    }
+
+    const Planes planes_{.colour = true, .haptic = true, .height = false, .noisy = false};
+    Scene scene_ = small_scene(columns, rows, 12);
+    TemporaryFolder folder_;
+};
+
+TEST_F(ReliefClip, HasHeightsAndAllElseAsItWas) {
+    auto plain = open_clip(folder_ / "clip.mkv");
+    ASSERT_EQ(message(plain), "");
+    const auto before = read_all(**plain);
+    auto reader = open();
+    const auto frames = read_all(*reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), before->size());
+    for (std::size_t n = 0; n < frames->size(); ++n) {
+        RawFrame without = (*frames)[n];
+        ASSERT_FALSE(without.height.empty());
+        without.height = {};
+        EXPECT_TRUE(same_frame(without, (*before)[n])) << n;
+    }
+    EXPECT_EQ(reader->scene().height_coding.max_height, 2);
+    EXPECT_EQ(reader->scene().height_coding.code_max, 255);
+    EXPECT_EQ(reader->tracks().back().role, "height");
+}
+
+TEST_F(ReliefClip, IsTheSameAgainAndWithoutSomebodyToSeeTheColour) {
+    auto reader = open();
+    const auto once = read_all(*reader);
+    ASSERT_EQ(message(reader->rewind()), "");
+    reader->leave_out_colour();
+    const auto again = read_all(*reader);
+    ASSERT_EQ(message(again), "");
+    EXPECT_EQ(hash_of(*once), hash_of(*again));
+}
+
+TEST_F(ReliefClip, IsWrittenWithTheOtherTracksAsTheyAreStored) {
+    auto reader = open();
+    SceneDescription described = reader->described();
+    ClipStorage storage{Archive::fast, false};
+    storage.copied =
+        CopiedTracks{folder_ / "clip.mkv", {PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic}};
+    auto writer = create_clip(folder_ / "relief.mkv", described, storage);
+    ASSERT_EQ(message(writer), "");
+    const auto made = read_all(*reader);
+    for (const RawFrame& frame : *made) ASSERT_EQ(message((*writer)->write(frame)), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    auto written = open_clip(folder_ / "relief.mkv");
+    ASSERT_EQ(message(written), "");
+    EXPECT_EQ((*written)->frame_count(), count);
+    const auto read = read_all(**written);
+    ASSERT_EQ(message(read), "");
+    for (std::size_t n = 0; n < made->size(); ++n) EXPECT_TRUE(same_frame((*read)[n], (*made)[n])) << n;
+    // Lossy colour would be another after it was encoded once more.
+    auto kept = packets(folder_ / "relief.mkv"), before = packets(folder_ / "clip.mkv");
+    for (const std::string& packet : before)
+        EXPECT_NE(std::find(kept.begin(), kept.end(), packet), kept.end());
+    // Any frame can be sought, as in any clip.
+    for (const std::int64_t frame : {15, 7, 19}) {
+        ASSERT_EQ(message((*written)->seek(frame)), "");
+        const auto there = (*written)->next();
+        ASSERT_EQ(message(there), "");
+        EXPECT_TRUE(same_frame(**there, (*made)[static_cast<std::size_t>(frame)])) << frame;
+    }
+}
+
+TEST_F(ReliefClip, WithoutColourIsRefused) {
+    ASSERT_EQ(message(write_clip(folder_ / "grey.mkv", scene_, 2, {})), "");
+    auto clip = open_clip(folder_ / "grey.mkv");
+    ASSERT_EQ(message(clip), "");
+    const auto relief = with_relief(std::move(*clip), {}, 2);
+    ASSERT_FALSE(relief.ok());
+    EXPECT_EQ(relief.error().kind, ErrorKind::input);
+    EXPECT_NE(relief.error().message.find("has no colour"), std::string::npos) << relief.error().message;
+}
+
+TEST_F(ReliefClip, LeavesRoomBeforeTheCamera) {
+    auto clip = open_clip(folder_ / "clip.mkv");
+    auto relief = with_relief(std::move(*clip), {}, 50);
+    ASSERT_EQ(message(relief), "");
+    EXPECT_NEAR((*relief)->scene().height_coding.max_height, 5, 0.1);  // the nearest depth is 10
+}
+
+/// Of GCC, Clang, with and without optimisation.
+TEST_F(ReliefClip, HasTheSameBitsEverywhere) {
+    Scene scene = small_scene(columns, rows);
+    auto writer = create_clip(folder_ / "exact.mkv", scene, exact_clip);
+    for (int n = 0; n < 5; ++n)
+        ASSERT_EQ(message((*writer)->write(test_frame(scene, n, {.colour = true}))), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    auto clip = open_clip(folder_ / "exact.mkv");
+    auto relief = with_relief(std::move(*clip), {}, 2);
+    ASSERT_EQ(message(relief), "");
+    const auto frames = read_all(**relief);
+    EXPECT_EQ(hash_of(*frames), 6686987853212317261U);
+}
+
+}  // namespace
+}  // namespace touchable::test
