@@ -1,0 +1,75 @@
+// `touchable relief`, as a person calls it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "engine/import/open_clip.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+
+class Relief : public ::testing::Test {
+protected:
+    Relief() { make_clip("globe", at("globe.mkv"), {"--size", "96x64", "--frames", "4"}); }
+    std::string at(const std::string& name) const { return folder_ / name; }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
+    const Outcome run = run_touchable({"relief", at("globe.mkv"), at("relief.mkv"), "--max-height", "2"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("relief: the largest height stands for details of"), std::string::npos) << run.out;
+    auto clip = open_clip(at("relief.mkv"));
+    ASSERT_TRUE(clip.ok()) << clip.error().message;
+    // The globe's radius is 32 mm of the hand.
+    EXPECT_NEAR((*clip)->scene().height_coding.max_height * *(*clip)->scene().device_metres_per_unit, 0.002,
+                1e-9);
+    const auto first = (*clip)->next();
+    ASSERT_TRUE(first.ok() && *first);
+    EXPECT_FALSE((*first)->height.empty());
+    // One that has relief already gets another.
+    const Outcome again = run_touchable({"relief", at("relief.mkv"), at("relief.mkv")});
+    EXPECT_EQ(again.code, 2) << again.err;
+    const Outcome other =
+        run_touchable({"relief", at("relief.mkv"), at("other.mkv"), "--amount", "0", "--invert"});
+    ASSERT_EQ(other.code, 0) << other.err;
+    auto flat = open_clip(at("other.mkv"));
+    ASSERT_TRUE(flat.ok());
+    const auto level = (*flat)->next();
+    ASSERT_TRUE(level.ok() && *level);
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 96; ++x) EXPECT_EQ((*level)->height.sample(x, y), 128);
+}
+
+TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {
+    const Outcome run =
+        run_touchable({"relief", at("globe.mkv"), at("relief.mkv"), "--max-height", "2", "--of-world"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    auto clip = open_clip(at("relief.mkv"));
+    ASSERT_TRUE(clip.ok()) << clip.error().message;
+    EXPECT_NEAR((*clip)->scene().height_coding.max_height * (*clip)->scene().metres_per_unit, 0.002, 1e-9);
+}
+
+TEST_F(Relief, RefusesWhatCannotBe) {
+    make_clip("bumps", at("grey.mkv"), {"--size", "32x24", "--frames", "1"});
+    const auto expect = [&](const std::vector<std::string>& words, int code, const std::string& why) {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, code) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+        EXPECT_FALSE(fs::exists(at("out.mkv")));
+    };
+    expect({"relief", at("grey.mkv"), at("out.mkv")}, 3, "has no colour");
+    expect({"relief", at("globe.mkv"), at("out.mp4")}, 2, "does not end in .mkv");
+    expect({"relief", at("globe.mkv"), at("out.mkv"), "--fine", "500"}, 2, "--fine");
+    expect({"relief", at("globe.mkv"), at("out.mkv"), "--max-height", "0"}, 2, "--max-height");
+    expect({"relief", at("none.mkv"), at("out.mkv")}, 3, "none.mkv");
+}
+
+}  // namespace
+}  // namespace touchable::test
