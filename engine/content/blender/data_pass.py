@@ -59,7 +59,7 @@ def _set_renderer(scene):
     render.use_motion_blur = render.use_multiview = False
     for thing in bpy.data.cameras:
         thing.dof.use_dof = False
-    # A filter of a hundredth of a pixel: rays go through the pixel's centre, but for that.
+    # 3.4 sends the first ray of a pixel through its middle. By the narrow filter it goes there whatever a version does.
     blender_versions.set_where_it_is(
         scene.cycles, device="CPU", samples=1, use_adaptive_sampling=False, use_denoising=False, time_limit=0.0,
         pixel_filter_type="BLACKMAN_HARRIS", filter_width=0.01, use_auto_tile=False, shading_system=False,
