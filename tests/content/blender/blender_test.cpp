@@ -235,6 +235,14 @@ TEST_F(Blender, CameraMovesAndTheWallIsTouchedInItsFrame) {
     }
 }
 
+TEST_F(Blender, WhatIsNotBetweenThePlanesAsToldIsNoSurface) {
+    const Exported clip = exported("moving", {"--no-colour", "--near", "3.9", "--far", "4.4"});
+    ASSERT_EQ(clip.frames.size(), 3u);
+    EXPECT_FALSE(clip.depth(20, 30, 0));
+    EXPECT_NEAR(clip.depth(20, 30, 1).value_or(0), 4.25, 2e-5);
+    EXPECT_FALSE(clip.depth(20, 30, 2));
+}
+
 TEST_F(Blender, OrdinarySceneIsGuessedAndTouches) {
     const Exported clip = exported("ordinary", {});
     ASSERT_EQ(clip.frames.size(), 1u) << "nothing moves";
