@@ -16,6 +16,7 @@ def main():
     folder, *names = sys.argv[sys.argv.index("--") + 1:]
     for name in names or NAMES:
         importlib.import_module(name).make()
+        bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside it
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.path.abspath(folder), f"{name}.blend"), compress=True)
 
 
