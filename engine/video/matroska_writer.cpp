@@ -205,7 +205,13 @@ Result<void> MatroskaWriter::add(const RawFrame& frame) {
 Result<void> MatroskaWriter::add_rest() {
     for (TrackWriter& track : tracks_) track.end();
     if (auto written = write_complete(); !written) return written;
-    return copy_until(check_.frames());
+    if (auto copied = copy_until(check_.frames()); !copied) return copied;
+    for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
+        if (copy_->frames(k) < check_.frames())
+            return input_error(storage_.copied->file.string() + ": its " +
+                               std::string(role_name(copy_->role(k))) + " ends at frame " +
+                               std::to_string(copy_->frames(k)) + ", before the others");
+    return {};
 }
 
 }  // namespace

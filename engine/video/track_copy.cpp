@@ -14,10 +14,12 @@ Result<std::unique_ptr<TrackCopy>> TrackCopy::open(const std::filesystem::path& 
     const SourceFile source(file);
     const auto container = matroska_container(source);
     auto demuxer = container->open();
+    if (!demuxer && demuxer.error().kind == ErrorKind::interrupted) return demuxer.error();
     if (!demuxer || !container->rate(**demuxer)) return std::unique_ptr<TrackCopy>();
     const auto tracks = container->tracks(**demuxer, Scene{});
     if (!tracks) return std::unique_ptr<TrackCopy>();
     std::unique_ptr<TrackCopy> copy(new TrackCopy);
+    copy->file_ = file.string();
     for (const PlaneRole role : roles) {
         const auto found = std::find_if(tracks->begin(), tracks->end(),
                                         [&](const ClipTrack& track) { return track.role == role; });
@@ -47,7 +49,7 @@ Result<StoredPicture> TrackCopy::next(std::size_t track) {
     if (!*packet) return StoredPicture{};
     const auto addition = block_addition_of(**packet);
     if (!addition || !addition->sound)
-        return input_error(std::string(role_name(roles_[track])) + ", frame " +
+        return input_error(file_ + ", " + std::string(role_name(roles_[track])) + ", frame " +
                            std::to_string(frames_[track]) + ": is damaged: its checksum is another");
     const std::int64_t frame = std::exchange(frames_[track], frames_[track] + addition->frames);
     return StoredPicture{std::move(*packet), frame, addition->frames};

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/clip/plane_role.hpp"
@@ -28,12 +28,15 @@ public:
     bool has(PlaneRole role) const { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); }
     PlaneRole role(std::size_t track) const { return roles_[track]; }
     const AVStream& stream(std::size_t track) const;
+    /// Frames that its pictures were taken for so far.
+    std::int64_t frames(std::size_t track) const { return frames_[track]; }
     /// A track's next picture, with its BlockAddition; `packet` is null after the last.
     Result<StoredPicture> next(std::size_t track);
 
 private:
     TrackCopy() = default;
 
+    std::string file_;
     std::unique_ptr<Demuxer> demuxer_;
     std::vector<PlaneRole> roles_;
     std::vector<int> streams_;

@@ -90,7 +90,7 @@ TEST(ReliefEstimator, TakesThePercentilesOfAllFrames) {
         estimator.add(relief, weights, frame > 0);
     }
     EXPECT_NEAR(estimator.range().full, 396, 8);
-    EXPECT_NEAR(estimator.range().noise, 8, 2);
+    EXPECT_NEAR(estimator.range().noise.value_or(-1), 8, 2);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ SurfaceRuns::SurfaceRuns(int columns, int rows) : width(columns), height(rows) {
 }
 
 void BoxFilter::apply(NumberField& field, int side, const SurfaceRuns& runs) {
+    if (side == 1) return;
     const int reach = side / 2, width = field.width, height = field.height;
     const auto half = static_cast<std::uint32_t>(reach);
     const std::uint64_t reciprocal = reciprocal_of(side);

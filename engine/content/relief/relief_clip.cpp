@@ -14,14 +14,21 @@
 #include "engine/clip/reader_around.hpp"
 #include "engine/content/relief/relief_estimator.hpp"
 #include "engine/content/relief/relief_heights.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
-std::string short_length(double number) {
+std::string short_words(double number) {
     std::array<char, 32> words{};
     std::snprintf(words.data(), words.size(), "%.3g", number);
     return words.data();
+}
+
+Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
+    if (!frame.colour.empty()) return {};
+    return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) +
+                       " has no colour, which relief is made of");
 }
 
 class ReliefReader final : public ReaderAround {
@@ -64,6 +71,7 @@ Result<std::optional<RawFrame>> ReliefReader::next() {
     auto frame = ReaderAround::next();
     if (!frame || !*frame) return frame;
     RawFrame& raw = **frame;
+    if (auto fit = check_colour(raw, inner()); !fit) return fit.error();
     if (!before_ || !before_->is_before(raw) || raw.number != before_->number + 1) heights_.forget();
     before_.emplace(raw);
     Image image{scene_.width, scene_.height, 1, 1, heights_.next(filter_.apply(raw))};
@@ -76,25 +84,26 @@ Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
     ReliefFilter filter(settings, ahead.clip().scene().depth);
     ReliefEstimator estimator;
     std::optional<std::int64_t> newest;
-    const auto add = [&](const RawFrame& frame) {
+    const auto add = [&](const RawFrame& frame) -> Result<void> {
+        if (stop_requested()) return interrupted_error();
+        if (auto fit = check_colour(frame, ahead.clip()); !fit) return fit;
         const NumberField& relief = filter.apply(frame);
         estimator.add(relief, filter.confidence(), newest && frame.number == *newest + 1);
         newest = frame.number;
+        return {};
     };
     for (std::int64_t k = 0; k < first_frames; ++k) {
         const auto frame = ahead.next();
         if (!frame) return frame.error();
         if (!*frame) return estimator.range();
-        if ((*frame)->colour.empty())
-            return input_error(ahead.clip().inputs().front().string() +
-                               ": has no colour, which relief is made of");
-        add(**frame);
+        if (auto added = add(**frame); !added) return added.error();
     }
     for (const std::int64_t wanted : telling_frames(ahead.clip().frame_count().value_or(0))) {
         if (wanted < first_frames) continue;
         const auto frame = ahead.at(wanted);
-        if (!frame || !*frame) break;  // who reads on learns of it
-        add(**frame);
+        if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
+        if (!frame || !*frame) break;  // damaged: who reads on learns of it
+        if (auto added = add(**frame); !added) return added.error();
     }
     return estimator.range();
 }
@@ -105,13 +114,13 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
     if (depth.kind == DepthCodingKind::metric && depth.near < 2 * max_height) {
         depth.near = 2 * max_height;
         derive_valid_range(depth);
-        notes.push_back("depths below " + short_length(depth.near * scene.metres_per_unit * 1000) +
+        notes.push_back("depths below " + short_words(depth.near * scene.metres_per_unit * 1000) +
                         " mm are taken for none, so that heights have room before the camera");
     }
     const double room = depth.nearest_depth() / 2;
     if (max_height > room)
         notes.push_back("heights reach half of the nearest depth, " +
-                        short_length(room * scene.metres_per_unit * 1000) +
+                        short_words(room * scene.metres_per_unit * 1000) +
                         " mm: more would leave no room before the camera");
     scene.height_coding = {std::min(max_height, room), HeightUnits::world, 255};
     return scene;
@@ -127,11 +136,11 @@ Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip
     std::vector<std::string> notes;
     const Scene scene = with_heights(ahead.clip().scene(), max_height, notes);
     if (auto valid = validate(scene); !valid) return valid.error();
-    notes.push_back("relief: the largest height stands for details of " + short_length(range->full / 16.0) +
-                    " of 255 levels of brightness; " +
-                    (range->noise == 0
-                         ? std::string("no noise was found")
-                         : "noise from frame to frame is " + short_length(range->noise / 16.0)));
+    const auto levels = [](std::int32_t number) { return short_words(number / 16.0); };
+    notes.push_back(
+        "relief: the largest height stands for details of " + levels(range->full) +
+        " of 255 levels of brightness" +
+        (range->noise ? "; noise from frame to frame is " + levels(*range->noise) : std::string()));
     auto again = ahead.finish();
     if (!again) return again.error();
     return std::unique_ptr<ClipReader>(

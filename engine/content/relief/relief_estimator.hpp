@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/content/relief/difference_of_gaussians.hpp"
@@ -11,7 +12,9 @@ namespace touchable {
 struct ReliefRange {
     std::int32_t full =
         1;  ///< 99 % of what counts is no higher and no deeper: this becomes the largest height
-    std::int32_t noise = 0;  ///< standard deviation from frame to frame of what does not move
+    /// Standard deviation from frame to frame of what does not move. Nothing: no two frames followed each
+    /// other.
+    std::optional<std::int32_t> noise{};
 };
 
 /// Looks at the relief of some frames. Percentiles of the whole clip, not of each frame: otherwise a picture

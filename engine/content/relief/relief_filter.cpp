@@ -16,7 +16,7 @@ constexpr int luma_per_level = 16;
 constexpr int shadow_from = 6, shadow_to = 24, highlight_from = 238, highlight_to = 253;
 /// Depths of neighbours that differ by more of them are two surfaces.
 constexpr float step_share = 0.02F;
-/// Colour bleeds so far over a step of depth, pixels.
+/// Colour bleeds over a step of depth by so many pixels on either side.
 constexpr int bleeding = 2;
 
 /// BT.601, in sixteenths of a level.
@@ -33,6 +33,19 @@ std::int32_t ramp(std::int32_t value, std::int32_t from, std::int32_t to) {
 /// A hole is depth 0.
 bool are_apart(float a, float b) {
     return std::fabs(a - b) > step_share * std::min(a, b);
+}
+
+/// Cuts a row or a column, whose pixels are `step` apart in memory, into runs of one surface each.
+/// `at_end(k)`: pixel k is the last of one, and k + 1 the first of another.
+template <class AtEnd>
+void cut_line(const float* depths, std::ptrdiff_t step, int length, SurfaceRuns::Run* runs, AtEnd&& at_end) {
+    for (int first = 0, k = 0; k < length; ++k) {
+        const bool is_last = k + 1 == length;
+        if (!is_last && !are_apart(depths[k * step], depths[(k + 1) * step])) continue;
+        const SurfaceRuns::Run run{static_cast<std::int16_t>(first), static_cast<std::int16_t>(k)};
+        for (; first <= k; ++first) runs[first * step] = run;
+        if (!is_last) at_end(k);
+    }
 }
 
 }  // namespace
@@ -60,41 +73,26 @@ void ReliefFilter::part_surfaces(const RawFrame& frame) {
     const CodePicture codes = code_picture(frame.depth, depth_);
     const int width = codes.width, height = codes.height;
     std::vector<float> depths(codes.codes.size());
-    for (std::size_t k = 0; k < depths.size(); ++k)
-        depths[k] = codes.codes[k] == CodePicture::invalid
-                        ? 0.0F
-                        : static_cast<float>(depth_.depth(static_cast<std::uint16_t>(codes.codes[k])));
-    const auto place = [&](int x, int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    for (std::size_t k = 0; k < depths.size(); ++k) {
+        const bool is_hole = codes.codes[k] == CodePicture::invalid;
+        depths[k] =
+            is_hole ? 0.0F : static_cast<float>(depth_.depth(static_cast<std::uint16_t>(codes.codes[k])));
+        if (is_hole) weights_.numbers[k] = 0;
+    }
+    /// Of columns [x0, x1) and rows [y0, y1), as far as the picture goes.
+    const auto forget = [&](int x0, int x1, int y0, int y1) {
+        for (int y = std::max(0, y0); y < std::min(height, y1); ++y)
+            std::fill(weights_.row(y) + std::max(0, x0), weights_.row(y) + std::min(width, x1), 0);
     };
-    const auto forget = [&](int x, int y) {
-        for (int row = std::max(0, y - bleeding); row <= std::min(height - 1, y + bleeding); ++row)
-            std::fill(weights_.row(row) + std::max(0, x - bleeding),
-                      weights_.row(row) + std::min(width - 1, x + bleeding) + 1, 0);
-    };
-    // A run goes on from pixel to pixel until one is of another surface; then it is known where it ends.
-    const auto part = [&](std::vector<SurfaceRuns::Run>& runs, int lines, int length, auto&& at) {
-        for (int line = 0; line < lines; ++line)
-            for (int first = 0, k = 0; k < length; ++k) {
-                const auto here = at(line, k);
-                if (depths[place(here.first, here.second)] == 0) weights_.row(here.second)[here.first] = 0;
-                const bool ends = k + 1 == length || [&] {
-                    const auto next = at(line, k + 1);
-                    return are_apart(depths[place(here.first, here.second)],
-                                     depths[place(next.first, next.second)]);
-                }();
-                if (!ends) continue;
-                if (k + 1 < length) forget(here.first, here.second);
-                for (int each = first; each <= k; ++each) {
-                    const auto of = at(line, each);
-                    runs[place(of.first, of.second)] = {static_cast<std::int16_t>(first),
-                                                        static_cast<std::int16_t>(k)};
-                }
-                first = k + 1;
-            }
-    };
-    part(runs_.across, height, width, [](int line, int k) { return std::pair(k, line); });
-    part(runs_.down, width, height, [](int line, int k) { return std::pair(line, k); });
+    for (int y = 0; y < height; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        cut_line(&depths[row], 1, width, &runs_.across[row],
+                 [&](int x) { forget(x + 1 - bleeding, x + 1 + bleeding, y + 1 - bleeding, y + bleeding); });
+    }
+    for (int x = 0; x < width; ++x)
+        cut_line(&depths[static_cast<std::size_t>(x)], width, height,
+                 &runs_.down[static_cast<std::size_t>(x)],
+                 [&](int y) { forget(x + 1 - bleeding, x + bleeding, y + 1 - bleeding, y + 1 + bleeding); });
 }
 
 const NumberField& ReliefFilter::apply(const RawFrame& frame) {

@@ -20,9 +20,10 @@ const std::vector<std::uint8_t>& ReliefHeights::next(const NumberField& relief) 
             std::int64_t{number} * amount_ * (127 * per_code) / (std::int64_t{100} * range_.full);
         return static_cast<std::int32_t>(std::clamp<std::int64_t>(level + height, 0, top));
     };
-    const std::int32_t gate = static_cast<std::int32_t>(std::min<std::int64_t>(
-        std::int64_t{3} * range_.noise * amount_ * (127 * per_code) / (std::int64_t{100} * range_.full),
-        top));
+    const std::int32_t gate = static_cast<std::int32_t>(
+        std::min<std::int64_t>(std::int64_t{3} * range_.noise.value_or(0) * amount_ * (127 * per_code) /
+                                   (std::int64_t{100} * range_.full),
+                               top));
     const bool begins = states_.size() != relief.numbers.size();
     states_.resize(relief.numbers.size());
     codes_.resize(relief.numbers.size());
