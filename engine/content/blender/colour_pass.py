@@ -29,10 +29,7 @@ def prepare(scene, samples):
         scene.eevee.taa_render_samples = samples
     if render.use_motion_blur:
         remarks.append("colour has motion blur, and depth has none: it is of each frame's own moment")
-    if render.use_sequencer and blender_versions.has_strips(scene):
-        remarks.append("the strips of the video sequencer are left out: they are not what the camera sees")
-    # No other files, no other pixels than those of depth.
-    render.use_sequencer = render.use_border = False
+    # No other files.
     for tree in blender_versions.compositor_trees(scene):
         for node in tree.nodes:
             if node.type == "OUTPUT_FILE":

@@ -32,7 +32,7 @@ class Sample:
 
 
 def prepare(scene, materials, feels):
-    """Sets the scene up for the data, for good: nobody saves it."""
+    """Sets the scene up for the data, for good: nobody saves it. `feels`: of each material, with the sockets that any frame needs."""
     if len(materials) > MOST_MATERIALS:
         raise NoRenderer(f"the file has {len(materials)} materials, and Blender numbers {MOST_MATERIALS} of them")
     _set_renderer(scene)
@@ -55,7 +55,7 @@ def _set_renderer(scene):
         render.engine = "CYCLES"
     except TypeError:
         raise NoRenderer("this Blender has no Cycles, by which depth is rendered; enable it (Preferences > Add-ons > Cycles)") from None
-    render.use_compositing = render.use_sequencer = render.use_freestyle = False
+    render.use_compositing = render.use_freestyle = False
     render.use_motion_blur = render.use_multiview = False
     for thing in bpy.data.cameras:
         thing.dof.use_dof = False

@@ -13,6 +13,8 @@ from .faults import BadUsage, Refused
 from .materials import feel_of, guessed_line, materials_in_use
 from .planes import haptic_codes, height_codes, ranges_of
 
+LEAST_SIDE, MOST_SIDE = 2, 16384  # pixels of a clip
+
 
 @dataclass
 class Wish:
@@ -39,7 +41,7 @@ class Export:
         """Makes the pictures in `work`; what is missing then is the clip."""
         if blender_versions.untested_version():
             self.say(blender_versions.untested_version())
-        self._choose_size()
+        self._choose_pixels()
         self.rate = motion.rate_of(self.scene)
         self.frames, why_one = motion.frames_of(self.scene, self.wish.frames)
         if not self.frames:
@@ -53,13 +55,21 @@ class Export:
         self._render_data()
         self._write_scene()
 
-    def _choose_size(self):
+    def _choose_pixels(self):
+        """The same ones for colour and data: all that the camera sees."""
         render = self.scene.render
         if self.wish.size:
             render.resolution_x, render.resolution_y = self.wish.size
             render.resolution_percentage = 100
         if render.use_multiview:
             raise Refused("the scene is rendered in stereo, and a clip is of one camera; turn Stereoscopy off (Output properties)")
+        width, height = picture_size(self.scene)
+        if not all(LEAST_SIDE <= side <= MOST_SIDE for side in (width, height)):
+            raise Refused(f"the scene's pictures are of {width}x{height} pixels, and a clip's have {LEAST_SIDE} to {MOST_SIDE} a side; "
+                          "change the resolution (Output properties), or use --size")
+        if render.use_sequencer and blender_versions.has_strips(self.scene):
+            self.remarks.append("the strips of the video sequencer are left out: they are not what the camera sees")
+        render.use_sequencer = render.use_border = False
 
     def _look_at_frames(self):
         """Camera, and what materials feel like, at each frame: before anything is rendered."""
@@ -83,7 +93,9 @@ class Export:
             colour_pass.take(self.scene, self._picture(scene_file.COLOUR, number))
 
     def _render_data(self):
-        data_pass.prepare(self.scene, self.materials, self.feels[self.frames[0]][1:])
+        # A relief that is animated may be none at the first frame.
+        feels = [max(self._over_time(number), key=lambda feel: feel.height_socket is not None) for number in range(1, len(self.materials) + 1)]
+        data_pass.prepare(self.scene, self.materials, feels)
         self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
         for number, frame in enumerate(self.frames):
             self._progress("depth", number)
@@ -117,9 +129,11 @@ class Export:
             raise Refused(f"a relief is {self.ranges.height:g} m deep, and the nearest surface is {near:g} m away; "
                           "make touchable_relief of the material less than half of that")
         self._write_depths(scene_file.depth_unit(far))
-        feels = [self.feels[self.frames[0]][material] for material in sorted(self.seen)]
-        self.remarks += [remark for feel in feels for remark in feel.remarks]
-        guessed = guessed_line(feels)
+        of_materials = [self._over_time(material) for material in sorted(self.seen)]
+        # What holds at many frames, with other numbers, is said once.
+        for feels in of_materials:
+            self.remarks += next((feel.remarks for feel in feels if feel.remarks), [])
+        guessed = guessed_line([max(feels, key=lambda feel: len(feel.guessed)) for feels in of_materials])
         if guessed:
             self.remarks.append(guessed)
         for remark in self.remarks:
@@ -128,6 +142,10 @@ class Export:
             self.work, name=os.path.splitext(bpy.path.basename(bpy.data.filepath))[0] or self.scene.name,
             size=picture_size(self.scene), rate=self.rate, camera=self.camera, near=near, far=far,
             unit=scene_file.depth_unit(far), ranges=self.ranges, has_colour=self.wish.colour, remarks=self.remarks)
+
+    def _over_time(self, material):
+        """What it feels like, frame by frame."""
+        return [self.feels[frame][material] for frame in self.frames]
 
     def _write_depths(self, unit):
         """Once it is known in which unit they are."""

@@ -48,7 +48,7 @@ class Feel:
 def feel_of(material, metres_per_unit):
     """As the material is now; None: of an object without any."""
     if material is None:
-        return Feel("no material", *UNKNOWN, guessed=["stiffness and friction"])
+        return Feel("no material", *UNKNOWN, guessed=["stiffness", "friction"])
     guess = _guess_by_looks(material)
     stated = [_number(material, key) for key in (STIFFNESS, STATIC, DYNAMIC)]
     stiffness, static = (guess[k] if stated[k] is None else stated[k] for k in (0, 1))
@@ -145,8 +145,8 @@ def guessed_line(feels):
     words = []
     for feel in feels:
         if feel.guessed:
-            values = [f"{feel.stiffness:g} N/mm"] if "stiffness" in feel.guessed or "stiffness and friction" in feel.guessed else []
-            if any("friction" in word for word in feel.guessed):
+            values = [f"{feel.stiffness:g} N/mm"] if "stiffness" in feel.guessed else []
+            if "friction" in feel.guessed:
                 values.append(f"friction {feel.static_friction:g} and {feel.dynamic_friction:g}")
             if "relief" in feel.guessed:
                 values.append(f"relief {1000 * feel.relief:g} mm")

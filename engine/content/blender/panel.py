@@ -20,9 +20,9 @@ def draw_exporting(layout):
         layout.label(text="Not run with this Blender yet", icon="INFO")
 
 
-def draw_material(layout, material, metres_per_unit):
+def draw_material(layout, material):
     is_set = False
-    for (key, name), value in zip(NAMES, materials.feel_of(material, metres_per_unit).values()):
+    for (key, name), value in zip(NAMES, materials.feel_of(material, 1.0).values()):
         if key in material:
             is_set = True
             layout.prop(material, f'["{key}"]', text=name)
@@ -68,7 +68,7 @@ class MATERIAL_PT_touchable(bpy.types.Panel):
         return context.material is not None
 
     def draw(self, context):
-        draw_material(self.layout, context.material, context.scene.unit_settings.scale_length)
+        draw_material(self.layout, context.material)
 
 
 class VIEW3D_PT_touchable(bpy.types.Panel):
@@ -85,7 +85,7 @@ class VIEW3D_PT_touchable(bpy.types.Panel):
         if material:
             box = self.layout.box()
             box.label(text=material.name, icon="MATERIAL")
-            draw_material(box, material, context.scene.unit_settings.scale_length)
+            draw_material(box, material)
 
 
 def draw_export(menu, context):

@@ -1,7 +1,6 @@
 # Pictures as files, to the bit: Blender's own image files dither and convert colours. No bpy here.
 """Reads the uncompressed OpenEXR that Blender writes; writes OpenEXR of floats, and PNG of 8 and 16 bits."""
 
-import os
 import struct
 import zlib
 
@@ -141,5 +140,3 @@ def write_png(path, samples):
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)) +
                    chunk(b"IDAT", zlib.compress(filtered.tobytes(), 4)) + chunk(b"IEND", b""))
-        file.flush()
-        os.fsync(file.fileno())

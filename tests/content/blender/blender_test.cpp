@@ -30,9 +30,9 @@ protected:
         return open_exported(file());
     }
     std::string file() const { return folder / "clip.mkv"; }
-    void check_in_blender(const std::string& names) {
+    void check_in_blender(const std::string& names, const char* script = "checks.py") {
         const BlenderRun checked =
-            run_blender({std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/content/blender/checks.py"}, {},
+            run_blender({std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/content/blender" / script}, {},
                         {"CHECKS=" + names, "TOUCHABLE=" TOUCHABLE_PROGRAM});
         EXPECT_EQ(checked.code, 0) << checked.error;
     }
@@ -285,6 +285,10 @@ TEST_F(Blender, CameraAgreesWithBlenderAndRangesAreExact) {
 
 TEST_F(Blender, AddOnExportsWhatIsInTheWindowAndTouchesIt) {
     check_in_blender("addon");
+}
+
+TEST_F(Blender, AnimatedReliefAndRenderRegionAreWhatTheCameraSees) {
+    check_in_blender("whole_picture animated");
 }
 
 TEST_F(Blender, WhatAClipCannotSayIsRefused) {

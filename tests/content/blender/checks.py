@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 
 import bpy
 from bpy_extras.object_utils import world_to_camera_view
@@ -121,6 +122,8 @@ def check_guesses():
     made["touchable_static_friction"] = 0.2
     feel = materials.feel_of(made, 1.0)
     assert feel.values() == (3, 0.2, 0.2) and "0.9" in feel.remarks[0], feel
+    none = materials.feel_of(None, 1.0)
+    assert none.guessed == ["stiffness", "friction"] and "no material (0.6 N/mm, friction 0.4 and 0.3)" in materials.guessed_line([none])
 
 
 def check_relief():
@@ -212,6 +215,58 @@ def check_opacity():
     assert seen == [0, 1, 1, 0], seen
 
 
+def pictures_of(**wish):
+    """What an export of the current scene writes, by name, and what it says."""
+    from blender import job
+
+    said = []
+    with tempfile.TemporaryDirectory() as folder:
+        job.Export(job.Wish(size=(32, 32), colour=False, **wish), folder, said.append).run()
+        return {entry.name: open(entry.path, "rb").read() for entry in os.scandir(folder)}, said
+
+
+def check_whole_picture():
+    """A render region is the artist's, and no part of what the camera sees."""
+    scene = fresh()
+    whole, _ = pictures_of()
+    scene = fresh()
+    scene.render.use_border, scene.render.border_max_x = True, 0.4
+    assert pictures_of()[0] == whole
+
+
+def check_animated():
+    """A relief that begins with 0, and one that is guessed, are plugged in; a remark of any frame is said once."""
+    def labelled(made, nodes):
+        white = nodes.new("ShaderNodeValue")
+        white.label, white.outputs[0].default_value = "Touch Height", 1
+        for frame, relief in ((1, 0.0), (3, 0.02)):
+            made["touchable_relief"] = relief
+            made.keyframe_insert('["touchable_relief"]', frame=frame)
+
+    def guessed(made, nodes):
+        white, displacement = nodes.new("ShaderNodeValue"), nodes.new("ShaderNodeDisplacement")
+        white.outputs[0].default_value = 1
+        made.node_tree.links.new(white.outputs[0], displacement.inputs["Height"])
+        made.node_tree.links.new(displacement.outputs[0], made.node_tree.get_output_node("ALL").inputs["Displacement"])
+        for frame, relief in ((1, 0.0), (3, 0.02)):
+            displacement.inputs["Scale"].default_value = relief
+            displacement.inputs["Scale"].keyframe_insert("default_value", frame=frame)
+
+    for build in (labelled, guessed):
+        fresh()
+        made = bpy.data.materials["Material"]
+        build(made, made.node_tree.nodes)
+        made["touchable_static_friction"] = 0.3
+        for frame, friction in ((1, 0.1), (3, 0.6)):
+            made["touchable_dynamic_friction"] = friction
+            made.keyframe_insert('["touchable_dynamic_friction"]', frame=frame)
+        files, said = pictures_of(frames=(1, 3))
+        assert files["height_000000.png"] != files["height_000002.png"], build.__name__
+        assert len([line for line in said if "which counts" in line]) == 1, said
+        if build is guessed:
+            assert "relief" in said[-1], said
+
+
 def check_addon():
     """Its operators export the file as it is in this session, saved or not, and leave the session as it is."""
     import blender
@@ -282,6 +337,14 @@ def check_refusals():
         scene.render.use_multiview = True
         return [], 3, "stereo"
 
+    def too_small(scene):
+        scene.render.resolution_percentage, scene.render.resolution_x = 1, 100
+        return ["--no-colour"], 3, "1x10 pixels"
+
+    def too_large(scene):
+        scene.render.resolution_x, scene.render.resolution_y = 16385, 4
+        return ["--no-colour"], 3, "16385x4 pixels"
+
     def nothing_seen(scene):
         scene.camera.rotation_euler = (3.1, 0, 0)
         return ["--no-colour", "--size", "32x32"], 3, "no surface"
@@ -308,7 +371,7 @@ def check_refusals():
         open("out.mkv", "w").write("mine")
         return ["--touchable", "/bin/true"], 2, "--overwrite"
 
-    for case in (no_camera, panorama, orthographic, zoom, stereo, nothing_seen, deep_relief, nearer, unknown, no_frames, no_program, there_already):
+    for case in (no_camera, panorama, orthographic, zoom, stereo, too_small, too_large, nothing_seen, deep_relief, nearer, unknown, no_frames, no_program, there_already):
         scene = fresh()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
@@ -331,7 +394,11 @@ def check_refusals():
 
 def main():
     for name in os.environ["CHECKS"].split():
-        globals()[f"check_{name}"]()
+        try:
+            globals()[f"check_{name}"]()
+        except BaseException:
+            traceback.print_exc()  # Blender says it on standard output
+            raise
         print(f"checked {name}", file=sys.stderr, flush=True)
 
 
