@@ -9,6 +9,7 @@ import threading
 
 import bpy
 
+PATIENCE = 5.0  # seconds that a child has to tidy up
 PROGRESS = re.compile(r"(colour|depth) (\d+) of (\d+)$")
 
 
@@ -26,6 +27,14 @@ def unsaved_images():
     return [image.name for image in bpy.data.images if image.is_dirty and image.users]
 
 
+def permission(path):
+    """Options for a Blender that opens `path`: its scripts and drivers run there only where the preferences let them run here. Without an
+    option the preferences decide there, but those folders that they exclude do not name a copy."""
+    preferences = bpy.context.preferences
+    is_trusted = preferences.filepaths.use_scripts_auto_execute and not bpy.app.autoexec_fail
+    return [] if is_trusted and (path == bpy.data.filepath or not preferences.autoexec_paths) else ["--disable-autoexec"]
+
+
 class Child:
     """One export. Ask `poll` now and then."""
 
@@ -33,11 +42,10 @@ class Child:
         self.folder = tempfile.TemporaryDirectory(prefix="touchable-", dir=bpy.app.tempdir)
         self.share, self.line, self.error = 0.0, "starting Blender", None
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "export.py")
-        # What scripts and drivers may do here they may do there.
-        permitted = ["--disable-autoexec"] if bpy.app.autoexec_fail else ["--enable-autoexec"]
+        file = saved_file(self.folder.name)
         self.errors = tempfile.TemporaryFile(mode="w+", dir=self.folder.name, errors="replace")
         self.process = subprocess.Popen(
-            [bpy.app.binary_path, "--background", *permitted, saved_file(self.folder.name), "--scene", scene.name, "--python-exit-code", "1",
+            [bpy.app.binary_path, "--background", *permission(file), file, "--scene", scene.name, "--python-exit-code", "1",
              "--python", script, "--", output, "--overwrite", *options],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.errors, text=True, errors="replace")
         self.lines = queue.SimpleQueue()
@@ -75,7 +83,12 @@ class Child:
         self.folder.cleanup()
 
     def cancel(self):
-        """Ends it, and all that it made goes with it."""
-        self.error = "cancelled"
+        """Ends it, and all that it made goes with it, unless it has finished. Blender's window waits meanwhile, but not for ever."""
         self.process.terminate()
-        self.process.wait()
+        try:
+            self.process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        if self.process.returncode != 0:
+            self.error = "cancelled"

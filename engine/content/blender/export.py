@@ -101,7 +101,7 @@ class Speaker:
             pass
 
 
-def clean_up_on_signals(work):
+def clean_up_on_signals():
     """SIGINT and its like end Blender at once, also amid a render, and nothing is left of the work. A thread of its own hears of them:
     Blender's main thread runs no Python while it renders."""
     hear, tell = os.pipe()
@@ -115,11 +115,13 @@ def clean_up_on_signals(work):
 
     def wait():
         os.read(hear, 1)
-        children = part("outputs").children
-        for child in list(children):
+        outputs = part("outputs")
+        outputs.steady.acquire()  # for good
+        for child in list(outputs.children):
             child.terminate()
             child.wait()
-        shutil.rmtree(work, ignore_errors=True)
+        for folder in outputs.folders:
+            shutil.rmtree(folder, ignore_errors=True)
         os._exit(part("faults").INTERRUPTED)
 
     threading.Thread(target=wait, daemon=True).start()
@@ -133,8 +135,8 @@ def export(words, say):
     output = os.path.abspath(asked.output) + ("/" if asked.output.endswith("/") else "")
     output = output.rstrip("/") or "/"
     outputs.check_output(output, touchable, asked.overwrite)
+    clean_up_on_signals()
     work = outputs.work_folder(outputs.final_path(output, touchable))
-    clean_up_on_signals(work)
     try:
         job.Export(job.Wish(frames=asked.frames, size=asked.size, near=asked.near, far=asked.far, colour=not asked.no_colour,
                             colour_samples=asked.colour_samples), work, say).run()

@@ -59,7 +59,8 @@ class Exporting:
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS":
+        # What began later and is modal takes Esc first; playback is not modal.
+        if event.type == "ESC" and event.value == "PRESS" and not context.screen.is_animation_playing:
             self.child.cancel()
         elif event.type != "TIMER":
             return {"PASS_THROUGH"}

@@ -1,15 +1,19 @@
 """Where an export goes: a clip, where `touchable` is there to make one, or the folder of its pictures. It appears whole or not at all."""
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import tempfile
+import threading
 
 from .faults import BadUsage, Fault
 
-children = []  # processes that are running, for whoever ends this one
+# For whoever ends this process: what is to be ended, what is to be removed, and a lock that is held where an end would leave something behind.
+children, folders, steady = [], [], threading.Lock()
 CLIPS = (".mkv", ".mp4", ".gltf")
+PICTURE_NAME = re.compile(r"(depth|colour|haptic|height)(_\d{6,})?\.png|depth_\d{6,}\.exr|scene\.json|depth\.txt")
 
 
 def program(named):
@@ -43,15 +47,31 @@ def check_output(output, touchable, overwrite):
     if not os.access(folder, os.W_OK):
         raise BadUsage(f"'{folder}' cannot be written to")
     if os.path.lexists(final):
+        if final != output:
+            # Who lets a clip be replaced has not been asked about a folder of its name.
+            raise BadUsage(f"touchable is not installed here, so '{final}' would be a folder of pictures, and it is there already; right would be another name")
         if not overwrite:
             raise BadUsage(f"'{final}' is there already; --overwrite replaces it")
-        if os.path.isdir(final) and not is_clip(final) and os.listdir(final) and not os.path.exists(os.path.join(final, "scene.json")):
-            raise BadUsage(f"'{final}' is a folder of something else, and is not replaced; right would be another name")
+        _check_replaced(final)
+
+
+def _check_replaced(final):
+    """A clip replaces a file, and a folder of pictures one in which nothing else is: what `touchable` itself replaces."""
+    if is_clip(final):
+        if not os.path.isfile(final):
+            raise BadUsage(f"'{final}' is no file, and is not replaced; right would be another name")
+    elif os.path.islink(final) or not os.path.isdir(final):
+        raise BadUsage(f"'{final}' is no folder, and is not replaced; right would be another name")
+    elif not all(entry.is_file() and PICTURE_NAME.fullmatch(entry.name) for entry in os.scandir(final)):
+        raise BadUsage(f"'{final}' is a folder of something else, and is not replaced; right would be another name")
 
 
 def work_folder(output):
     """An empty one beside the output, on the same disk, so that it can become the output."""
-    return tempfile.mkdtemp(prefix=".touchable-", dir=os.path.dirname(os.path.abspath(output)))
+    with steady:
+        folder = tempfile.mkdtemp(prefix=".touchable-", dir=os.path.dirname(os.path.abspath(output)))
+        folders.append(folder)
+    return folder
 
 
 def publish(work, output, touchable, overwrite, say):
@@ -60,7 +80,7 @@ def publish(work, output, touchable, overwrite, say):
     if is_clip(final):
         _convert(work, final, touchable, overwrite)
     else:
-        _become(work, final)
+        _become(work, final, overwrite and final == output)
         if is_clip(output):
             say(f"touchable is not installed here, so this is a folder of pictures; where it is: touchable convert {shlex.quote(final)} {shlex.quote(output)}")
     return final
@@ -69,11 +89,13 @@ def publish(work, output, touchable, overwrite, say):
 def _convert(work, final, touchable, overwrite):
     command = [touchable, "convert", work, final] + (["--overwrite"] if overwrite else [])
     # In a session of its own, so that Ctrl-C reaches it through this process alone.
-    running = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                               start_new_session=True)
-    children.append(running)
+    with steady:
+        running = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                   start_new_session=True)
+        children.append(running)
     told = running.communicate()[1].strip()
-    children.remove(running)
+    with steady:  # it never returns where a signal has ended `running`
+        children.remove(running)
     if running.returncode != 0:
         last = (told or f"it ended with code {running.returncode}").splitlines()[-1]
         fault = Fault(f"touchable convert: {last.removeprefix('touchable: ')}")
@@ -81,12 +103,21 @@ def _convert(work, final, touchable, overwrite):
         raise fault
 
 
-def _become(work, final):
+def _become(work, final, overwrite):
     os.chmod(work, 0o755)
-    if not os.path.lexists(final):
-        os.rename(work, final)
-        return
-    # What was there is whole until the new one has its name.
-    with tempfile.TemporaryDirectory(prefix=".touchable-", dir=os.path.dirname(final)) as aside:
-        os.rename(final, os.path.join(aside, "before"))
-        os.rename(work, final)
+    with steady:
+        if not os.path.lexists(final):
+            os.rename(work, final)
+            return
+        # It may have come, or changed, while the pictures were rendered.
+        if not overwrite:
+            raise BadUsage(f"'{final}' is there by now; it stays as it is")
+        _check_replaced(final)
+        before = f"{work}-before"
+        os.rename(final, before)
+        try:
+            os.rename(work, final)
+        except BaseException:
+            os.rename(before, final)
+            raise
+        shutil.rmtree(before, ignore_errors=True)

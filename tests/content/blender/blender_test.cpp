@@ -291,6 +291,14 @@ TEST_F(Blender, AnimatedReliefAndRenderRegionAreWhatTheCameraSees) {
     check_in_blender("whole_picture animated");
 }
 
+TEST_F(Blender, OutputIsTheNewOneWholeOrTheOldOne) {
+    check_in_blender("replaces becomes signals", "output_checks.py");
+}
+
+TEST_F(Blender, ItsChildMayDoNoMoreThanThisBlenderAndEndsInTime) {
+    check_in_blender("cancels scripts", "output_checks.py");
+}
+
 TEST_F(Blender, WhatAClipCannotSayIsRefused) {
     check_in_blender("refusals");
 }
