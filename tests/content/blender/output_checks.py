@@ -99,6 +99,8 @@ def check_becomes():
 AT_A_BAD_MOMENT = """
 import os, signal, subprocess, sys, tempfile, time, types
 sys.path.insert(0, {content!r})
+# `job` needs Blender. This one renders until a signal ends it.
+sys.modules["blender.job"] = types.SimpleNamespace(Wish=dict, Export=lambda *_: time.sleep(30))
 from blender import export, outputs
 def at_once(made):
     def make(*words, **options):
@@ -129,9 +131,7 @@ def check_signals():
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as beside:
             stand_in = written(os.path.join(beside, "touchable"), "#!/bin/sh\nexec sleep 60\n")
             os.chmod(stand_in, 0o755)
-            # `job` needs Blender, and nothing of it is called.
-            told = "import sys, types; sys.modules['blender.job'] = types.ModuleType('job')\n"
-            code = told + AT_A_BAD_MOMENT.format(content=CONTENT, moment=moment.format(clip=os.path.join(folder, "clip.mkv"), stand_in=stand_in))
+            code = AT_A_BAD_MOMENT.format(content=CONTENT, moment=moment.format(clip=os.path.join(folder, "clip.mkv"), stand_in=stand_in))
             ended = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, timeout=50)
             assert ended.returncode == 130, (name, ended.returncode)
             assert os.listdir(folder) == [], (name, os.listdir(folder))
