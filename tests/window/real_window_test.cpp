@@ -146,7 +146,8 @@ TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
         0);
     const int code =
         with_display(folder, "play globe.mkv --size 400x300 --painter cpu --record hand.touch", R"(
-xdotool mousemove 200 140 sleep 0.3 mousedown 1 sleep 0.3 key F12 sleep 0.3
+xdotool mousemove 200 140 sleep 0.3 mousedown 1 sleep 0.3 key F12
+for second in $(seq 60); do test -e touchable-1.png && break; sleep 1; done
 kill -9 $server
 )");
     EXPECT_EQ(code, 4);
