@@ -17,7 +17,7 @@ namespace touchable {
 /// A channel of an OpenEXR file with its numbers as they are stored.
 struct ExrChannel : ExrChannelName {
     NumberFormat format{};
-    bool is_of_each_pixel = true;  ///< and not of some only
+    bool is_of_each_pixel = true;  ///< not subsampled
 };
 
 struct ExrWindow {

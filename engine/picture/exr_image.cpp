@@ -29,6 +29,10 @@ std::string quoted_channel(const std::string& name) {
     return printable(name, 60);
 }
 
+Error in_colour(const ExrFile& file) {
+    return file.refused("is in colour: a picture of depth has a channel Z, depth, Y or R");
+}
+
 /// A picture that is made of one or several channels of a part, of which there may be others.
 class ExrPicture {
 public:
@@ -56,8 +60,7 @@ public:
     }
     Result<void> put(const ExrChunk& chunk, std::size_t first) override {
         for (std::size_t k = 1; k < channels_.size(); ++k)
-            if (chunk.numbers[first + k] != chunk.numbers[first])
-                return file_.refused("is in colour: a picture of depth has a channel Z, depth, Y or R");
+            if (chunk.numbers[first + k] != chunk.numbers[first]) return in_colour(file_);
         const int bytes = format().bytes;
         picture_->put(chunk.x, chunk.y,
                       {chunk.numbers[first].data(), chunk.width, chunk.height, bytes,
@@ -156,16 +159,12 @@ Result<ExrNumbers> depth_of(const ExrFile& file, const ExrLayers& layers) {
         return file.refused("has channel " + quoted_channel(channel.name) +
                             " for some pixels only: must be for all");
     ExrNumbers depth(file, channel);
-    const std::string layer = exr_layer_of(channel.name), before = layer.empty() ? "" : layer + '.',
-                      own = channel.name.substr(before.size());
-    for (const ExrChannel& other : file.channels()) {
-        if (other.part != channel.part) continue;
-        const auto is = [&](const char* name) { return other.name == before + name; };
-        if (own == "Y" && (is("RY") || is("BY")))
-            return file.refused("is in colour: a picture of depth has a channel Z, depth, Y or R");
-        if (own != "R" || !(is("G") || is("B"))) continue;
-        if (other.format.kind != channel.format.kind || other.format.bytes != channel.format.bytes)
-            return file.refused("is in colour: a picture of depth has a channel Z, depth, Y or R");
+    if (layers.depth_is_luminance) return in_colour(file);
+    for (const std::size_t place : layers.same_as_depth) {
+        const ExrChannel& other = file.channels()[place];
+        if (!other.is_of_each_pixel || other.format.kind != channel.format.kind ||
+            other.format.bytes != channel.format.bytes)
+            return in_colour(file);
         depth.add_same(other);
     }
     return depth;

@@ -1,7 +1,9 @@
 #include "engine/picture/exr_layers.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
+#include <utility>
 
 namespace touchable {
 namespace {
@@ -73,18 +75,30 @@ bool is_named_depth(const std::string& channel) {
     return std::any_of(words.begin(), words.end(), is_depth_word);
 }
 
+/// Another channel of the same layer and part, by its own name.
+std::optional<std::size_t> channel_beside(const ExrChannelNames& channels, std::size_t k, const char* own) {
+    const std::string layer = exr_layer_of(channels[k].name);
+    const auto beside = channel_named(channels, (layer.empty() ? "" : layer + '.') + own, channels[k].part);
+    const bool is_beside = beside && *beside != k && channels[*beside].part == channels[k].part;
+    return is_beside ? beside : std::nullopt;
+}
+
+/// Green and blue beside red, or the chroma beside luminance.
+bool is_rest_of_colour(const ExrChannelNames& channels, std::size_t k, const std::string& own) {
+    if (own == "g" || own == "b") return channel_beside(channels, k, "r").has_value();
+    return (own == "ry" || own == "by") && channel_beside(channels, k, "y");
+}
+
 /// How well a channel goes as depth: 0 not at all.
 int depth_rank(const ExrChannelNames& channels, std::size_t k) {
     const std::string& name = channels[k].name;
     const std::vector<std::string> words = words_of(name);
     const std::string& own = words.back();
-    const std::string layer = exr_layer_of(name), before = layer.empty() ? "" : layer + '.';
-    const auto beside = channel_named(channels, before + "x", channels[k].part);
-    const bool is_of_vector = beside && *beside != k && channels[*beside].part == channels[k].part;
+    const bool is_of_vector = channel_beside(channels, k, "x").has_value();
     const bool is_mist = words.size() > 1 && words[words.size() - 2] == "mist";
     if (own == "z" && !is_of_vector && !is_mist)
         return std::count(words.begin(), words.end(), "depth") > 0 ? 5 : 4;
-    if (is_named_depth(name) && own != "a") return 3;
+    if (is_named_depth(name) && own != "a" && !is_rest_of_colour(channels, k, own)) return 3;
     if (own == "y" && !is_of_vector) return 2;
     return own == "r" ? 1 : 0;
 }
@@ -131,7 +145,25 @@ std::optional<std::size_t> materials_beside(const ExrChannelNames& channels, std
     return std::nullopt;
 }
 
-ExrLayers layers_among(const ExrChannelNames& channels) {
+/// How many view layers these depths are of.
+int view_layers_of(const ExrChannelNames& channels, const std::vector<std::size_t>& depths) {
+    std::set<std::pair<int, std::string>> layers;
+    for (const std::size_t k : depths) layers.emplace(channels[k].part, pass_beside(channels[k].name, ""));
+    return static_cast<int>(layers.size());
+}
+
+/// What has to be as depth is, for it not to be of a picture in colour.
+void find_rest_of_colour(const ExrChannelNames& channels, ExrLayers& layers) {
+    const std::size_t depth = *layers.depth;
+    const std::string own = words_of(channels[depth].name).back();
+    for (const char* rest : {"g", "b"})
+        if (const auto beside = channel_beside(channels, depth, rest); own == "r" && beside)
+            layers.same_as_depth.push_back(*beside);
+    layers.depth_is_luminance =
+        own == "y" && (channel_beside(channels, depth, "ry") || channel_beside(channels, depth, "by"));
+}
+
+ExrLayers depth_and_beside(const ExrChannelNames& channels) {
     ExrLayers layers;
     int best = 0;
     std::vector<std::size_t> depths;
@@ -146,7 +178,7 @@ ExrLayers layers_among(const ExrChannelNames& channels) {
         return layers;
     }
     layers.depth = depths.front();
-    layers.depths = static_cast<int>(depths.size());
+    layers.depths = view_layers_of(channels, depths);
     if (best < 3) return layers;  // a picture of one channel, or of colour that is grey
     for (const std::size_t depth : depths)
         if (const auto colour = colour_beside(channels, depth)) {
@@ -156,6 +188,12 @@ ExrLayers layers_among(const ExrChannelNames& channels) {
         }
     if (!layers.colour) layers.colour = colour_in_layer(channels, "", channels[*layers.depth].part);
     layers.materials = materials_beside(channels, *layers.depth);
+    return layers;
+}
+
+ExrLayers layers_among(const ExrChannelNames& channels) {
+    ExrLayers layers = depth_and_beside(channels);
+    if (layers.depth) find_rest_of_colour(channels, layers);
     return layers;
 }
 

@@ -15,13 +15,15 @@ struct ExrChannelName {
 };
 
 /// Which of a file's channels are what, by their places in the list of all. Depth is a channel Z, or one in a
-/// layer `depth`, or else Y, R or the only one. Z of a vector (a normal, a position) is none. Of several
-/// depths the first that has colour of its own is taken: R, G and B in the layer Combined of its view layer,
-/// or beside it. Material indices are the channel of its layer IndexMA.
+/// layer `depth` (R, where that is in colour), or else Y, R or the only one. Z of a vector (a normal, a
+/// position) is none. Of several depths the first that has colour of its own is taken: R, G and B in the
+/// layer Combined of its view layer, or beside it. Material indices are the channel of its layer IndexMA.
 struct ExrLayers {
     std::optional<std::size_t> depth;
     std::optional<std::array<std::size_t, 3>> colour;  ///< red, green, blue
     std::optional<std::size_t> materials;
+    std::vector<std::size_t> same_as_depth{};  ///< G and B, where depth is R: a picture in colour is none
+    bool depth_is_luminance = false;           ///< depth is Y, and beside it is chroma: a picture in colour
     /// How many view layers have depth.
     int depths = 0;
 };

@@ -56,7 +56,7 @@ TEST(ExrLayers, AreFoundByTheirNames) {
               "V.Depth.right.Z V.Combined.right.R -");
     // Others: at the root, in a layer of their own, in parts.
     EXPECT_EQ(layers_in({"A", "B", "G", "R", "Z"}), "Z R -");
-    EXPECT_EQ(layers_in({"B", "G", "R", "depth.B", "depth.G", "depth.R"}), "depth.B R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "depth.B", "depth.G", "depth.R"}), "depth.R R -");
     EXPECT_EQ(layers_in({"B", "G", "R", "depth.Z"}), "depth.Z R -");
     EXPECT_EQ(layers_in({"B", "G", "R", "|", "Z"}), "Z R -");
     EXPECT_EQ(layers_in({"B", "G", "R", "|", "B", "G", "R", "Z"}), "Z R -");
@@ -68,6 +68,21 @@ TEST(ExrLayers, AreFoundByTheirNames) {
     EXPECT_EQ(layers_in({"u", "v"}), "- - -");
     EXPECT_EQ(layers_in({"", ".", "..Z", "Depth"}), "..Z - -");
     EXPECT_EQ(layers_in({}), "- - -");
+}
+
+int depths_in(const std::vector<std::string>& names) {
+    std::vector<ExrChannelName> channels;
+    for (const std::string& name : names) channels.push_back({0, name});
+    return exr_layers(channels).depths;
+}
+
+TEST(ExrLayers, OfSeveralDepthsViewLayersAreCountedNotChannels) {
+    EXPECT_EQ(depths_in({"depth.B", "depth.G", "depth.R"}), 1);
+    EXPECT_EQ(depths_in({"depth.V", "depth.W"}), 1);
+    EXPECT_EQ(depths_in({"V.Denoising Depth.V", "V.Depth.V"}), 1);
+    EXPECT_EQ(depths_in({"a.depth.B", "a.depth.G", "a.depth.R", "b.depth.B", "b.depth.G", "b.depth.R"}), 2);
+    EXPECT_EQ(depths_in({"a.Depth.Z", "b.Depth.Z", "c.Depth.Z"}), 3);
+    EXPECT_EQ(depths_in({"u", "v"}), 0);
 }
 
 std::string blenders(const std::string& name) {
@@ -206,6 +221,8 @@ TEST(ExrLayers, WhatCannotBeSeenIsNoColourAndDepthIsReadAllTheSame) {
                   "picture: has no colour: must have channels R, G and B, floats of each pixel, but has B, "
                   "G, R, Z");
     }
+    EXPECT_EQ(message(decode_exr(file_of_parts({{{"B"}, {"G", Imf::HALF, 2}, {"R"}}}), "picture")),
+              "picture: is in colour: a picture of depth has a channel Z, depth, Y or R");
     EXPECT_EQ(
         message(decode_exr_colour(file_of_parts({{{"a\x1b[2J\n"}}}), "picture")),
         "picture: has no colour: must have channels R, G and B, floats of each pixel, but has a\\x1b[2J\\n");

@@ -141,8 +141,18 @@ TEST(Exr, TheChannelOfDepth) {
     expect_exr_values(exr_file({.channels = {"A", "R"}, .odd = "A"}), "grayf32le");
     expect_exr_values(exr_file({.channels = {"A", "B", "G", "R"}, .odd = "A"}), "grayf32le");
     expect_exr_values(exr_file({.channels = {"disparity"}}), "grayf32le");
-    EXPECT_EQ(exr_refusal({.channels = {"B", "G", "R"}, .odd = "B"}),
-              "picture: is in colour: a picture of depth has a channel Z, depth, Y or R");
+    expect_exr_values(exr_file({.channels = {"b", "g", "r"}}), "grayf32le");
+    expect_exr_values(exr_file({.channels = {"depth.B", "depth.G", "depth.R"}}), "grayf32le");
+    for (const ExrKind& colour : {ExrKind{.channels = {"B", "G", "R"}, .odd = "B"},
+                                  {.channels = {"b", "g", "r"}, .odd = "g"},
+                                  {.channels = {"depth.B", "depth.G", "depth.R"}, .odd = "depth.B"},
+                                  {.channels = {"Depth.b", "Depth.g", "Depth.r"}, .odd = "Depth.r"},
+                                  {.channels = {"BY", "RY", "Y"}},
+                                  {.channels = {"depth.by", "depth.ry", "depth.y"}}}) {
+        SCOPED_TRACE(colour.channels.back());
+        EXPECT_EQ(exr_refusal(colour),
+                  "picture: is in colour: a picture of depth has a channel Z, depth, Y or R");
+    }
     EXPECT_EQ(exr_refusal({.channels = {"u", "v"}}),
               "picture: has no channel Z, depth, Y or R for each pixel, but u, v");
 }
