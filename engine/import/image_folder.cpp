@@ -123,10 +123,9 @@ void FolderPictures::tell_of_materials(StoredClip& clip) {
     if (materials_)
         clip.notes.push_back("haptic is that of " + std::to_string(clip.described.materials.size()) +
                              " materials, by their indices; other indices have the default properties");
-    const auto& first = file(tracks_.front(), 0);
     const bool has_haptic = std::ranges::count(tracks_, PlaneRole::haptic, &Track::role) > 0;
-    if (has_haptic || first.extension() != ".exr") return;
-    const auto looked = pictures_->look(first);
+    if (has_haptic) return;
+    const auto looked = pictures_->look(file(tracks_.front(), 0));
     if (!looked || !(*looked)->beside || !(*looked)->beside->materials) return;
     std::string list;
     for (const int index : indices_in(*(*looked)->beside->materials))

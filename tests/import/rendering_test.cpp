@@ -179,6 +179,15 @@ TEST_F(Rendering, IndicesThatNobodyUsesAreToldOnce) {
     reader = open_described(scene_of("{}", R"(, "haptic": "map.png")"));
     ASSERT_EQ(message(reader), "");
     EXPECT_FALSE(tells(**reader, "material indices"));
+    // Whatever the file is called.
+    for (const std::string name : {"DEPTH_%04d.EXR", "depth_%04d"}) {
+        std::filesystem::copy_file(folder / "r_0001.exr",
+                                   folder / std::string(name).replace(name.find('%'), 4, "0001"));
+        reader = open_described(scene_of("{}", "", name));
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(tells(**reader, "the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"))
+            << name;
+    }
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace touchable {
 
-/// The first of the whole numbers that a picture of material indices has, in order; at most 12.
+/// The whole numbers in a picture of material indices: the first 12 met, sorted.
 std::vector<int> indices_in(const StoredImage& picture);
 
 /// Makes haptic pictures of pictures of material indices: each pixel gets its material's properties, by the
