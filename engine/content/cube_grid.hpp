@@ -5,6 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "engine/trigonometry.hpp"
+
 namespace touchable {
 
 namespace cube_grid {
@@ -45,7 +47,7 @@ public:
     CubePlace place(const glm::dvec3& direction) const;
 
     /// The mean angle from a point to the next one, radians.
-    double spacing() const { return half_turn / (2 * cells_); }
+    double spacing() const { return pi / (2 * cells_); }
     /// No two points are nearer to each other in angle than this many times their distance in cells.
     double least_spacing() const { return 1.0 / cells_; }
 
@@ -60,7 +62,6 @@ public:
     }
 
 private:
-    static constexpr double half_turn = 3.14159265358979323846;
     int column(double x) const { return x >= cells_ ? cells_ - 1 : static_cast<int>(x); }
 
     int cells_;

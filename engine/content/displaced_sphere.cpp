@@ -42,7 +42,7 @@ DisplacedSphere::DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBand
     for (const float value : rise_) highest_ = std::max<double>(highest_, value);
     const int coarse_side = grid_.cells() / 16;
     coarse_ = tiles_of(coarse_side, rows);
-    fine_ = tiles_of(coarse_side % 8 == 0 ? coarse_side / 8 : coarse_side, rows);
+    fine_ = tiles_of(coarse_side / 8, rows);
     const Tiles unwidened = coarse_;
     widen(fine_, unwidened, rows);
     widen(coarse_, unwidened, rows);

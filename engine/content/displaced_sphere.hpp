@@ -15,7 +15,7 @@ namespace touchable {
 /// rise(d), the rise being bilinear between the points of a CubeGrid, at least 0.
 class DisplacedSphere {
 public:
-    /// `rise`: of each point, at least 0. The grid has a multiple of 16 cells.
+    /// `rise`: of each point, at least 0. The grid has a multiple of 128 cells.
     DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBands& rows);
 
     double rise(const glm::dvec3& direction) const;  ///< of any length but 0

@@ -10,11 +10,12 @@
 /// what its own surface cannot be.
 namespace touchable {
 
+struct GlobeSphere;
+
 using MadeScene = Result<std::unique_ptr<AnalyticScene>>;
 
 MadeScene make_globe(std::string_view name, const SceneOptions& options);
 /// A globe of `options.maps`, which are there; `scene` has the camera and coding of a globe.
-struct GlobeSphere;
 MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options);
 MadeScene make_height_field(std::string_view name, const SceneOptions& options);
 MadeScene make_primitive(std::string_view name, const SceneOptions& options);

@@ -56,7 +56,7 @@ struct Sample {
 
 /// By height. At most some two million: enough to tell one map from another.
 std::vector<Sample> samples_of(const GlobeMap& elevation, const GlobeMap& mask, double mask_middle) {
-    const int step = std::max(1, elevation.width / 2048);
+    const int step = (elevation.width + 2047) / 2048;
     std::vector<Sample> samples;
     for (int y = 0; y < elevation.height; y += step) {
         const double south = (y + 0.5) / elevation.height;
@@ -169,6 +169,9 @@ Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::o
     shore.mask_middle = 0.5 * (light.least + light.most);
     shore.top = heights.most;
     const std::vector<Sample> samples = samples_of(elevation, mask, shore.mask_middle);
+    if (samples.empty())
+        return input_error(
+            "the elevation map has too few numbers to find land by; must have them all over the globe");
 
     double sense = 0;
     if (told) {

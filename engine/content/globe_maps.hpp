@@ -16,6 +16,7 @@ struct GlobeMap {
     std::span<const float> values{};  ///< or numbers of one channel, row by row
     int width = 0, height = 0;
     int channels = 1;
+    int largest = 255;  ///< of codes: white, and 1 in a haptic map
 
     bool empty() const { return width == 0; }
     /// As stored; of numbers also NaN and infinity.

@@ -28,24 +28,22 @@ public:
     double elevation(const MapPlace& place, double land) const {
         if (land == 0) return 0;
         return land * between_pixels(maps_.elevation, place, [&](int x, int y) {
-                   const double above =
-                       (maps_.elevation.at(x, y, 0) - shore_.sea_level) / (shore_.top - shore_.sea_level);
-                   return above > 0 ? std::min(above, 1.0) : 0.0;  // also where it is no number
+                   const double stored = maps_.elevation.at(x, y, 0);
+                   if (!std::isfinite(stored)) return 0.0;
+                   return std::clamp((stored - shore_.sea_level) / (shore_.top - shore_.sea_level), 0.0, 1.0);
                });
     }
     /// Linear light, by the same gamma of 2 by which pictures are written.
     double light(const MapPlace& place, int channel) const {
         const GlobeMap& map = maps_.colour;
-        const double white = map.samples.bytes_per_sample == 1 ? 255 : 65535;
         return between_pixels(map, place, [&](int x, int y) {
-            const double value = map.at(x, y, std::min(channel, map.channels - 1)) / white;
+            const double value = map.at(x, y, std::min(channel, map.channels - 1)) / map.largest;
             return value * value;
         });
     }
     double haptic_code(const MapPlace& place, int channel) const {
         const GlobeMap& map = maps_.haptic;
-        const double white = map.samples.bytes_per_sample == 1 ? 255 : 65535;
-        return between_pixels(map, place, [&](int x, int y) { return map.at(x, y, channel) / white; });
+        return between_pixels(map, place, [&](int x, int y) { return map.at(x, y, channel) / map.largest; });
     }
 
 private:

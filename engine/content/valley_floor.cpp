@@ -9,8 +9,8 @@
 namespace touchable {
 namespace {
 
-/// A row that a disc reaches, how far it goes there to both sides, in cells, and what a cell there has of the
-/// sphere's area.
+/// A row that a disc reaches, how far it goes there to both sides, in cells (round a pole all of the row),
+/// and what a cell there has of the sphere's area.
 struct Reach {
     int row, half_width;
     double cell_area;
@@ -29,7 +29,7 @@ std::vector<Reach> disc(const HeightGrid& grid, int row, double radius) {
         if (cosine_of_width > 1) continue;
         const double half = cosine_of_width < -1 ? pi : 0.5 * pi - arcsine(cosine_of_width);
         const int cells = static_cast<int>(half / (2 * pi) * grid.width);
-        reaches.push_back({other, std::min(cells, (grid.width - 1) / 2), cosine(b)});
+        reaches.push_back({other, cells, cosine(b)});
     }
     return reaches;
 }
@@ -80,10 +80,13 @@ HeightGrid mean_within(const HeightGrid& heights, double radius, RowBands& rows)
                     const float* row = &heights.values[static_cast<std::size_t>(reach.row) * width];
                     for (std::size_t x = 0; x < 3 * width; ++x)
                         sums[x + 1] = sums[x] + double{row[x % width]};
-                    const auto half = static_cast<std::size_t>(reach.half_width);
-                    for (std::size_t x = 0; x < width; ++x)
-                        total[x] += reach.cell_area * (sums[width + x + half + 1] - sums[width + x - half]);
-                    area += reach.cell_area * (2 * reach.half_width + 1);
+                    const auto half = static_cast<std::size_t>(reach.half_width),
+                               cells = std::min(2 * half + 1, width);  // each of the row once
+                    for (std::size_t x = 0; x < width; ++x) {
+                        const std::size_t first = width + x - half;
+                        total[x] += reach.cell_area * (sums[first + cells] - sums[first]);
+                    }
+                    area += reach.cell_area * static_cast<double>(cells);
                 }
                 for (std::size_t x = 0; x < width; ++x) means[x] += total[x] / area;
             }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <tuple>
 #include <utility>
 
 #include "engine/stop_request.hpp"
@@ -13,15 +14,27 @@ namespace {
 
 GlobeMap map_of(const StoredImage& picture) {
     const Image& image = picture.image;
-    const bool numbers = !picture.values.empty();
-    return {numbers ? PlaneView{} : image.view(), picture.values, image.width, image.height,
-            numbers ? 1 : image.channels};
+    if (!picture.values.empty()) return {{}, picture.values, image.width, image.height, 1};
+    return {image.view(), {}, image.width, image.height, image.channels, (1 << picture.bits) - 1};
 }
 
 /// A grey picture may be stored as one of colour.
 void make_grey(Image& image) {
     if (image.channels == 1) return;
     if (auto grey = as_grey(image)) image = std::move(*grey);
+}
+
+enum class MapKind { as_stored, grey };
+
+/// The map in a file; none where there is no file. It lies in `picture`.
+Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, StoredImage& picture) {
+    if (file.empty()) return GlobeMap{};
+    if (stop_requested()) return interrupted_error();
+    auto read = read_stored_image(SourceFile(file));
+    if (!read.ok()) return read.error();
+    picture = std::move(*read);
+    if (kind == MapKind::grey) make_grey(picture.image);
+    return map_of(picture);
 }
 
 std::string shore_in_words(const Shore& shore, bool told) {
@@ -121,18 +134,16 @@ void take_motion(const GlobeWords& words, SceneOptions& options) {
 
 Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files) {
     auto read = std::make_unique<ReadGlobeMaps>();
-    for (const NamedFile& file : files.files()) {
-        if (stop_requested()) return interrupted_error();
-        auto picture = read_stored_image(SourceFile(file.path));
-        if (!picture.ok()) return picture.error();
-        if (file.name == "--elevation" || file.name == "--mask") make_grey(picture->image);
-        read->pictures.push_back(std::move(*picture));
-    }
     GlobeMaps& maps = read->maps;
-    maps.colour = map_of(read->pictures[0]);
-    maps.elevation = map_of(read->pictures[1]);
-    maps.mask = map_of(read->pictures[2]);
-    if (!files.haptic.empty()) maps.haptic = map_of(read->pictures[3]);
+    for (const auto& [file, kind, picture, map] :
+         {std::tuple{&files.colour, MapKind::as_stored, &read->colour, &maps.colour},
+          {&files.elevation, MapKind::grey, &read->elevation, &maps.elevation},
+          {&files.mask, MapKind::grey, &read->mask, &maps.mask},
+          {&files.haptic, MapKind::as_stored, &read->haptic, &maps.haptic}}) {
+        auto found = read_map(*file, kind, *picture);
+        if (!found.ok()) return found.error();
+        *map = *found;
+    }
     if (files.relief_percent) maps.relief = *files.relief_percent / 100;
     if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
     if (auto checked = check_globe_maps(maps); !checked.ok()) return checked.error();

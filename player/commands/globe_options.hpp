@@ -41,7 +41,7 @@ void take_motion(const GlobeWords& words, SceneOptions& options);
 
 /// Maps with the pictures that they lie in.
 struct ReadGlobeMaps {
-    std::vector<StoredImage> pictures;
+    StoredImage colour{}, elevation{}, mask{}, haptic{};
     GlobeMaps maps;
     std::string remark;  ///< one line: what was found of the sea level
 };

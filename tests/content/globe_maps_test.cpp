@@ -151,6 +151,22 @@ TEST(Shore, MapsThatDoNotAgreeAreRefused) {
               std::string::npos);
 }
 
+TEST(Shore, OfNumbersInTooFewPlacesIsRefused) {
+    const MadeWorld world(64);
+    // Of maps this wide every second pixel is looked at.
+    const int width = 2050, height = 1025;
+    std::vector<float> metres(static_cast<std::size_t>(width) * height, std::nanf(""));
+    metres[static_cast<std::size_t>(width) * 513 + 1025] = 900;  // land
+    metres[static_cast<std::size_t>(width) * 513 + 1] = -900;
+    const GlobeMap sparse{{}, metres, width, height, 1};
+    for (const std::optional<double> told : {std::optional<double>{}, std::optional(0.0)}) {
+        const auto shore = find_shore(sparse, world.maps.mask, told);
+        ASSERT_FALSE(shore.ok());
+        EXPECT_NE(shore.error().message.find("the elevation map has too few numbers"), std::string::npos)
+            << shore.error().message;
+    }
+}
+
 TEST(CubeGrid, PointsOfAnEdgeAreTheSameBitsOnEachFace) {
     const CubeGrid grid(32);
     SplitMix64 random(2);
@@ -237,6 +253,14 @@ TEST(ValleyFloor, OfLevelGroundIsThatGroundAndThePoleIsAPlaceLikeAnyOther) {
         ASSERT_LT(floor.values[3 * 72 + x], 0.2F);           // 15 degrees from the hole's edge
         ASSERT_NEAR(floor.values[9 * 72 + x], 0.7F, 1e-6F);  // beyond both radii
     }
+}
+
+TEST(ValleyFloor, BesideAPoleReachesTheOtherSideOfIt) {
+    RowBands rows(1);
+    HeightGrid holed{72, 36, std::vector<float>(72 * 36, 0.7F)};
+    holed.values[36] = 0;  // one cell of the row next to the pole, in reach of all others there
+    const HeightGrid floor = valley_floor(holed, 0.3, rows);
+    for (std::size_t x = 0; x < 72; ++x) ASSERT_EQ(floor.values[x], 0) << x;
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ struct MadeMap {
                 {},
                 width,
                 height,
-                channels};
+                channels,
+                bytes == 1 ? 255 : 65535};
     }
 };
 

@@ -6,6 +6,7 @@
 #include "engine/byte_hash.hpp"
 #include "engine/content/cube_pyramid.hpp"
 #include "engine/content/displaced_sphere.hpp"
+#include "engine/content/mapped_ground.hpp"
 #include "engine/content/presets.hpp"
 #include "engine/trigonometry.hpp"
 #include "tests/content/made.hpp"
@@ -42,7 +43,7 @@ wide first_root(wide from, wide to, wide step, Gap&& gap) {
 }
 
 TEST(DisplacedSphere, OfOneHeightIsASphere) {
-    const CubeGrid grid(64);
+    const CubeGrid grid(128);
     RowBands rows(2);
     const DisplacedSphere sphere(grid, std::vector<float>(grid.points(), 0.03125F), rows);
     SplitMix64 random(1);
@@ -63,11 +64,11 @@ TEST(DisplacedSphere, OfOneHeightIsASphere) {
 }
 
 TEST(DisplacedSphere, RaysMeetBrokenGroundWhereSmallStepsFindIt) {
-    const CubeGrid grid(64);
+    const CubeGrid grid(128);
     std::vector<float> rise(grid.points());
     for (int face = 0; face < 6; ++face)
-        for (int j = 0; j <= 64; ++j)
-            for (int i = 0; i <= 64; ++i) {
+        for (int j = 0; j <= 128; ++j)
+            for (int i = 0; i <= 128; ++i) {
                 const glm::dvec3 d = grid.direction(face, i, j);
                 const double wave = sine(9 * d.x + 2 * d.y) * sine(11 * d.y) + sine(23 * d.z - 17 * d.x);
                 rise[grid.index(face, i, j)] = static_cast<float>(0.03 * std::max(0.0, wave));
@@ -287,6 +288,47 @@ TEST(MapGlobe, LandIsStiffAndRoughOrAsTheHapticMapSays) {
     EXPECT_EQ(haptic_codes(by_map, 75, 30), (std::array{10, 110, 210}));
     EXPECT_EQ(haptic_codes(by_map, 75, 88), (std::array{33, 33, 33}));
     EXPECT_EQ(haptic_codes(by_map, 2, 2), (std::array{94, 77, 51}));
+}
+
+TEST(MapGlobe, MapsOfTenBitsAreAsBrightAndStiffAsThoseOfEight) {
+    MadeWorld world(90);
+    const auto all = [](int bytes, double code) {
+        return made_map(64, 3, bytes, [=](double, double, int c) { return c == 1 ? code : 0; });
+    };
+    const MadeMap eight = all(1, 255), ten = all(2, 1023);
+    const auto frame_of = [&](const GlobeMap& map) {
+        world.maps.colour = map;
+        world.maps.haptic = map;
+        return made("globe", with_maps(world.maps, 90, 60))->frame(0);
+    };
+    GlobeMap of_ten = ten.map();
+    of_ten.largest = 1023;
+    const RawFrame wanted = frame_of(eight.map()), found = frame_of(of_ten);
+    ASSERT_EQ(haptic_codes(wanted, 45, 30), (std::array{0, 255, 0}));
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 90; ++x) {
+            ASSERT_EQ(haptic_codes(found, x, y), haptic_codes(wanted, x, y)) << x << " " << y;
+            for (int c = 0; c < 3; ++c)
+                ASSERT_EQ(found.colour.sample(x, y, c), wanted.colour.sample(x, y, c)) << x << " " << y;
+        }
+}
+
+TEST(MapGlobe, WhatIsNoFiniteElevationIsNoMountain) {
+    MadeWorld world(64);
+    const MadeMap land = made_map(64, 1, 1, [](double, double, int) { return 255.0; });
+    world.maps.mask = land.map();
+    world.maps.shore = {0, 1000, true, 127, 1};
+    world.maps.relief = 0.04;
+    world.maps.smoothing_degrees = 0;
+    RowBands rows(1);
+    for (const float odd : {INFINITY, -INFINITY, NAN}) {
+        std::vector<float> metres(64 * 32, 500);
+        metres[15 * 64 + 40] = odd;
+        world.maps.elevation = {{}, metres, 64, 32, 1};
+        const auto ground = map_ground(world.maps, 0.05, rows);
+        ASSERT_TRUE(ground.ok()) << ground.error().message;
+        EXPECT_NEAR((*ground)->shape.highest(), 0.02, 1e-8) << odd;
+    }
 }
 
 TEST(MapGlobe, TurnsAsItIsToldAndLooksTheSameAfterATurn) {

@@ -6,6 +6,7 @@
 
 #include "engine/import/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
+#include "player/commands/globe_options.hpp"
 #include "tests/player/program.hpp"
 #include "tests/real_data.hpp"
 #include "tests/sanitizers.hpp"
@@ -113,6 +114,39 @@ TEST(MakeGlobe, HapticMapIsTakenCodeByCode) {
         EXPECT_EQ(frame.haptic.sample(x, 31, 0), 200);
         EXPECT_EQ(frame.haptic.sample(x, 31, 1), 100);
         EXPECT_EQ(frame.haptic.sample(x, 31, 2), 50);
+    }
+}
+
+TEST(MakeGlobe, EachMapIsReadIntoItsOwnPlaceWhicheverAreThere) {
+    const MapsInAFolder maps;
+    GlobeMapFiles files;
+    files.elevation = maps / "elevation.png";
+    files.mask = maps / "mask.png";
+    const auto missing = read_globe_maps(files);
+    ASSERT_FALSE(missing.ok());
+    EXPECT_EQ(missing.error().message, "the colour map is missing");
+    files.haptic = files.colour = maps / "colour.png";
+    const auto read = read_globe_maps(files);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ((*read)->maps.colour.at(32, 16, 0), 120);
+    EXPECT_EQ((*read)->maps.elevation.at(0, 0, 0), 8000);
+    EXPECT_EQ((*read)->maps.mask.at(32, 16, 0), 255);
+    EXPECT_EQ((*read)->maps.haptic.at(32, 16, 1), 90);
+}
+
+TEST(MakeGlobe, WhiteIsTheLargestCodeOfAMapsOwnBits) {
+    const MapsInAFolder maps;
+    GlobeMapFiles files;
+    files.elevation = maps / "elevation.png";
+    files.mask = maps / "mask.png";
+    for (const auto& [largest, bytes] : {std::pair{15, 1}, {255, 1}, {1023, 2}, {65535, 2}}) {
+        files.colour = maps / "colour.pgm";
+        std::ofstream(files.colour, std::ios::binary)
+            << "P5 64 32 " << largest << "\n"
+            << std::string(static_cast<std::size_t>(64 * 32 * bytes), '\0');
+        const auto read = read_globe_maps(files);
+        ASSERT_TRUE(read.ok()) << read.error().message;
+        EXPECT_EQ((*read)->maps.colour.largest, largest);
     }
 }
 
