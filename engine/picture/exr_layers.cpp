@@ -89,18 +89,34 @@ bool is_rest_of_colour(const ExrChannelNames& channels, std::size_t k, const std
     return (own == "ry" || own == "by") && channel_beside(channels, k, "y");
 }
 
+/// Whether a pass is known to be something else, whatever its channels are called.
+bool is_of_other_pass(const std::vector<std::string>& words) {
+    constexpr std::string_view others[] = {"mist",           "normal",       "denoising normal", "position",
+                                           "vector",         "uv",           "indexma",          "indexob",
+                                           "material index", "object index", "combined"};
+    return std::any_of(words.begin(), words.end() - 1, [&](const std::string& word) {
+        return std::find(std::begin(others), std::end(others), word) != std::end(others);
+    });
+}
+
+/// Whether a file is a picture of that channel's layer and nothing more.
+bool is_only_layer(const ExrChannelNames& channels, std::size_t k) {
+    return std::all_of(channels.begin(), channels.end(), [&](const ExrChannelName& other) {
+        return other.part == channels[k].part && exr_layer_of(other.name) == exr_layer_of(channels[k].name);
+    });
+}
+
 /// How well a channel goes as depth: 0 not at all.
 int depth_rank(const ExrChannelNames& channels, std::size_t k) {
     const std::string& name = channels[k].name;
     const std::vector<std::string> words = words_of(name);
     const std::string& own = words.back();
     const bool is_of_vector = channel_beside(channels, k, "x").has_value();
-    const bool is_mist = words.size() > 1 && words[words.size() - 2] == "mist";
-    if (own == "z" && !is_of_vector && !is_mist)
-        return std::count(words.begin(), words.end(), "depth") > 0 ? 5 : 4;
+    if (is_of_other_pass(words)) return 0;
+    if (own == "z" && !is_of_vector) return std::count(words.begin(), words.end(), "depth") > 0 ? 5 : 4;
     if (is_named_depth(name) && own != "a" && !is_rest_of_colour(channels, k, own)) return 3;
-    if (own == "y" && !is_of_vector) return 2;
-    return own == "r" ? 1 : 0;
+    if (is_of_vector || !is_only_layer(channels, k)) return 0;
+    return own == "y" ? 2 : own == "r" ? 1 : 0;
 }
 
 /// A name of which words[first] is the pass: what stands before it and behind it is of the view layer.
@@ -174,7 +190,7 @@ ExrLayers depth_and_beside(const ExrChannelNames& channels) {
         if (rank == best && rank > 0) depths.push_back(k);
     }
     if (depths.empty()) {
-        if (channels.size() == 1) layers.depth = 0;
+        if (channels.size() == 1 && !is_of_other_pass(words_of(channels[0].name))) layers.depth = 0;
         return layers;
     }
     layers.depth = depths.front();

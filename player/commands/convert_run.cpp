@@ -368,11 +368,12 @@ Result<void> Conversion::compare(ClipReader& written) {
     return {};
 }
 
-/// What stays as it is stored, but for heights, which are made anew.
-CopiedTracks tracks_to_copy(const ClipReader& clip) {
+/// What stays as it is stored: not heights, which are made anew, nor haptics in whose place a map lies.
+CopiedTracks tracks_to_copy(const ClipReader& clip, const StillMaps& maps) {
     CopiedTracks copied{clip.inputs().front(), {}};
     for (const TrackInfo& track : clip.tracks())
-        if (const auto role = role_named(track.role); role && *role != PlaneRole::height)
+        if (const auto role = role_named(track.role);
+            role && *role != PlaneRole::height && !(*role == PlaneRole::haptic && maps.haptic))
             copied.roles.push_back(*role);
     return copied;
 }
@@ -401,7 +402,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto one = check_frames(options_, **clip); !one.ok()) return one;
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
     if (options_.content) {
-        copied_ = tracks_to_copy(**clip);
+        copied_ = tracks_to_copy(**clip, options_.clip.maps);
         clip = options_.content(std::move(*clip));
         if (!clip.ok()) return clip.error();
     }

@@ -47,6 +47,10 @@ Result<void> run_relief(const ReliefTyped& typed) {
     const auto choice = read_clip(typed.clip);
     if (!choice.ok()) return choice.error();
     options.clip = *choice;
+    if (options.clip.maps.height)
+        return usage_error(
+            "--height does nothing here: relief makes heights of its own; touchable convert lays a map under "
+            "a clip");
     options.content = [&typed](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
         double metres_per_unit = clip->scene().metres_per_unit;
         if (!typed.is_of_world) {

@@ -107,7 +107,7 @@ inline RawFrame test_frame(const Scene& scene, std::int64_t number, const Planes
 }
 
 /// Colour too comes back as it was.
-inline constexpr ClipStorage exact_clip{Archive::fast, true};
+inline const ClipStorage exact_clip{Archive::fast, true};
 
 inline Result<void> write_clip(const std::filesystem::path& file, const Scene& scene, int frames,
                                const Planes& planes, const ClipStorage& storage = exact_clip) {

@@ -66,6 +66,12 @@ TEST(ExrLayers, AreFoundByTheirNames) {
     EXPECT_EQ(layers_in({"B", "G", "R"}), "R - -");
     EXPECT_EQ(layers_in({"disparity"}), "disparity - -");
     EXPECT_EQ(layers_in({"u", "v"}), "- - -");
+    // A rendering without depth: its colour is none, be it grey, nor is any other pass.
+    EXPECT_EQ(layers_in({"V.Combined.B", "V.Combined.G", "V.Combined.R", "V.IndexMA.X"}), "- - -");
+    EXPECT_EQ(layers_in({"V.Combined.B", "V.Combined.G", "V.Combined.R"}), "- - -");
+    EXPECT_EQ(layers_in({"V.Combined.R", "V.Mist.Z", "V.Normal.Z"}), "- - -");
+    EXPECT_EQ(layers_in({"V.IndexMA.X"}), "- - -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "crypto00.r"}), "- - -");
     EXPECT_EQ(layers_in({"", ".", "..Z", "Depth"}), "..Z - -");
     EXPECT_EQ(layers_in({}), "- - -");
 }

@@ -55,6 +55,14 @@ TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {
     EXPECT_NEAR((*clip)->scene().height_coding.max_height * (*clip)->scene().metres_per_unit, 0.002, 1e-9);
 }
 
+TEST_F(Relief, TakesAHapticMapInPlaceOfTheClipsOwn) {
+    ASSERT_EQ(run_touchable({"convert", at("globe.mkv"), at("planes")}).code, 0);
+    const Outcome run = run_touchable(
+        {"relief", at("globe.mkv"), at("relief.mkv"), "--haptic", at("planes/haptic_000002.png")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
+}
+
 TEST_F(Relief, RefusesWhatCannotBe) {
     make_clip("bumps", at("grey.mkv"), {"--size", "32x24", "--frames", "1"});
     const auto expect = [&](const std::vector<std::string>& words, int code, const std::string& why) {
@@ -66,6 +74,7 @@ TEST_F(Relief, RefusesWhatCannotBe) {
     };
     expect({"relief", at("grey.mkv"), at("out.mkv")}, 3, "has no colour");
     expect({"relief", at("globe.mkv"), at("out.mp4")}, 2, "does not end in .mkv");
+    expect({"relief", at("globe.mkv"), at("out.mkv"), "--height", at("none.png")}, 2, "--height");
     expect({"relief", at("globe.mkv"), at("out.mkv"), "--fine", "500"}, 2, "--fine");
     expect({"relief", at("globe.mkv"), at("out.mkv"), "--max-height", "0"}, 2, "--max-height");
     expect({"relief", at("none.mkv"), at("out.mkv")}, 3, "none.mkv");

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr ClipStorage in_fragments{.archive = Archive::fast, .exact_colour = true, .fragmented = true};
+const ClipStorage in_fragments{.archive = Archive::fast, .exact_colour = true, .fragmented = true};
 
 Scene fragment_scene(int width, int height, int depth_bits, int height_bits) {
     Scene scene = small_scene(width, height, depth_bits);
