@@ -169,7 +169,6 @@ TEST(Shore, OfNumbersInTooFewPlacesIsRefused) {
 
 TEST(CubeGrid, PointsOfAnEdgeAreTheSameBitsOnEachFace) {
     const CubeGrid grid(32);
-    SplitMix64 random(2);
     std::map<std::array<double, 3>, int> places;
     for (int face = 0; face < 6; ++face)
         for (int j = 0; j <= 32; ++j)
