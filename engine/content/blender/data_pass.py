@@ -29,6 +29,7 @@ class Sample:
     haptic: numpy.ndarray  # factors of stiffness, static and dynamic friction; 1 where no texture varies them
     height: numpy.ndarray  # factor of the relief; 0 where there is none
     doubtful: int  # pixels where several surfaces would have said something
+    broken: int  # pixels where a texture is no number, or infinite
 
 
 def prepare(scene, materials, feels):
@@ -132,11 +133,14 @@ def _sample_of(planes, layer):
     material = numpy.rint(_plane(planes, layer, blender_versions.INDEX_NAMES)).astype(numpy.int32)
     haptic = numpy.stack([_plane(planes, layer, [f"{HAPTIC}.{channel}"]) for channel in "RGB"], axis=-1)
     haptics, heights = (numpy.rint(_value(planes, layer, mark)) for mark in (HAPTIC_MARK, HEIGHT_MARK))
-    height = _value(planes, layer, HEIGHT)
+    haptic = numpy.where((haptics == 1)[..., None], haptic, numpy.float32(1))
+    height = numpy.where(heights == 1, _value(planes, layer, HEIGHT), numpy.float32(0))
+    is_broken = ~(numpy.isfinite(haptic).all(axis=-1) & numpy.isfinite(height))
+    # What is no number is as if no texture said anything there.
     return Sample(numpy.where(is_surface, depth, math.inf).astype(numpy.float32), numpy.where(is_surface, material, 0),
-                  numpy.where((haptics == 1)[..., None], haptic, numpy.float32(1)),
-                  numpy.where(heights == 1, height, numpy.float32(0)),
-                  int(numpy.count_nonzero(is_surface & ((haptics > 1) | (heights > 1)))))
+                  numpy.nan_to_num(haptic, nan=1, posinf=1, neginf=0), numpy.nan_to_num(height, nan=0, posinf=1, neginf=0),
+                  int(numpy.count_nonzero(is_surface & ((haptics > 1) | (heights > 1)))),
+                  int(numpy.count_nonzero(is_surface & is_broken)))
 
 
 def _nearest(samples):
@@ -148,5 +152,5 @@ def _nearest(samples):
                          numpy.where(is_nearer, other.material, nearest.material),
                          numpy.where(is_nearer[..., None], other.haptic, nearest.haptic),
                          numpy.where(is_nearer, other.height, nearest.height),
-                         nearest.doubtful + other.doubtful)
+                         nearest.doubtful + other.doubtful, nearest.broken + other.broken)
     return nearest

@@ -17,6 +17,8 @@ import traceback
 
 sys.dont_write_bytecode = True
 
+LAST_FRAME = 1048574  # Blender has none beyond it, and none before its negative
+
 
 def package():
     """The folder that this file is in, whatever it is called."""
@@ -40,7 +42,10 @@ def frames(text):
     found = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text)
     if not found or int(found[2] or found[1]) < int(found[1]):
         raise argparse.ArgumentTypeError(f"'{text}' are no frames; right would be 1-90, or 7")
-    return int(found[1]), int(found[2] or found[1])
+    first, last = int(found[1]), int(found[2] or found[1])
+    if first < -LAST_FRAME or last > LAST_FRAME:
+        raise argparse.ArgumentTypeError(f"'{text}' are not all Blender's; right would be frames from {-LAST_FRAME} to {LAST_FRAME}")
+    return first, last
 
 
 def size(text):

@@ -14,6 +14,7 @@ from .materials import feel_of, guessed_line, materials_in_use
 from .planes import haptic_codes, height_codes, ranges_of
 
 LEAST_SIDE, MOST_SIDE = 2, 16384  # pixels of a clip
+MOST_FRAMES = 1_000_000  # the names of pictures have six digits
 
 
 @dataclass
@@ -46,6 +47,8 @@ class Export:
         self.frames, why_one = motion.frames_of(self.scene, self.wish.frames)
         if not self.frames:
             raise BadUsage(f"there are no frames from {self.scene.frame_start} to {self.scene.frame_end}; right would be a last frame that is not before the first")
+        if len(self.frames) > MOST_FRAMES:
+            raise BadUsage(f"these are {len(self.frames)} frames, and a clip has at most {MOST_FRAMES}; right would be fewer of them (--frames A-B)")
         if why_one:
             self.say(why_one)
         self.materials = materials_in_use()
@@ -97,14 +100,19 @@ class Export:
         feels = [max(self._over_time(number), key=lambda feel: feel.height_socket is not None) for number in range(1, len(self.materials) + 1)]
         data_pass.prepare(self.scene, self.materials, feels)
         self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
+        broken = 0
         for number, frame in enumerate(self.frames):
             self._progress("depth", number)
             self.scene.frame_set(frame)
             sample = data_pass.take(self.scene, self.work)
             self._write_planes(number, sample, self.feels[frame])
             doubtful += sample.doubtful
+            broken += sample.broken
         if doubtful:
             self.remarks.append(f"{doubtful} pixels show a haptic texture through others that are transparent; they have the material's values without it")
+        if broken:
+            self.remarks.append(f"{broken} pixels have a Touch Haptic or Touch Height that is no number or infinite; where it is no number, the material's "
+                                "values count without it")
 
     def _write_planes(self, number, sample, feels):
         metres = sample.depth.astype(numpy.float64) * self.metres_per_unit
@@ -133,6 +141,7 @@ class Export:
         # What holds at many frames, with other numbers, is said once.
         for feels in of_materials:
             self.remarks += next((feel.remarks for feel in feels if feel.remarks), [])
+        self.remarks = _at_most(self.remarks, scene_file.MOST_REMARKS - 1)
         guessed = guessed_line([max(feels, key=lambda feel: len(feel.guessed)) for feels in of_materials])
         if guessed:
             self.remarks.append(guessed)
@@ -162,6 +171,11 @@ class Export:
 
     def _progress(self, what, number):
         self.say(f"{what} {number + 1} of {len(self.frames)}")
+
+
+def _at_most(remarks, most):
+    """The first ones; the rest are one line."""
+    return remarks if len(remarks) <= most else [*remarks[:most - 1], f"and {len(remarks) - most + 1} more"]
 
 
 def _is_nearly(camera, other):

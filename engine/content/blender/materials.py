@@ -7,6 +7,7 @@ An artist sets custom properties of the material, and nodes among its nodes by t
 A number may be animated.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import bpy
@@ -50,10 +51,11 @@ def feel_of(material, metres_per_unit):
     if material is None:
         return Feel("no material", *UNKNOWN, guessed=["stiffness", "friction"])
     guess = _guess_by_looks(material)
-    stated = [_number(material, key) for key in (STIFFNESS, STATIC, DYNAMIC)]
+    remarks = []
+    stated = [_number(material, key, remarks) for key in (STIFFNESS, STATIC, DYNAMIC)]
     stiffness, static = (guess[k] if stated[k] is None else stated[k] for k in (0, 1))
     dynamic = stated[2]
-    feel = Feel(material.name, stiffness, static, dynamic)
+    feel = Feel(material.name, stiffness, static, dynamic, remarks=remarks)
     if dynamic is None:
         feel.dynamic_friction = round(0.75 * static, 2) if stated[1] is not None else min(guess[2], static)
     elif stated[1] is None:
@@ -69,13 +71,19 @@ def feel_of(material, metres_per_unit):
     return feel
 
 
-def _number(material, key):
-    """A custom property as a number within what can be said; None: it is not set."""
+def _number(material, key, remarks):
+    """A custom property as a number within what can be said; None: it is not set, or is no number. Adds to `remarks` where another counts."""
     value = material.get(key)
-    if not isinstance(value, (int, float)):
+    if value is None:
+        return None
+    if not isinstance(value, (int, float)) or not math.isfinite(value):
+        remarks.append(f"{key} of '{material.name}' is no number, and counts as not set")
         return None
     least, most = LIMITS[key]
-    return min(max(float(value), least), most)
+    within = min(max(float(value), least), most)
+    if within != value:
+        remarks.append(f"{key} of '{material.name}' is {value:g}, and {within:g} counts: it is from {least:g} to {most:g}")
+    return within
 
 
 def _guess_by_looks(material):
@@ -112,7 +120,7 @@ def _find_sockets(material, feel, metres_per_unit):
     haptic, height = labelled_node(material, HAPTIC_NODE), labelled_node(material, HEIGHT_NODE)
     if haptic:
         feel.haptic_socket = haptic.outputs[0]
-    relief = _number(material, RELIEF)
+    relief = _number(material, RELIEF, feel.remarks)
     if height and relief:
         feel.height_socket, feel.relief = height.outputs[0], relief
     elif height is None and relief is None:

@@ -21,10 +21,10 @@ def rate_of(scene):
 def frames_of(scene, asked):
     """(numbers of the frames, why there is only one or None). `asked`: first and last one, or None for the scene's."""
     if asked:
-        return list(range(asked[0], asked[1] + 1, scene.frame_step)), None
+        return range(asked[0], asked[1] + 1, scene.frame_step), None
     if not what_may_move():
-        return [scene.frame_current], f"nothing moves: one frame, {scene.frame_current}"
-    return list(range(scene.frame_start, scene.frame_end + 1, scene.frame_step)), None
+        return range(scene.frame_current, scene.frame_current + 1), f"nothing moves: one frame, {scene.frame_current}"
+    return range(scene.frame_start, scene.frame_end + 1, scene.frame_step), None
 
 
 def what_may_move():

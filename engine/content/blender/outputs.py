@@ -88,6 +88,7 @@ def publish(work, output, touchable, overwrite, say):
 
 def _convert(work, final, touchable, overwrite):
     command = [touchable, "convert", work, final] + (["--overwrite"] if overwrite else [])
+    before = _state(final)
     # In a session of its own, so that Ctrl-C reaches it through this process alone.
     with steady:
         running = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -101,6 +102,18 @@ def _convert(work, final, touchable, overwrite):
         fault = Fault(f"touchable convert: {last.removeprefix('touchable: ')}")
         fault.code = running.returncode if running.returncode > 0 else 1
         raise fault
+    # Any program can be named, and `true` succeeds as well.
+    if _state(final) in (None, before) or os.path.getsize(final) == 0:
+        raise Fault(f"'{touchable}' wrote no clip; right would be the path of touchable")
+
+
+def _state(path):
+    """Something else once the file is written anew; None: it is not there."""
+    try:
+        found = os.stat(path)
+    except FileNotFoundError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def _become(work, final, overwrite):

@@ -5,7 +5,7 @@ import math
 import os
 
 DEPTH, COLOUR, HAPTIC, HEIGHT = "depth", "colour", "haptic", "height"
-MOST_REMARK = 2000  # bytes
+MOST_REMARKS, MOST_REMARK = 100, 2000  # how many a scene file may have, and bytes of each
 
 
 def picture_name(plane, number):
@@ -33,7 +33,7 @@ def write_scene(folder, *, name, size, rate, camera, near, far, unit, ranges, ha
     """`near`, `far` and `unit`, that of the depth pictures, in metres."""
     scene = {
         "touchable_scene": 1,
-        "name": name,
+        "name": _utf8(name).decode(),
         "remarks": [_cut(remark) for remark in remarks],
         "width": size[0],
         "height": size[1],
@@ -57,4 +57,9 @@ def write_scene(folder, *, name, size, rate, camera, near, far, unit, ranges, ha
 
 
 def _cut(text):
-    return text.encode()[:MOST_REMARK].decode("utf-8", "ignore")
+    return _utf8(text)[:MOST_REMARK].decode("utf-8", "ignore")
+
+
+def _utf8(text):
+    """A file's name may be of bytes that are no UTF-8, which Python has as halves of characters."""
+    return text.encode("utf-8", "replace")

@@ -98,14 +98,14 @@ def check_what_moves():
     scene = fresh()
     assert motion.what_may_move() is None, motion.what_may_move()
     scene.frame_set(7)
-    assert motion.frames_of(scene, None)[0] == [7]
-    assert motion.frames_of(scene, (2, 4))[0] == [2, 3, 4]
+    assert list(motion.frames_of(scene, None)[0]) == [7]
+    assert list(motion.frames_of(scene, (2, 4))[0]) == [2, 3, 4]
     for change in (keyframe, driver, node_keyframe, shape_key, modifier, particles, film, script, marker):
         scene = fresh()
         change(scene)
         assert motion.what_may_move(), change.__name__
         scene.frame_end, scene.frame_step = 11, 4
-        assert motion.frames_of(scene, None)[0] == [1, 5, 9], change.__name__
+        assert list(motion.frames_of(scene, None)[0]) == [1, 5, 9], change.__name__
     bpy.app.handlers.frame_change_pre.clear()
 
 
@@ -267,6 +267,41 @@ def check_animated():
             assert "relief" in said[-1], said
 
 
+def check_no_numbers():
+    """What is no number counts as not set, and what is out of range as the nearest that is not; a line names it."""
+    fresh()
+    made = bpy.data.materials["Material"]
+    plain = materials.feel_of(made, 1).values()
+    for key, value in (("stiffness", float("nan")), ("static_friction", float("inf")), ("dynamic_friction", "soft")):
+        made[f"touchable_{key}"] = value
+    feel = materials.feel_of(made, 1)
+    assert feel.values() == plain and len(feel.remarks) == 3 and all("'Material' is no number" in line for line in feel.remarks), feel
+    made["touchable_stiffness"] = 1e30
+    feel = materials.feel_of(made, 1)
+    assert feel.stiffness == 100 and "1e+30, and 100 counts" in feel.remarks[0], feel
+
+
+def check_broken_textures():
+    """Not a number is as a factor of 1, and a line says so."""
+    fresh()
+    made = bpy.data.materials["Material"]
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    white = nodes.new("ShaderNodeValue")
+    white.label, white.outputs[0].default_value = "Touch Haptic", 1
+    plain, _ = pictures_of()
+    fresh()
+    made = bpy.data.materials["Material"]
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    infinite, nan = nodes.new("ShaderNodeVectorMath"), nodes.new("ShaderNodeVectorMath")
+    infinite.operation, nan.operation, nan.label = "MULTIPLY", "SUBTRACT", "Touch Haptic"
+    for number in (0, 1):
+        infinite.inputs[number].default_value = (1e38,) * 3
+        links.new(infinite.outputs[0], nan.inputs[number])
+    files, said = pictures_of()
+    assert any("no number or infinite" in line for line in said), said
+    assert files["haptic_000000.png"] == plain["haptic_000000.png"]
+
+
 def check_addon():
     """Its operators export the file as it is in this session, saved or not, and leave the session as it is."""
     import blender
@@ -364,14 +399,24 @@ def check_refusals():
     def no_frames(scene):
         return ["--frames", "9-2"], 2, "9-2"
 
+    def beyond_frames(scene):
+        return ["--frames", "1-99999999999999999999"], 2, "1048574"
+
+    def many_frames(scene):
+        return ["--frames", "0-1000000"], 2, "1000001 frames"
+
     def no_program(scene):
         return ["--touchable", "/nowhere/touchable"], 2, "/nowhere/touchable"
+
+    def writes_nothing(scene):
+        return ["--no-colour", "--size", "32x32", "--frames", "1", "--touchable", "/bin/true"], 1, "wrote no clip"
 
     def there_already(scene):
         open("out.mkv", "w").write("mine")
         return ["--touchable", "/bin/true"], 2, "--overwrite"
 
-    for case in (no_camera, panorama, orthographic, zoom, stereo, too_small, too_large, nothing_seen, deep_relief, nearer, unknown, no_frames, no_program, there_already):
+    for case in (no_camera, panorama, orthographic, zoom, stereo, too_small, too_large, nothing_seen, deep_relief, nearer, unknown, no_frames, beyond_frames, many_frames,
+                 writes_nothing, no_program, there_already):
         scene = fresh()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
