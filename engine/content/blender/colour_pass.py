@@ -31,12 +31,22 @@ def prepare(scene, samples):
         remarks.append("colour has motion blur, and depth has none: it is of each frame's own moment")
     # No other files.
     for tree in blender_versions.compositor_trees(scene):
-        for node in tree.nodes:
-            if node.type == "OUTPUT_FILE":
-                node.mute = True
+        _mute_files(tree, set())
     blender_versions.write_png(render.image_settings)
     render.use_file_extension = False
     return remarks
+
+
+def _mute_files(tree, seen):
+    """Also those within groups, each of which may be used several times."""
+    if tree in seen:
+        return
+    seen.add(tree)
+    for node in tree.nodes:
+        if node.type == "OUTPUT_FILE":
+            node.mute = True
+        elif node.type == "GROUP" and node.node_tree:
+            _mute_files(node.node_tree, seen)
 
 
 def take(scene, path):

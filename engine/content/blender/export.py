@@ -50,8 +50,8 @@ def frames(text):
 
 def size(text):
     found = re.fullmatch(r"(\d+)x(\d+)", text)
-    if not found or not all(2 <= int(side) <= 16384 for side in found.groups()):
-        raise argparse.ArgumentTypeError(f"'{text}' is no size; right would be 720x480")
+    if not found or not all(4 <= int(side) <= 16384 for side in found.groups()):
+        raise argparse.ArgumentTypeError(f"'{text}' is no size; right would be 720x480, of 4 to 16384 pixels a side")
     return int(found[1]), int(found[2])
 
 
@@ -84,6 +84,8 @@ def parse(words):
     parser.add_argument("--overwrite", action="store_true", help="replace what is there already")
     parser.add_argument("--touchable", metavar="PATH", help="the program touchable; otherwise $TOUCHABLE, or where programs are")
     asked = parser.parse_args(words)
+    if not asked.output:
+        parser.error("OUT is empty; right would be NAME.mkv")
     if asked.near and asked.far and asked.near >= asked.far:
         parser.error(f"--near {asked.near:g} is not before --far {asked.far:g}")
     return asked

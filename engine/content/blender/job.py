@@ -13,7 +13,8 @@ from .faults import BadUsage, Refused
 from .materials import feel_of, guessed_line, materials_in_use
 from .planes import haptic_codes, height_codes, ranges_of
 
-LEAST_SIDE, MOST_SIDE = 2, 16384  # pixels of a clip
+LEAST_SIDE, MOST_SIDE = 4, 16384  # pixels of a clip; Blender renders none smaller
+MOST_RATE = 1000  # frames a second of a clip
 MOST_FRAMES = 1_000_000  # the names of pictures have six digits
 
 
@@ -42,6 +43,8 @@ class Export:
         """Makes the pictures in `work`; what is missing then is the clip."""
         if blender_versions.untested_version():
             self.say(blender_versions.untested_version())
+        if not any(layer.use for layer in self.scene.view_layers):
+            raise Refused("no view layer is rendered, and Blender would crash; turn Use for Rendering on (View Layer properties)")
         self._choose_pixels()
         self.rate = motion.rate_of(self.scene)
         self.frames, why_one = motion.frames_of(self.scene, self.wish.frames)
@@ -49,6 +52,9 @@ class Export:
             raise BadUsage(f"there are no frames from {self.scene.frame_start} to {self.scene.frame_end}; right would be a last frame that is not before the first")
         if len(self.frames) > MOST_FRAMES:
             raise BadUsage(f"these are {len(self.frames)} frames, and a clip has at most {MOST_FRAMES}; right would be fewer of them (--frames A-B)")
+        if len(self.frames) > 1 and self.rate[0] > MOST_RATE * self.rate[1]:
+            raise Refused(f"the scene has {self.rate[0] / self.rate[1]:g} frames a second, and a clip at most {MOST_RATE}; "
+                          "lower its frame rate (Output properties)")
         if why_one:
             self.say(why_one)
         self.materials = materials_in_use()
@@ -100,7 +106,7 @@ class Export:
         feels = [max(self._over_time(number), key=lambda feel: feel.height_socket is not None) for number in range(1, len(self.materials) + 1)]
         data_pass.prepare(self.scene, self.materials, feels)
         self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
-        broken = 0
+        self.is_cut, broken = False, 0
         for number, frame in enumerate(self.frames):
             self._progress("depth", number)
             self.scene.frame_set(frame)
@@ -117,7 +123,9 @@ class Export:
     def _write_planes(self, number, sample, feels):
         metres = sample.depth.astype(numpy.float64) * self.metres_per_unit
         near, far = self.wish.near or 0.0, self.wish.far or math.inf
-        metres[(metres < near) | (metres > far)] = math.inf
+        is_beyond = numpy.isfinite(metres) & ((metres < near) | (metres > far))
+        self.is_cut = self.is_cut or bool(is_beyond.any())
+        metres[is_beyond] = math.inf
         is_surface = numpy.isfinite(metres)
         if is_surface.any():
             self.nearest = min(self.nearest, float(metres[is_surface].min()))
@@ -129,6 +137,9 @@ class Export:
             pictures.write_png(self._picture(scene_file.HEIGHT, number), height_codes(sample, feels, self.ranges))
 
     def _write_scene(self):
+        if not self.seen and self.is_cut:
+            raise Refused("all surfaces that the camera sees are nearer than --near or farther than --far, so there is nothing to touch; "
+                          "right would be distances in metres that hold some of them")
         if not self.seen:
             raise Refused("the camera sees no surface in any frame, so there is nothing to touch; look through it (Numpad 0) and move it")
         near, far = scene_file.planes_between(self.nearest, self.farthest)

@@ -40,6 +40,8 @@ def check_output(output, touchable, overwrite):
     """Refuses what cannot be written, before anything is rendered."""
     if not is_clip(output) and os.path.splitext(os.path.basename(output.rstrip("/")))[1]:
         raise BadUsage(f"'{output}' is no clip and no folder; right would be NAME.mkv, or a name without a dot for the folder of pictures")
+    if os.path.basename(output).lower() in CLIPS:
+        raise BadUsage(f"'{output}' has no name before its ending; right would be NAME.mkv")
     final = final_path(output, touchable)
     folder = os.path.dirname(os.path.abspath(final))
     if not os.path.isdir(folder):

@@ -6,11 +6,13 @@ import zlib
 
 import numpy
 
+from .faults import Fault
+
 HALF, FLOAT = 1, 2
 SAMPLE_TYPES = {0: numpy.dtype("<u4"), HALF: numpy.dtype("<f2"), FLOAT: numpy.dtype("<f4")}
 
 
-class Unreadable(Exception):
+class Unreadable(Fault):
     """A picture that is not what Blender was asked to write."""
 
 
@@ -46,6 +48,15 @@ def read_exr(path):
     """{channel: float32 array of rows from the top} of an uncompressed file in lines, of one part or of several."""
     with open(path, "rb") as file:
         data = file.read()
+    try:
+        return _read_all(path, data)
+    except (IndexError, ValueError, struct.error):
+        raise Unreadable(f"{path}: ends too early; the disk may be full") from None
+
+
+def _read_all(path, data):
+    if len(data) < 8:
+        raise ValueError("shorter than its first words")
     if data[:4] != b"\x76\x2f\x31\x01":
         raise Unreadable(f"{path}: is no OpenEXR file")
     is_of_parts = struct.unpack_from("<i", data, 4)[0] & 0x1000

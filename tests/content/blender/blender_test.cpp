@@ -288,7 +288,7 @@ TEST_F(Blender, AddOnExportsWhatIsInTheWindowAndTouchesIt) {
 }
 
 TEST_F(Blender, AnimatedReliefAndRenderRegionAreWhatTheCameraSees) {
-    check_in_blender("whole_picture animated no_numbers broken_textures");
+    check_in_blender("whole_picture animated no_numbers broken_textures short_files");
 }
 
 TEST_F(Blender, OutputIsTheNewOneWholeOrTheOldOne) {

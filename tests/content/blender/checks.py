@@ -302,6 +302,31 @@ def check_broken_textures():
     assert files["haptic_000000.png"] == plain["haptic_000000.png"]
 
 
+def check_short_files():
+    """A full disk cuts a file off wherever it is."""
+    from blender import faults, pictures
+
+    scene = fresh()
+    from blender import data_pass
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.resolution_percentage = 100
+    data_pass.prepare(scene, [], [])
+    with tempfile.TemporaryDirectory() as folder:
+        path = scene.render.filepath = os.path.join(folder, "data.exr")
+        scene.render.use_file_extension = False
+        bpy.ops.render.render(write_still=True)
+        whole = open(path, "rb").read()
+        assert pictures.read_exr(path)
+        for length in range(0, len(whole), max(1, len(whole) // 50)):
+            with open(path, "wb") as file:
+                file.write(whole[:length])
+            try:
+                pictures.read_exr(path)
+                assert False, length
+            except faults.Fault as fault:
+                assert "disk may be full" in str(fault), (length, fault)
+
+
 def check_addon():
     """Its operators export the file as it is in this session, saved or not, and leave the session as it is."""
     import blender
@@ -405,6 +430,20 @@ def check_refusals():
     def many_frames(scene):
         return ["--frames", "0-1000000"], 2, "1000001 frames"
 
+    def no_layer(scene):
+        scene.view_layers[0].use = False
+        return [], 3, "no view layer"
+
+    def fast(scene):
+        scene.render.fps = 5000
+        return ["--frames", "1-2"], 3, "5000 frames a second"
+
+    def tiny(scene):
+        return ["--size", "3x4"], 2, "4 to 16384"
+
+    def all_hidden(scene):
+        return ["--no-colour", "--size", "32x32", "--near", "1000"], 3, "--near"
+
     def no_program(scene):
         return ["--touchable", "/nowhere/touchable"], 2, "/nowhere/touchable"
 
@@ -416,7 +455,7 @@ def check_refusals():
         return ["--touchable", "/bin/true"], 2, "--overwrite"
 
     for case in (no_camera, panorama, orthographic, zoom, stereo, too_small, too_large, nothing_seen, deep_relief, nearer, unknown, no_frames, beyond_frames, many_frames,
-                 writes_nothing, no_program, there_already):
+                 writes_nothing, no_layer, fast, tiny, all_hidden, no_program, there_already):
         scene = fresh()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

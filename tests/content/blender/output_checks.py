@@ -42,7 +42,7 @@ def check_replaces():
     """Pictures of a clip alone, as touchable does; and a clip that may be replaced is no leave to replace a folder of its name."""
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, "clip")
-        assert not is_refused(name)
+        assert not is_refused(name) and is_refused(os.path.join(folder, ".mkv"), "/bin/true")
         pictures = "scene.json", "depth.txt", "depth_000000.exr", "depth_000001.png", "haptic_000000.png", "height_000000.png", "colour_000000.png"
         folder_of(name, *pictures)
         assert not is_refused(name) and is_refused(name, overwrite=False)
