@@ -15,6 +15,8 @@ import sys
 import threading
 import traceback
 
+import bpy
+
 sys.dont_write_bytecode = True
 
 LAST_FRAME = 1048574  # Blender has none beyond it, and none before its negative
@@ -108,17 +110,20 @@ class Speaker:
             pass
 
 
+CLEANER = 'code=$1; shift; rm -rf -- "$@"; exit "$code"'  # of the shell
+
+
 def clean_up_on_signals():
     """SIGINT and its like end Blender at once, also amid a render, and nothing is left of the work. A thread of its own hears of them:
     Blender's main thread runs no Python while it renders."""
     hear, tell = os.pipe()
     os.set_blocking(tell, False)
     signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    for name in names:
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    for number in numbers:
+        if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, lambda *_: None)
+    code = part("faults").INTERRUPTED
 
     def wait():
         os.read(hear, 1)
@@ -127,9 +132,17 @@ def clean_up_on_signals():
         for child in list(outputs.children):
             child.terminate()
             child.wait()
-        for folder in outputs.folders:
+        left = list(outputs.folders)
+        own = bpy.app.tempdir  # where Blender could not make one of its own, it is everybody's
+        if os.path.basename(os.path.normpath(own)).startswith("blender_"):
+            left.append(own)
+        if os.name == "posix":
+            # Blender makes the folder of a picture anew where it is gone, so it ends first: the cleaner takes its process.
+            signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+            os.execv("/bin/sh", ["sh", "-c", CLEANER, "sh", str(code), *left])
+        for folder in left:
             shutil.rmtree(folder, ignore_errors=True)
-        os._exit(part("faults").INTERRUPTED)
+        os._exit(code)
 
     threading.Thread(target=wait, daemon=True).start()
 
@@ -150,7 +163,8 @@ def export(words, say):
         say("writing")
         return outputs.publish(work, output, touchable, asked.overwrite, say)
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        with outputs.steady:  # it never returns where a signal ends this process
+            shutil.rmtree(work, ignore_errors=True)
 
 
 def main():

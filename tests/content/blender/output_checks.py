@@ -99,6 +99,8 @@ def check_becomes():
 AT_A_BAD_MOMENT = """
 import os, signal, subprocess, sys, tempfile, time, types
 sys.path.insert(0, {content!r})
+# Of no session of its own: its folder of temporary files is everybody's, and stays.
+sys.modules["bpy"] = types.SimpleNamespace(app=types.SimpleNamespace(tempdir={beside!r} + "/"))
 # `job` needs Blender. This one renders until a signal ends it.
 sys.modules["blender.job"] = types.SimpleNamespace(Wish=dict, Export=lambda *_: time.sleep(30))
 from blender import export, outputs
@@ -131,10 +133,12 @@ def check_signals():
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as beside:
             stand_in = written(os.path.join(beside, "touchable"), "#!/bin/sh\nexec sleep 60\n")
             os.chmod(stand_in, 0o755)
-            code = AT_A_BAD_MOMENT.format(content=CONTENT, moment=moment.format(clip=os.path.join(folder, "clip.mkv"), stand_in=stand_in))
+            code = AT_A_BAD_MOMENT.format(content=CONTENT, beside=beside,
+                                          moment=moment.format(clip=os.path.join(folder, "clip.mkv"), stand_in=stand_in))
             ended = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, timeout=50)
             assert ended.returncode == 130, (name, ended.returncode)
             assert os.listdir(folder) == [], (name, os.listdir(folder))
+            assert os.listdir(beside) == ["touchable"], name
             pid = ended.stdout.strip()
             assert not pid or not os.path.exists(f"/proc/{pid}"), name
 
