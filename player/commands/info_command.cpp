@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_text.hpp"
@@ -19,8 +20,12 @@
 #include "engine/surface/filter_choice.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/filter_facts.hpp"
+#include "player/commands/verify_run.hpp"
 #include "player/options/camera_options.hpp"
 #include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/picture_options.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/filter_words.hpp"
@@ -330,17 +335,29 @@ struct InfoOptions {
     ClipChoice clip;
     bool json = false;
     bool scene_text = false;
+    bool verify = false;
+    VerifyPicture picture;
 };
 
 Result<void> print_facts(const InfoOptions& options) {
     const auto facts = clip_facts(options.clip);
     if (!facts.ok()) return facts.error();
-    if (options.scene_text)
+    std::optional<Verified> verified;
+    if (options.verify) {
+        auto found = verify_clip(options.clip, *facts, options.picture);
+        if (!found.ok()) return found.error();
+        verified = std::move(*found);
+    }
+    if (options.scene_text) {
         std::cout << mpeg4_text(*facts);
-    else if (options.json)  // names of files need not be UTF-8
-        std::cout << to_json(*facts).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-    else
+    } else if (options.json) {  // names of files need not be UTF-8
+        Json json = to_json(*facts);
+        if (verified) add_verified(*verified, json);
+        std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    } else {
         std::cout << to_text(*facts);
+        if (verified) std::cout << verified_in_words(*verified);
+    }
     return {};
 }
 
@@ -353,20 +370,33 @@ Result<void> run_info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app, Command& command) {
     auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");
-    auto json = std::make_shared<bool>(false), scene_text = std::make_shared<bool>(false);
-    auto clip = std::make_shared<ClipTyped>();
-    add_clip_options(*info, *clip)->required();
-    auto* as_json = info->add_flag("--json", *json, "the same facts as JSON");
-    info->add_flag("--scene-text", *scene_text,
-                   "the text of its MPEG-4 scene (docs/mpeg4.md) and nothing else")
-        ->excludes(as_json);
-    add_camera_options(*info, clip->camera);
-    add_filter_options(*info, *clip);
-    info->callback([json, scene_text, clip, &command] {
-        command = [json, scene_text, clip]() -> Result<void> {
-            auto choice = read_clip(*clip);
+    struct Typed {
+        InfoOptions options;
+        ClipTyped clip;
+    };
+    auto typed = std::make_shared<Typed>();
+    InfoOptions& options = typed->options;
+    add_clip_options(*info, typed->clip)->required();
+    auto* as_json = info->add_flag("--json", options.json, "the same facts as JSON");
+    auto* as_text = info->add_flag("--scene-text", options.scene_text,
+                                   "the text of its MPEG-4 scene (docs/mpeg4.md) and nothing else");
+    as_text->excludes(as_json);
+    auto* verify = info->add_flag("--verify", options.verify,
+                                  "read all of it, and say what would feel wrong and what mends that");
+    verify->excludes(as_text);
+    add_file_option(*info, "--picture", options.picture.file,
+                    "with --verify: the first frame with the places where that is, as a PNG")
+        ->check(ends_in_png())
+        ->needs(verify);
+    add_overwrite_option(*info, options.picture.existing);
+    add_camera_options(*info, typed->clip.camera);
+    add_filter_options(*info, typed->clip);
+    info->callback([typed, &command] {
+        command = [typed]() -> Result<void> {
+            auto choice = read_clip(typed->clip);
             if (!choice.ok()) return choice.error();
-            return run_info({std::move(*choice), *json, *scene_text});
+            typed->options.clip = std::move(*choice);
+            return run_info(typed->options);
         };
     });
 }

@@ -1,0 +1,113 @@
+#include "player/commands/verify_run.hpp"
+
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+#include "engine/picture/image_file.hpp"
+#include "engine/quality/clip_quality.hpp"
+#include "player/commands/clip_findings.hpp"
+#include "player/options/outputs.hpp"
+#include "player/terminal/progress.hpp"
+
+namespace touchable {
+namespace {
+
+Result<void> draw(const std::vector<Finding>& findings, const ClipQuality& quality, NewFile& file) {
+    const Image image = picture_of(findings, quality.where.picture);
+    if (auto written = write_png(file, image.view()); !written) return written;
+    return file.commit();
+}
+
+nlohmann::ordered_json measures_json(const ClipQuality& quality) {
+    const FrameTimes& times = quality.times;
+    nlohmann::ordered_json json{{"frames", times.frames},
+                                {"repeated", times.repeated},
+                                {"missing", times.missing},
+                                {"jumps", times.jumps},
+                                {"longest_ms", times.longest_ms}};
+    if (quality.pumping) json["pumping"] = *quality.pumping;
+    if (quality.colour) {
+        const ColourEdges::Fit& fit = *quality.colour;
+        const auto known = [](const std::optional<double>& value) {
+            return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+        };
+        json["colour_edges"] = {
+            {"edges", fit.edges}, {"right", known(fit.right)}, {"below", known(fit.below)}, {"rim", fit.rim}};
+    }
+    if (quality.haptic)
+        json["haptic"] = {{"stiffest_n_per_mm", quality.haptic->stiffest},
+                          {"too_stiff", quality.haptic->too_stiff},
+                          {"more_dynamic", quality.haptic->more_dynamic},
+                          {"mixed", quality.haptic->mixed}};
+    return json;
+}
+
+std::string measures_in_words(const ClipQuality& quality) {
+    std::ostringstream words;
+    words << std::setprecision(3) << quality.times.frames
+          << (quality.times.frames == 1 ? " frame" : " frames");
+    if (quality.pumping) words << "; depth goes to and fro by " << 100 * *quality.pumping << " %";
+    if (quality.colour) {
+        const ColourEdges::Fit& fit = *quality.colour;
+        words << "; colour against depth at " << fit.edges << " edges:";
+        if (fit.right) words << ' ' << *fit.right << " pixels to the right,";
+        if (fit.below) words << ' ' << *fit.below << " below,";
+        words << " rims " << fit.rim << " wide";
+    } else {
+        words << "; too few edges to tell whether colour is where depth is";
+    }
+    return words.str();
+}
+
+}  // namespace
+
+Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, const VerifyPicture& picture) {
+    auto clip = open_chosen(choice, Colour::wanted);
+    if (!clip.ok()) return clip.error();
+    std::optional<NewFile> file;
+    if (picture.file) {
+        std::vector<NamedFile> inputs;
+        add_inputs(inputs, choice.file, *clip->reader);
+        if (auto fit = check_outputs({{{"--picture", *picture.file}}, picture.existing}, inputs); !fit)
+            return fit.error();
+        file.emplace(*picture.file, picture.existing);
+        if (auto fit = file->check(); !fit) return fit.error();
+    }
+    Scene scene = facts.scene;
+    if (facts.measured) scene.filter.levels = facts.measured->levels;
+    Progress progress("looking at frame", facts.frames.value_or(0));
+    const auto quality =
+        measure_quality(*clip->reader, scene, [&](std::int64_t frames) { progress.at(frames); });
+    if (!quality.ok()) return quality.error();
+    const auto findings = findings_of(facts, *quality);
+    if (file)
+        if (auto drawn = draw(findings, *quality, *file); !drawn) return drawn.error();
+    Verified verified;
+    for (std::size_t k = 0; k < findings.size(); ++k)
+        verified.findings.push_back({findings[k].name, findings[k].what, findings[k].mend,
+                                     file ? colour_of(findings, k) : std::string()});
+    verified.measures = measures_json(*quality);
+    verified.measures_in_words = measures_in_words(*quality);
+    return verified;
+}
+
+std::string verified_in_words(const Verified& verified) {
+    std::string words = "  verified     " + verified.measures_in_words + '\n';
+    if (verified.findings.empty()) words += "  wrong        nothing was found that would feel wrong\n";
+    for (const NamedFinding& finding : verified.findings) {
+        words += "  wrong        " + finding.name + ": " + finding.what +
+                 (finding.colour.empty() ? std::string() : " (" + finding.colour + " in the picture)") + '\n';
+        words += "  mended by    " + finding.mend + '\n';
+    }
+    return words;
+}
+
+void add_verified(const Verified& verified, nlohmann::ordered_json& json) {
+    json["measures"] = verified.measures;
+    json["findings"] = nlohmann::ordered_json::array();
+    for (const NamedFinding& finding : verified.findings)
+        json["findings"].push_back({{"name", finding.name}, {"what", finding.what}, {"mend", finding.mend}});
+}
+
+}  // namespace touchable

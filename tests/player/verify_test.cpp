@@ -1,0 +1,105 @@
+// `touchable info --verify`, as a person calls it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/picture/image_file.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+
+class Verify : public ::testing::Test {
+protected:
+    /// Boxes before a wall, 160x120, in millimetres of 16 bits; colour is moved, depth scaled frame by frame.
+    std::string recording(int frames, int right, double pulse) const {
+        const fs::path folder = at("recording");
+        fs::create_directories(folder);
+        for (int k = 0; k < frames; ++k) {
+            Image depth{160, 120, 2, 1, {}}, colour{160, 120, 1, 3, {}};
+            const double scale = 1 + pulse * (k % 3 - 1);
+            for (int y = 0; y < 120; ++y)
+                for (int x = 0; x < 160; ++x) {
+                    const auto is_box = [&](int column) { return (column + 80) % 40 >= 15 && y % 40 >= 15; };
+                    // Something moves, so that no frame repeats another.
+                    const double mm = (is_box(x) ? 700 : 1000) + (y < 8 ? 3 * k : 0);
+                    const auto code = static_cast<std::uint16_t>(std::lround(scale * mm));
+                    depth.samples.push_back(static_cast<std::uint8_t>(code % 256));
+                    depth.samples.push_back(static_cast<std::uint8_t>(code / 256));
+                    for (int c = 0; c < 3; ++c)
+                        colour.samples.push_back(is_box(x - right) == (c == 0) ? 200 : 30);
+                }
+            const std::string number = "000" + std::to_string(k) + ".png";
+            EXPECT_TRUE(write_png(folder / ("depth_" + number), depth.view()).ok());
+            EXPECT_TRUE(write_png(folder / ("color_" + number), colour.view()).ok());
+        }
+        return folder.string();
+    }
+    nlohmann::json verified(const std::vector<std::string>& words) const {
+        std::vector<std::string> all{"info", "--verify", "--json"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return nlohmann::json::parse(run.out, nullptr, false);
+    }
+    static std::set<std::string> names(const nlohmann::json& json) {
+        std::set<std::string> names;
+        for (const auto& finding : json.at("findings")) {
+            names.insert(finding.at("name"));
+            EXPECT_NE(finding.at("mend"), "");
+        }
+        return names;
+    }
+    std::string at(const std::string& name) const { return folder_ / name; }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Verify, FindsNothingInAGoodClip) {
+    make_clip("globe", at("globe.mkv"), {"--size", "96x64", "--frames", "4"});
+    EXPECT_EQ(names(verified({at("globe.mkv")})), std::set<std::string>{});
+    const Outcome run = run_touchable({"info", at("globe.mkv"), "--verify"});
+    EXPECT_NE(run.out.find("nothing was found that would feel wrong"), std::string::npos) << run.out;
+}
+
+TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
+    const std::string clip = recording(6, 3, 0);
+    const auto json = verified({clip, "--depth-unit", "0.001", "--fov", "60", "--picture", at("where.png")});
+    EXPECT_EQ(names(json), std::set<std::string>{"registration"});
+    EXPECT_NEAR(json["measures"]["colour_edges"]["right"].get<double>(), 3, 0.01);
+    const auto picture = read_image(at("where.png"));
+    ASSERT_TRUE(picture.ok()) << picture.error().message;
+    int red = 0;
+    for (std::size_t k = 0; k < picture->samples.size(); k += 3)
+        red += picture->samples[k] == 255 && picture->samples[k + 1] == 40 ? 1 : 0;
+    EXPECT_GT(red, 100);
+    // What is there already stays.
+    const Outcome again = run_touchable({"info", clip, "--verify", "--picture", at("where.png")});
+    EXPECT_EQ(again.code, 2) << again.err;
+}
+
+TEST_F(Verify, TellsOfDepthThatPulses) {
+    const auto json = verified({recording(9, 0, 0.01), "--depth-unit", "0.001", "--fov", "60"});
+    EXPECT_TRUE(names(json).contains("pumping")) << json;
+}
+
+TEST_F(Verify, TellsOfAFilterThatIsOffThoughItIsNeeded) {
+    make_clip("globe", at("globe.mkv"), {"--size", "192x128", "--frames", "4", "--bits", "8"});
+    EXPECT_TRUE(names(verified({at("globe.mkv"), "--filters", "off"})).contains("terraces"));
+    EXPECT_FALSE(names(verified({at("globe.mkv"), "--filters", "auto"})).contains("terraces"));
+}
+
+TEST_F(Verify, PictureNeedsIt) {
+    const Outcome run = run_touchable({"info", at("globe.mkv"), "--picture", at("where.png")});
+    EXPECT_EQ(run.code, 2);
+    EXPECT_NE(run.err.find("--verify"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace touchable::test
