@@ -406,7 +406,6 @@ Result<void> Conversion::run(std::string& at_work) {
         clip = options_.content(std::move(*clip));
         if (!clip.ok()) return clip.error();
     }
-    done_.notes = remarks_with_options(remarks_of(**clip));
     part_ = part_of(options_, **clip);
     from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
     auto source = part_of_clip(std::move(*clip), part_);
@@ -415,6 +414,8 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto allowed = check_loss(); !allowed.ok()) return allowed;
     if (auto opened = open_writer(); !opened.ok()) return opened;
     if (auto written = write(); !written.ok()) return written;
+    // Only now are all of them there.
+    done_.notes = remarks_with_options(remarks_of(*source_));
     const auto written = writer_->complete();
     if (!written.ok()) return written.error();
     if (auto checked = check(*written); !checked.ok()) return as_named(checked.error(), options_, *written);

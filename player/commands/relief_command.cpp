@@ -1,13 +1,21 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iomanip>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/content/relief/relief_clip.hpp"
+#include "engine/surface/code_picture.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/convert_command.hpp"
+#include "player/commands/many_clips.hpp"
 #include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
 #include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/whole_option.hpp"
@@ -18,28 +26,64 @@ namespace {
 
 struct ReliefTyped {
     ClipTyped clip;
+    ManyClips many;
     ConvertOptions options;
     ReliefSettings relief;
     double height_mm = 0.5;
     bool is_of_world = false;
 };
 
-/// Metres of the hand for a scene unit, where no device of its own says otherwise.
-Result<double> hand_scale(ClipReader& clip) {
-    if (clip.scene().device_metres_per_unit) return *clip.scene().device_metres_per_unit;
+/// What the first frame says of how the clip lies in the hand.
+struct InTheHand {
+    double metres_per_unit = 0;  ///< of the hand, for a scene unit, where no device of its own says otherwise
+    double pixel = 0;            ///< width of a pixel at the median depth, scene units; 0: no pixel is valid
+};
+
+Result<InTheHand> in_the_hand(ClipReader& clip) {
     const auto first = clip.next();
     if (!first.ok()) return first.error();
     if (!*first) return input_error(clip.inputs().front().string() + ": has no frames");
-    SurfaceFrame surface;
-    if (auto built = make_cpu_builder(clip.scene())->build(**first, surface); !built.ok())
-        return built.error();
-    const double scale = clip_workspace(clip.scene(), surface).metres_per_scene_unit;
+    const Scene& scene = clip.scene();
+    InTheHand hand;
+    if (scene.device_metres_per_unit) {
+        hand.metres_per_unit = *scene.device_metres_per_unit;
+    } else {
+        SurfaceFrame surface;
+        if (auto built = make_cpu_builder(scene)->build(**first, surface); !built.ok()) return built.error();
+        hand.metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
+    }
+    std::vector<int> codes = code_picture((*first)->depth, scene.depth).codes;
+    std::erase(codes, CodePicture::invalid);
+    if (!codes.empty()) {
+        const auto middle = codes.begin() + static_cast<std::ptrdiff_t>(codes.size() / 2);
+        std::nth_element(codes.begin(), middle, codes.end());
+        hand.pixel = scene.depth.depth(static_cast<std::uint16_t>(*middle)) / scene.camera.fx;
+    }
     if (auto back = clip.rewind(); !back.ok()) return back.error();
-    return scale;
+    return hand;
 }
 
-Result<void> run_relief(const ReliefTyped& typed) {
+/// What a finger gets of it: no detail is finer than two pixels.
+std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
+    const double mm = hand.pixel * hand.metres_per_unit * 1000;
+    std::ostringstream words;
+    words << std::setprecision(3) << "relief: a pixel is " << mm
+          << " mm of the hand at the median depth; at 100 mm/s a finger feels its finest details, of two "
+             "pixels, "
+          << 50 / mm << " times a second";
+    const auto colour = std::find_if(clip.tracks().begin(), clip.tracks().end(),
+                                     [](const TrackInfo& track) { return track.role == "colour"; });
+    const Scene& scene = clip.scene();
+    if (colour != clip.tracks().end() && (colour->width != scene.width || colour->height != scene.height))
+        words << "; colour of " << colour->width << "x" << colour->height << " is felt in depth's "
+              << scene.width << "x" << scene.height << " pixels";
+    return words.str();
+}
+
+Result<void> run_relief(const ReliefTyped& typed, const std::filesystem::path& clip,
+                        const std::filesystem::path& out) {
     ConvertOptions options = typed.options;
+    options.out = out;
     if (options.out.extension() != ".mkv")
         return usage_error("OUT '" + options.out.string() +
                            "' does not end in .mkv, which a clip with relief is; touchable "
@@ -47,18 +91,20 @@ Result<void> run_relief(const ReliefTyped& typed) {
     const auto choice = read_clip(typed.clip);
     if (!choice.ok()) return choice.error();
     options.clip = *choice;
+    options.clip.file = clip;
     if (options.clip.maps.height)
         return usage_error(
             "--height does nothing here: relief makes heights of its own; touchable convert lays a map under "
             "a clip");
     options.content = [&typed](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
-        double metres_per_unit = clip->scene().metres_per_unit;
-        if (!typed.is_of_world) {
-            const auto scale = hand_scale(*clip);
-            if (!scale.ok()) return scale.error();
-            metres_per_unit = *scale;
-        }
-        return with_relief(std::move(clip), typed.relief, typed.height_mm / 1000 / metres_per_unit);
+        const auto hand = in_the_hand(*clip);
+        if (!hand.ok()) return hand.error();
+        const double metres_per_unit =
+            typed.is_of_world ? clip->scene().metres_per_unit : hand->metres_per_unit;
+        std::vector<std::string> notes;
+        if (hand->pixel > 0) notes.push_back(finest_in_words(*hand, *clip));
+        return with_relief(std::move(clip), typed.relief, typed.height_mm / 1000 / metres_per_unit,
+                           std::move(notes));
     };
     return run_convert(options);
 }
@@ -70,7 +116,7 @@ void add_relief_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<ReliefTyped>();
     ReliefSettings& relief = typed->relief;
     add_clip_options(*sub, typed->clip)->required();
-    add_file_option(*sub, "OUT", typed->options.out, "the clip to write, NAME.mkv")->required();
+    typed->many.add_option(*sub, "the clip to write, NAME.mkv");
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
     const char* share = "per cent, -400 to 400";
@@ -91,7 +137,13 @@ void add_relief_command(CLI::App& app, Command& command) {
         ->capture_default_str();
     sub->add_flag("--of-world", typed->is_of_world,
                   "--max-height is mm of the world that was recorded, not of the hand");
-    sub->callback([typed, &command] { command = [typed] { return run_relief(*typed); }; });
+    sub->callback([typed, &command] {
+        command = [typed] {
+            return typed->many.for_each(
+                typed->clip.choice.file, typed->options.existing,
+                [typed](const auto& clip, const auto& out) { return run_relief(*typed, clip, out); });
+        };
+    });
 }
 
 }  // namespace touchable

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "engine/import/open_clip.hpp"
 #include "tests/player/program.hpp"
@@ -44,6 +45,45 @@ TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
     ASSERT_TRUE(level.ok() && *level);
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 96; ++x) EXPECT_EQ((*level)->height.sample(x, y), 128);
+}
+
+TEST_F(Relief, SaysWhatIsFeltOfIt) {
+    const Outcome run = run_touchable({"relief", at("globe.mkv"), at("relief.mkv")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("relief: a pixel is"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("heights change by"), std::string::npos) << run.out;
+}
+
+TEST_F(Relief, OfSeveralClipsGoesIntoAFolderAndOnWhereItWasStopped) {
+    fs::copy_file(at("globe.mkv"), at("other.mkv"));
+    std::ofstream(at("broken.mkv")) << "nothing";
+    const std::vector<std::string> words{"relief", at("globe.mkv"), at("broken.mkv"), at("other.mkv"),
+                                         at("out") + "/"};
+    const Outcome run = run_touchable(words);
+    EXPECT_EQ(run.code, 3) << run.err;
+    EXPECT_NE(run.err.find("broken.mkv"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("1 of 3 clips were not made"), std::string::npos) << run.err;
+    ASSERT_TRUE(fs::exists(at("out/globe.mkv")));
+    ASSERT_TRUE(fs::exists(at("out/other.mkv")));
+    fs::remove(at("out/other.mkv"));
+    const auto made = fs::last_write_time(at("out/globe.mkv"));
+    const Outcome again = run_touchable({"relief", at("globe.mkv"), at("other.mkv"), at("out")});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.out.find("globe.mkv: is there already"), std::string::npos) << again.out;
+    EXPECT_EQ(fs::last_write_time(at("out/globe.mkv")), made);
+    EXPECT_TRUE(fs::exists(at("out/other.mkv")));
+}
+
+TEST_F(Relief, OfSeveralClipsNeedsAFolderAndNamesOfTheirOwn) {
+    const Outcome file = run_touchable({"relief", at("globe.mkv"), at("other.mkv"), at("third.mkv")});
+    EXPECT_EQ(file.code, 2);
+    EXPECT_NE(file.err.find("is no folder"), std::string::npos) << file.err;
+    fs::create_directory(at("a"));
+    fs::copy_file(at("globe.mkv"), at("a/globe.mkv"));
+    const Outcome same = run_touchable({"relief", at("globe.mkv"), at("a/globe.mkv"), at("out") + "/"});
+    EXPECT_EQ(same.code, 2);
+    EXPECT_NE(same.err.find("would both be"), std::string::npos) << same.err;
+    EXPECT_FALSE(fs::exists(at("out")));
 }
 
 TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {

@@ -59,6 +59,20 @@ TEST(ReliefHeights, OfAStillPointFlickerByALevelAtMost) {
     EXPECT_GT(plain_flicker, 10 * pixels);
     EXPECT_LE(flicker, 4 * pixels) << "mean range over 60 frames";
     EXPECT_LT(error / pixels, 1.5);
+    // As the clip's note says it, of all frames.
+    const auto told = heights.flicker();
+    ASSERT_TRUE(told);
+    EXPECT_LT(told->mean, 0.25);
+    EXPECT_LT(told->more_than_one, 0.01);
+}
+
+TEST(ReliefHeights, OfOneFrameNothingIsSaidOfFlicker) {
+    ReliefHeights heights({16, 4}, 100);
+    heights.next(NumberField(8, 1));
+    EXPECT_FALSE(heights.flicker());
+    heights.next(NumberField(8, 1));
+    ASSERT_TRUE(heights.flicker());
+    EXPECT_EQ(heights.flicker()->mean, 0);
 }
 
 TEST(ReliefHeights, FollowWhatMovesAtOnceAndWhatChangesALittleInTime) {

@@ -50,6 +50,9 @@ private:
     ReliefFilter filter_;
     ReliefHeights heights_;
     std::optional<FramePlace> before_;
+    bool has_told_flicker_ = false;
+
+    void add_flicker();
 };
 
 ReliefReader::ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene,
@@ -69,6 +72,7 @@ ReliefReader::ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene,
 
 Result<std::optional<RawFrame>> ReliefReader::next() {
     auto frame = ReaderAround::next();
+    if (frame && !*frame) add_flicker();
     if (!frame || !*frame) return frame;
     RawFrame& raw = **frame;
     if (auto fit = check_colour(raw, inner()); !fit) return fit.error();
@@ -77,6 +81,16 @@ Result<std::optional<RawFrame>> ReliefReader::next() {
     Image image{scene_.width, scene_.height, 1, 1, heights_.next(filter_.apply(raw))};
     add_plane(raw, PlaneRole::height, plane_from(std::move(image), 8));
     return frame;
+}
+
+/// After the last frame.
+void ReliefReader::add_flicker() {
+    const auto flicker = heights_.flicker();
+    if (!flicker || has_told_flicker_) return;
+    has_told_flicker_ = true;
+    notes_.push_back("relief: where colour changes no more than by noise, heights change by " + short_words(flicker->mean) +
+                     " of 255 levels a frame, and " + short_words(100 * flicker->more_than_one) +
+                     " % of them by more than one");
 }
 
 /// What the telling frames have of relief.
@@ -129,11 +143,11 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip,
-                                                const ReliefSettings& settings, double max_height) {
+                                                const ReliefSettings& settings, double max_height,
+                                                std::vector<std::string> notes) {
     Prefetch ahead(std::move(clip));
     const auto range = look(ahead, settings);
     if (!range) return range.error();
-    std::vector<std::string> notes;
     const Scene scene = with_heights(ahead.clip().scene(), max_height, notes);
     if (auto valid = validate(scene); !valid) return valid.error();
     const auto levels = [](std::int32_t number) { return short_words(number / 16.0); };

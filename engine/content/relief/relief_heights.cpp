@@ -39,10 +39,22 @@ const std::vector<std::uint8_t>& ReliefHeights::next(const NumberField& relief) 
             state +=
                 static_cast<std::int32_t>(std::int64_t{change} * ((size - gate) * (slowness - 1) + gate) /
                                           (std::int64_t{gate} * slowness));
-        if (begins || std::abs(state - codes_[k] * per_code) > stays_within)
+        const std::uint8_t before = codes_[k];
+        if (begins || std::abs(state - before * per_code) > stays_within)
             codes_[k] = static_cast<std::uint8_t>((state + per_code / 2) / per_code);
+        if (begins || size > gate) continue;
+        const int by = std::abs(codes_[k] - before);
+        ++still_;
+        changes_ += by;
+        larger_ += by > 1 ? 1 : 0;
     }
     return codes_;
+}
+
+std::optional<ReliefHeights::Flicker> ReliefHeights::flicker() const {
+    if (still_ == 0) return std::nullopt;
+    const auto still = static_cast<double>(still_);
+    return Flicker{static_cast<double>(changes_) / still, static_cast<double>(larger_) / still};
 }
 
 }  // namespace touchable

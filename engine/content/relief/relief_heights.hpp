@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/content/relief/relief_estimator.hpp"
@@ -19,11 +20,20 @@ public:
     /// The next frame is not what follows the one before.
     void forget() { states_.clear(); }
 
+    /// How far codes change from frame to frame where no more than noise changed: the mean, and the share of
+    /// such pixels that change by more than one.
+    struct Flicker {
+        double mean = 0, more_than_one = 0;
+    };
+    /// Nothing where nothing stood still from one frame to the next.
+    std::optional<Flicker> flicker() const;
+
 private:
     const ReliefRange range_;
     const int amount_;
     std::vector<std::int32_t> states_;  // 256ths of a code
     std::vector<std::uint8_t> codes_;
+    std::int64_t still_ = 0, changes_ = 0, larger_ = 0;
 };
 
 }  // namespace touchable
