@@ -149,4 +149,23 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
     return stored;
 }
 
+Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
+    auto picture = decode_picture(bytes, where);
+    if (!picture) return picture.error();
+    const AVFrame& frame = *picture->frame;
+    if (picture->codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
+        auto indices =
+            gathered(where, *picture->frame, 1, 1,
+                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1}));
+        if (!indices) return indices.error();
+        return std::move(**indices);
+    }
+    auto stored = decode_coded_image(bytes, where);
+    if (!stored) return stored.error();
+    const Image& image = stored->image;
+    if (stored->codec != "png" || image.channels != 1 || image.bytes_per_sample != 1)
+        return input_error(where + ": must be a PNG of indices, with a palette or grey of up to 8 bits");
+    return std::move(stored->image);
+}
+
 }  // namespace touchable

@@ -12,4 +12,8 @@ namespace touchable {
 /// grey.
 Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where);
 
+/// The indices of a PNG with a palette, whatever colours they stand for, or the values of a grey one, in 8
+/// bits. Refused of others: a picture that counts something is not of colours.
+Result<Image> decode_indices(std::string_view bytes, const std::string& where);
+
 }  // namespace touchable

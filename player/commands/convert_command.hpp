@@ -5,9 +5,11 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "engine/clip/clip_part.hpp"
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/video/matroska_writer.hpp"
@@ -48,8 +50,9 @@ struct ConvertOptions {
     std::optional<PixelSize> size;
     /// What is made of the clip before it is written, such as relief; nothing: the clip as it is.
     std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};
-    bool still = false;        ///< --still: NAME.mp4 is a static scene
-    bool allow_lossy = false;  ///< that values of what is touched may change
+    std::vector<PlaneRole> made{};  ///< planes that `content` makes; all others are copied where they can be
+    bool still = false;             ///< --still: NAME.mp4 is a static scene
+    bool allow_lossy = false;       ///< that values of what is touched may change
 };
 
 /// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value: what is written

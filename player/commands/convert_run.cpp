@@ -368,13 +368,16 @@ Result<void> Conversion::compare(ClipReader& written) {
     return {};
 }
 
-/// What stays as it is stored: not heights, which are made anew, nor haptics in whose place a map lies.
-CopiedTracks tracks_to_copy(const ClipReader& clip, const StillMaps& maps) {
+/// What stays as it is stored: not planes that are made anew, nor those in whose place a map lies.
+CopiedTracks tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
+    const StillMaps& maps = options.clip.maps;
+    const auto is_other = [&](PlaneRole role) {
+        return (role == PlaneRole::haptic && maps.haptic) || (role == PlaneRole::height && maps.height) ||
+               std::find(options.made.begin(), options.made.end(), role) != options.made.end();
+    };
     CopiedTracks copied{clip.inputs().front(), {}};
     for (const TrackInfo& track : clip.tracks())
-        if (const auto role = role_named(track.role);
-            role && *role != PlaneRole::height && !(*role == PlaneRole::haptic && maps.haptic))
-            copied.roles.push_back(*role);
+        if (const auto role = role_named(track.role); role && !is_other(*role)) copied.roles.push_back(*role);
     return copied;
 }
 
@@ -402,7 +405,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto one = check_frames(options_, **clip); !one.ok()) return one;
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
     if (options_.content) {
-        copied_ = tracks_to_copy(**clip, options_.clip.maps);
+        copied_ = tracks_to_copy(**clip, options_);
         clip = options_.content(std::move(*clip));
         if (!clip.ok()) return clip.error();
     }

@@ -96,6 +96,7 @@ Result<void> run_relief(const ReliefTyped& typed, const std::filesystem::path& c
         return usage_error(
             "--height does nothing here: relief makes heights of its own; touchable convert lays a map under "
             "a clip");
+    options.made = {PlaneRole::height};
     options.content = [&typed](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
         const auto hand = in_the_hand(*clip);
         if (!hand.ok()) return hand.error();

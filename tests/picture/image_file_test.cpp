@@ -1,9 +1,10 @@
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/coded_image.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
+#include "engine/picture/coded_image.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
@@ -152,6 +153,32 @@ TEST(Image, FewColoursAreStoredAsAPaletteOfThem) {
                                    PngColours::indexed_if_few)),
               "");
     EXPECT_EQ(read_stored_image(folder / "grey.png")->pixel_format, "gray");
+}
+
+TEST(Image, IndicesAreReadAsTheyAreStored) {
+    const TemporaryFolder folder;
+    // Colours whose order says nothing of that of their indices.
+    Image colours{5, 3, 1, 3, {}};
+    const std::uint8_t which[] = {0, 1, 2, 1, 0, 3, 3, 2, 0, 1, 2, 2, 2, 3, 0}, red[] = {200, 3, 90, 40};
+    for (const std::uint8_t k : which) colours.samples.insert(colours.samples.end(), {red[k], 7, 9});
+    const auto read = [&](const Image& image, PngColours how) {
+        EXPECT_EQ(message(write_png_to(folder / "p.png", image.view(), "p.png", PngEffort::quick, how)), "");
+        return decode_indices(read_bytes(folder / "p.png"), "p.png");
+    };
+    const auto indices = read(colours, PngColours::indexed_if_few);
+    ASSERT_EQ(message(indices), "");
+    EXPECT_EQ(indices->channels, 1);
+    ASSERT_EQ(indices->samples.size(), 15U);
+    for (std::size_t a = 0; a < 15; ++a)
+        for (std::size_t b = 0; b < 15; ++b)
+            EXPECT_EQ(indices->samples[a] == indices->samples[b], which[a] == which[b]);
+    EXPECT_LT(*std::max_element(indices->samples.begin(), indices->samples.end()), 4);
+    const Image grey{2, 2, 1, 1, {0, 255, 7, 9}};
+    EXPECT_EQ(read(grey, PngColours::rgb)->samples, grey.samples);
+    EXPECT_EQ(message(read(colours, PngColours::rgb)),
+              "p.png: must be a PNG of indices, with a palette or grey of up to 8 bits");
+    EXPECT_FALSE(read({1, 1, 2, 1, {1, 2}}, PngColours::rgb).ok());
+    EXPECT_FALSE(decode_indices("nothing", "p.png").ok());
 }
 
 /// A plain colour passes 4:2:0 unharmed, so what comes back shows whether range and matrix are JPEG's.
