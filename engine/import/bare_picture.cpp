@@ -9,7 +9,8 @@ namespace touchable {
 Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file,
                                                       SceneDescription described,
                                                       std::vector<std::string> notes, Colour colour,
-                                                      std::shared_ptr<ReadPictures> pictures) {
+                                                      std::shared_ptr<ReadPictures> pictures,
+                                                      DepthAlignment alignment) {
     const std::string name = file.filename().string();
     if (!is_still(name))
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
@@ -25,7 +26,8 @@ Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::pat
         scene.folder->colour = here(described_one.colour);
         scene.folder->haptic = here(described_one.haptic);
     }
-    return open_image_folder(file.parent_path(), described, std::move(notes), colour, std::move(pictures));
+    return open_image_folder(file.parent_path(), described, std::move(notes), colour, std::move(pictures),
+                             alignment);
 }
 
 }  // namespace touchable

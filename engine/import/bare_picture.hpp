@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/content/alignment/aligned_clip.hpp"
 #include "engine/import/guess/read_pictures.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
@@ -17,6 +18,7 @@ Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::pat
                                                       SceneDescription described,
                                                       std::vector<std::string> notes = {},
                                                       Colour colour = Colour::wanted,
-                                                      std::shared_ptr<ReadPictures> pictures = nullptr);
+                                                      std::shared_ptr<ReadPictures> pictures = nullptr,
+                                                      DepthAlignment alignment = DepthAlignment::automatic);
 
 }  // namespace touchable

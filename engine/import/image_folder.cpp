@@ -178,13 +178,15 @@ Result<TrackPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame)
 Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
                                                       const SceneDescription& described,
                                                       std::vector<std::string> notes, Colour colour,
-                                                      std::shared_ptr<ReadPictures> opened) {
+                                                      std::shared_ptr<ReadPictures> opened,
+                                                      DepthAlignment alignment) {
     if (!described.scene.folder)
         return input_error(
             folder.string() +
             ": is a folder, but its scene file has no member \"folder\" that says which images to read");
     StoredClip clip{folder.string(), described};
     clip.notes = std::move(notes);
+    clip.alignment = alignment;
     StillMaps maps;
     if (std::string& haptic = clip.described.scene.folder->haptic; is_surface_file(haptic)) {
         maps.haptic = folder / haptic;

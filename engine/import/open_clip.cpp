@@ -41,6 +41,12 @@ bool is_scene_file(const std::filesystem::path& path) {
     return extension == ".json";
 }
 
+/// What whoever opens a clip wants of it.
+struct Wanted {
+    Colour colour = Colour::wanted;
+    DepthAlignment alignment = DepthAlignment::automatic;
+};
+
 using Opened = Result<std::unique_ptr<ClipReader>>;
 
 constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
@@ -50,7 +56,8 @@ struct Candidate {
     const SourceFile& source;
     const std::optional<SceneDescription>& described;  ///< to replace its own
     const SourceDescription& known;
-    const Colour colour;
+    const Wanted wanted;
+    const Colour colour = wanted.colour;
     const std::filesystem::path& file = source.path();
     const std::string begin = first_bytes(source, telling_bytes);
     /// Whether it is Matroska without anything that makes a clip of ours of it; nothing: nobody asked yet.
@@ -121,10 +128,10 @@ Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inpu
 
 /// As a scene in `folder` describes it, whose depth is in this file.
 Opened open_described_video(const std::filesystem::path& folder, const SourceFile& depth,
-                            const SceneDescription& described, Colour colour) {
+                            const SceneDescription& described, const Wanted& wanted) {
     auto opened = VideoFile::open(depth, PlaneRole::depth);
     if (!opened) return opened.error();
-    return open_video_clip(folder, described, colour, std::move(*opened));
+    return open_video_clip(folder, described, wanted.colour, std::move(*opened), wanted.alignment);
 }
 
 /// A scene stands for what is in it, also where it speaks of another file.
@@ -134,8 +141,9 @@ Opened open_video(const Candidate& candidate) {
         auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.source, candidate.known)
                                                   : guess_video(candidate.source, candidate.known);
         if (!guessed) return guessed.error();
-        return with_inputs(open_video_clip(folder, *guessed, candidate.colour, guessed->video),
-                           guessed->inputs);
+        return with_inputs(
+            open_video_clip(folder, *guessed, candidate.colour, guessed->video, candidate.wanted.alignment),
+            guessed->inputs);
     }
     SceneDescription described = *candidate.described;
     Scene& scene = described.scene;
@@ -143,7 +151,7 @@ Opened open_video(const Candidate& candidate) {
     if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
     scene.video->depth = candidate.file.filename().string();
     if (is_azure_kinect(candidate) && scene.colour_camera) scene.video->colour = scene.video->depth;
-    return open_described_video(folder, candidate.source, described, candidate.colour);
+    return open_described_video(folder, candidate.source, described, candidate.wanted);
 }
 
 /// What `init-scene` and `convert` write beside a picture.
@@ -166,15 +174,17 @@ std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
 Opened open_picture(const Candidate& candidate) {
     const auto opened = std::make_shared<ReadPictures>(candidate.source);
     if (candidate.described)
-        return open_bare_picture(candidate.file, *candidate.described, {}, candidate.colour, opened);
+        return open_bare_picture(candidate.file, *candidate.described, {}, candidate.colour, opened,
+                                 candidate.wanted.alignment);
     if (auto own = scene_beside(candidate.file); own && candidate.known == SourceDescription())
-        return with_inputs(
-            open_bare_picture(candidate.file, std::move(own->described),
-                              {"described by " + own->file.filename().string()}, candidate.colour, opened),
-            {own->file});
+        return with_inputs(open_bare_picture(candidate.file, std::move(own->described),
+                                             {"described by " + own->file.filename().string()},
+                                             candidate.colour, opened, candidate.wanted.alignment),
+                           {own->file});
     auto guessed = guess_picture(candidate.source, candidate.known);
     if (!guessed) return guessed.error();
-    return with_inputs(open_bare_picture(candidate.file, *guessed, {}, candidate.colour, guessed->pictures),
+    return with_inputs(open_bare_picture(candidate.file, *guessed, {}, candidate.colour, guessed->pictures,
+                                         candidate.wanted.alignment),
                        guessed->inputs);
 }
 
@@ -268,9 +278,22 @@ Error refused_description(const Candidate& candidate) {
                        {{Setting::scene_file, "FILE"}});
 }
 
+/// Depth of a clip that has its scene is aligned only where that is asked for, and by all its colour.
+Opened opened_as(const Format& format, const Candidate& candidate) {
+    const bool aligns_itself =
+        format.open == open_picture || format.open == open_video || format.open == open_jpeg;
+    if (aligns_itself || candidate.wanted.alignment != DepthAlignment::on) return format.open(candidate);
+    auto reader = format.open(
+        {candidate.source, candidate.described, candidate.known, Wanted{Colour::wanted, DepthAlignment::on}});
+    if (!reader) return reader;
+    reader = with_aligned_depth(std::move(*reader), DepthAlignment::on);
+    if (reader && candidate.colour == Colour::left_out) (*reader)->leave_out_colour();
+    return reader;
+}
+
 Opened open_file(const SourceFile& source, const std::optional<SceneDescription>& described,
-                 const SourceDescription& known, Colour colour) {
-    const Candidate candidate{source, described, known, colour};
+                 const SourceDescription& known, const Wanted& wanted) {
+    const Candidate candidate{source, described, known, wanted};
     const std::filesystem::path& file = candidate.file;
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
@@ -285,7 +308,7 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
                            ": is a recording of Record3D in its own format: export it there as MP4 (RGBD "
                            "video), then: touchable play EXPORT.mp4");
     for (const Format& format : formats)
-        if (format.recognises(candidate)) return format.open(candidate);
+        if (format.recognises(candidate)) return opened_as(format, candidate);
     if (const auto video = depthkit_video_of(file))
         return input_error(file.string() + ": says what the depth of a Depthkit video is: touchable play " +
                            shell_word(video->string()));
@@ -300,7 +323,8 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
-                                                   const std::filesystem::path& scene_file, Colour colour) {
+                                                   const std::filesystem::path& scene_file,
+                                                   const Wanted& wanted) {
     const auto described = read_scene_file(scene_file);
     if (!described) return described.error();
     const auto& video_source = described->scene.video;
@@ -313,32 +337,35 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
                            ": has no member \"folder\" or \"video\" that says which pictures to read");
     const SourceFile video(path / (video_source ? video_source->depth : ""));
     const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
-    auto reader = is_file        ? open_file(path, *described, {}, colour)
-                  : is_recording ? open_file(video, *described, {}, colour)
-                  : video_source ? open_described_video(path, video, *described, colour)
-                                 : open_image_folder(path, *described, {}, colour);
+    auto reader = is_file        ? open_file(path, *described, {}, wanted)
+                  : is_recording ? open_file(video, *described, {}, wanted)
+                  : video_source
+                      ? open_described_video(path, video, *described, wanted)
+                      : open_image_folder(path, *described, {}, wanted.colour, nullptr, wanted.alignment);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
 
 /// A folder that describes itself, or is guessed.
 Opened open_folder(const std::filesystem::path& folder, const std::optional<SourceDescription>& known,
-                   Colour colour) {
+                   const Wanted& wanted) {
     std::error_code failure;
     const auto own = folder / own_scene_file;
     const bool has_own = std::filesystem::is_regular_file(own, failure);
     if (has_own && known)
         return usage_error(own.string() + ": describes these pictures: leave camera, unit and preset out",
                            of_bare_pictures());
-    if (has_own) return open_described(folder, own, colour);
+    if (has_own) return open_described(folder, own, wanted);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return with_inputs(open_image_folder(folder, *guessed, {}, colour, guessed->pictures), guessed->inputs);
+    return with_inputs(
+        open_image_folder(folder, *guessed, {}, wanted.colour, guessed->pictures, wanted.alignment),
+        guessed->inputs);
 }
 
 /// With the pixels of depth and colour as they are stored.
 Opened open_stored(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
-                   const std::optional<SourceDescription>& known, Colour colour) {
+                   const std::optional<SourceDescription>& known, const Wanted& wanted) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
@@ -353,11 +380,11 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
             return usage_error(path.string() + ": is a scene file itself: leave " +
                                    (scene_file ? "the other one" : "camera, unit and preset") + " out",
                                scene_file ? Hints{{Setting::scene_file}} : of_bare_pictures());
-        return open_described(path.parent_path(), path, colour);
+        return open_described(path.parent_path(), path, wanted);
     }
-    if (scene_file) return open_described(path, *scene_file, colour);
-    auto reader = is_folder ? open_folder(path, known, colour)
-                            : open_file(path, std::nullopt, known.value_or(SourceDescription()), colour);
+    if (scene_file) return open_described(path, *scene_file, wanted);
+    auto reader = is_folder ? open_folder(path, known, wanted)
+                            : open_file(path, std::nullopt, known.value_or(SourceDescription()), wanted);
     if (known && !known->file.empty()) return with_inputs(std::move(reader), {known->file});
     return reader;
 }
@@ -414,7 +441,7 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
         return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<SceneDescription> none;
     const SourceFile source(path);
-    const Candidate candidate{source, none, known, Colour::wanted};
+    const Candidate candidate{source, none, known, {}};
     if (auto refused = nothing_to_guess(candidate)) return std::move(*refused);
     if (has_scene(candidate))
         return known == SourceDescription() ? scene_in(candidate)
@@ -455,9 +482,9 @@ std::vector<ClipFormat> clip_formats() {
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
                                               const std::optional<SourceDescription>& known, Colour colour,
-                                              std::stop_token given_up) {
+                                              std::stop_token given_up, DepthAlignment alignment) {
     const WorkUntil until(std::move(given_up));
-    auto reader = open_stored(path, scene_file, known, colour);
+    auto reader = open_stored(path, scene_file, known, {colour, alignment});
     return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader), path);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/content/alignment/aligned_clip.hpp"
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
@@ -33,10 +34,12 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
 /// Depthkit video with its metadata beside it, any other video of depth, a JPEG with a depth map in its XMP,
 /// or a single picture of depth. With `scene_file` and a clip, the file's description replaces the clip's
 /// own. Folders, pictures and videos without any are described by what is `known` of them, and by guesses,
-/// which the scene's remarks say. Colour that is left out need not be decoded.
+/// which the scene's remarks say. Colour that is left out need not be decoded. `alignment`: of depth
+/// without a scale (with_aligned_depth); where it is `on`, of any clip that can have it.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<SourceDescription>& known = {},
-                                              Colour colour = Colour::wanted, std::stop_token given_up = {});
+                                              Colour colour = Colour::wanted, std::stop_token given_up = {},
+                                              DepthAlignment alignment = DepthAlignment::automatic);
 
 }  // namespace touchable

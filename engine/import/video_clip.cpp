@@ -159,7 +159,8 @@ bool begins_like_video(std::string_view begin) {
 
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
                                                     const SceneDescription& described, Colour colour,
-                                                    std::shared_ptr<VideoFile> depth) {
+                                                    std::shared_ptr<VideoFile> depth,
+                                                    DepthAlignment alignment) {
     const VideoSource& source = *described.scene.video;
     const StoredDepth& stored = described.scene.stored;
     StoredClip clip{(folder / source.depth).string(), described};
@@ -169,6 +170,7 @@ Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path&
             ": depth.coding disparity, depth.bytes and depth.rotated are of pictures in files, "
             "not of videos: must be linear, inverse, metric, hue, relative or relative-inverse");
     clip.inputs = {folder / source.depth};
+    clip.alignment = alignment;
     if (!depth) {
         auto opened = VideoFile::open(clip.inputs.front(), PlaneRole::depth);
         if (!opened) return opened.error();
@@ -186,6 +188,7 @@ Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path&
     if (stored.kind == StoredDepth::Kind::relative) {
         const auto range = pictures->code_range();
         if (!range) return range.error();
+        clip.has_no_scale = true;
         if (auto settled = settle_relative(*range, depth->where(0), clip); !settled) return settled.error();
     }
     clip.roles = {PlaneRole::depth};

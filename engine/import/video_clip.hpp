@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/content/alignment/aligned_clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/video/video_file.hpp"
@@ -22,6 +23,7 @@ bool begins_like_video(std::string_view begin);
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
                                                     const SceneDescription& described,
                                                     Colour colour = Colour::wanted,
-                                                    std::shared_ptr<VideoFile> depth = nullptr);
+                                                    std::shared_ptr<VideoFile> depth = nullptr,
+                                                    DepthAlignment alignment = DepthAlignment::automatic);
 
 }  // namespace touchable

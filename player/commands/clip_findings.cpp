@@ -103,7 +103,7 @@ void Findings::look_at_pumping() {
         "the depth of whole pictures goes to and fro by " + per_cent(share) + " from frame to frame, " +
             number(mm(share * facts_.measured->median)) + " mm at " +
             number(mm(facts_.measured->median) / 1000) + " m: a finger at rest feels a pulse",
-        "depth of a network that scales each picture on its own: one that keeps its scale through a video");
+        "touchable convert " + clip() + " OUT.mkv --align on");
 }
 
 /// Filters that measurement would choose, and that are off.

@@ -45,6 +45,13 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
                     "grey: stiffness), X3D or glTF");
     add_file_option(sub, "--height", typed.choice.maps.height,
                     "map of heights for all frames, instead of the clip's: a picture in grey");
+    const Words<DepthAlignment> words{
+        {"off", DepthAlignment::off}, {"on", DepthAlignment::on}, {"auto", DepthAlignment::automatic}};
+    add_word_option(
+        sub, "--align", typed.choice.alignment,
+        "depth without a scale, as networks guess it, to one scale for all frames: off, on, or auto "
+        "(of pictures and videos that came without one, where it pumps)",
+        words);
     return clip;
 }
 

@@ -74,7 +74,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
-    auto opened = !plugged        ? open_clip(file, scene_file, camera, colour)
+    auto opened = !plugged        ? open_clip(file, scene_file, camera, colour, {}, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
                                   : open_v4l2_camera(*plugged, camera, scene_file);
     auto reader = with_still_maps(std::move(opened), maps);

@@ -44,6 +44,7 @@ struct ClipChoice {
     std::optional<TerraceRemoval> terraces;
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
+    DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node

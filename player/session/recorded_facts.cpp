@@ -43,6 +43,8 @@ Json recorded_facts(const TouchSetup& setup) {
     if (clip.scene_file && !says_itself) facts["scene_file"] = clip.scene_file->string();
     if (clip.maps.haptic && !says_itself) facts["haptic"] = clip.maps.haptic->string();
     if (clip.maps.height && !says_itself) facts["height"] = clip.maps.height->string();
+    if (clip.alignment != DepthAlignment::automatic && !says_itself)
+        facts["align"] = clip.alignment == DepthAlignment::on;
     if (const auto& camera = clip.camera; camera && !says_itself) {
         if (const auto& lens = camera->intrinsics) {
             facts["intrinsics"] = {lens->fx, lens->fy};
@@ -238,6 +240,9 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip.camera = camera_of(facts);
     if (facts.contains("haptic")) setup.clip.maps.haptic = text(facts, "haptic");
     if (facts.contains("height")) setup.clip.maps.height = text(facts, "height");
+    if (facts.contains("align"))
+        setup.clip.alignment =
+            member<bool>(facts, "align", "true or false") ? DepthAlignment::on : DepthAlignment::off;
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
     if (facts.contains("camera")) read_recorded_camera(facts, setup);

@@ -209,11 +209,17 @@ TrackPicture lent_picture(const TrackInfo& track, Plane plane) {
 
 Result<std::unique_ptr<ClipReader>> open_stored_clip(StoredClip clip, Colour colour) {
     const std::string name = clip.name;
+    const bool has_no_scale =
+        clip.has_no_scale || clip.described.scene.stored.kind == StoredDepth::Kind::relative;
+    const DepthAlignment alignment =
+        clip.alignment == DepthAlignment::automatic && !has_no_scale ? DepthAlignment::off : clip.alignment;
     auto reader = std::make_unique<StoredClipReader>(std::move(clip));
     if (auto opened = reader->open(); !opened) return opened.error();
-    if (colour == Colour::left_out) reader->leave_out_colour();
     const bool far_is_open = reader->leaves_far_open();
-    return with_far_plane(std::move(reader), far_is_open, name);
+    auto aligned = with_aligned_depth(std::move(reader), alignment);  // by its colour, whoever looks at that
+    if (!aligned) return aligned;
+    if (colour == Colour::left_out) (*aligned)->leave_out_colour();
+    return with_far_plane(std::move(*aligned), far_is_open, name);
 }
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/plane_role.hpp"
+#include "engine/content/alignment/aligned_clip.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
@@ -60,6 +61,9 @@ struct StoredClip {
     std::vector<Camera> cameras{};  ///< of the frames; none: the scene's
     std::vector<std::string> notes{};
     std::vector<std::filesystem::path> inputs{};
+    /// Of depth without a scale; of other depth where it is `on` alone.
+    DepthAlignment alignment = DepthAlignment::automatic;
+    bool has_no_scale = false;  ///< though its codes are settled already
 };
 
 /// Its reader, at its beginning. How the pictures of frame 0 are stored stands for all, and a later one that
