@@ -198,8 +198,9 @@ Result<ExrPart> ExrFile::part(int number) const {
     const auto data = ExrWindow::of(data_box), display = ExrWindow::of(display_box);
     if (!data || !display) return refused("has a window that is empty or larger than 16384x16384 pixels");
     if (!display->holds(*data)) return refused("has a data window beyond its display window: must be inside");
-    const auto needed =
-        static_cast<std::uint64_t>(display->width) * static_cast<std::uint64_t>(display->height) * 4;
+    // Of depth, colour and material indices, which may all be made of it at once.
+    const auto needed = static_cast<std::uint64_t>(display->width) *
+                        static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
     if (auto likely = check_expansion(needed, bytes_.bytes.size(), where_); !likely) return likely.error();
     exr_compression_t packing;
     if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();
