@@ -15,20 +15,9 @@ namespace {
 constexpr std::size_t most_channels = 1024;
 
 constexpr std::size_t largest_exr_piece = std::size_t{256} << 20;  // of memory that OpenEXR takes at once
-/// While this thread reads a header: what is in it comes from the file, whatever lengths it claims.
-thread_local std::size_t largest_header_piece = largest_exr_piece;
 
 void* take_memory(std::size_t size) {
-    return size <= largest_header_piece ? std::malloc(size) : nullptr;
-}
-
-exr_result_t read_header(exr_context_t* context, const exr_context_initializer_t& how,
-                         std::size_t file_bytes) {
-    constexpr std::size_t of_its_own = std::size_t{1} << 20;
-    largest_header_piece = std::min(largest_exr_piece, file_bytes + of_its_own);
-    const exr_result_t result = exr_start_read(context, "picture", &how);
-    largest_header_piece = largest_exr_piece;
-    return result;
+    return size <= largest_exr_piece ? std::malloc(size) : nullptr;
 }
 
 std::int64_t read_exr(exr_const_context_t, void* file, void* to, std::uint64_t size, std::uint64_t offset,
@@ -161,7 +150,7 @@ Result<void> ExrFile::open() {
     how.size_fn = size_of_exr;
     how.max_image_width = how.max_image_height = how.max_tile_width = how.max_tile_height =
         largest_picture_side;
-    if (read_header(&context_, how, bytes_.bytes.size()) != EXR_ERR_SUCCESS) return damaged();
+    if (exr_start_read(&context_, "picture", &how) != EXR_ERR_SUCCESS) return damaged();
     int parts = 0;
     if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
     for (int part = 0; part < parts; ++part)
