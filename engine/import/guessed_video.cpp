@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -63,7 +64,28 @@ struct Found {
     VideoLayout layout;
     bool is_hue;
     const char* what;
+    int bar = 0;  ///< columns between both halves
 };
+
+/// Columns in the middle that are all of one colour: Depth Anything's videos have 50 white ones there, of
+/// which codecs blur the outer ones.
+int bar_in_the_middle(const PlaneView& rgb) {
+    constexpr int usual = 50, blurred = 8, codec_noise = 24;
+    const int middle = rgb.width / 2;
+    const std::uint8_t* const colour = rgb.row(rgb.height / 2) + 3 * std::ptrdiff_t{middle};
+    const auto is_bar = [&](int x) {
+        for (int y = 0; y < rgb.height; ++y)
+            for (int c = 0; c < 3; ++c)
+                if (std::abs(rgb.row(y)[3 * std::ptrdiff_t{x} + c] - colour[c]) > codec_noise) return false;
+        return true;
+    };
+    int first = middle, end = middle;
+    while (first > 0 && is_bar(first - 1)) --first;
+    while (end < rgb.width && is_bar(end)) ++end;
+    int bar = 2 * std::min(middle - first, end - middle);
+    if (std::abs(bar - usual) <= blurred) bar = usual;
+    return may_be_bar(bar, rgb.width) && (rgb.width - bar) % 2 == 0 ? bar : 0;
+}
 
 std::optional<Found> find_depth(VideoPicture& picture) {
     constexpr Found alone{VideoLayout::alone, false, "depth is grey and has no colour beside it"};
@@ -73,19 +95,46 @@ std::optional<Found> find_depth(VideoPicture& picture) {
     const Look whole = look_of(rgb->view);
     if (whole.is_grey) return alone;
     if (whole.is_hue) return Found{VideoLayout::alone, true, "depth is hue and has no colour beside it"};
-    for (const Found& half :
+    const int bar = bar_in_the_middle(rgb->view);
+    for (Found half :
          {Found{VideoLayout::left, false, "depth is the left half, which is grey, colour the right one"},
           Found{VideoLayout::right, false, "depth is the right half, which is grey, colour the left one"},
           Found{VideoLayout::top, false, "depth is the upper half, which is grey, colour the lower one"},
           Found{VideoLayout::bottom, false,
                 "depth is the lower half, which is grey, colour the upper one"}}) {
-        const auto part = depth_part(half.layout, picture.width(), picture.height());
+        if (half.layout == VideoLayout::left || half.layout == VideoLayout::right) half.bar = bar;
+        const auto part = depth_part(half.layout, picture.width(), picture.height(), half.bar);
         if (!part) continue;
         const Look depth = look_of(part_of(rgb->view, *part));
-        const Look colour =
-            look_of(part_of(rgb->view, colour_part(half.layout, picture.width(), picture.height())));
+        const Look colour = look_of(
+            part_of(rgb->view, colour_part(half.layout, picture.width(), picture.height(), half.bar)));
         if (depth.is_grey && !depth.is_even && !colour.is_grey) return half;
     }
+    return {};
+}
+
+/// A video of the same name but for the word that says depth: walk.mp4 beside walk_depth.mp4, and
+/// walk_src.mp4 beside walk_vis.mp4 as Video Depth Anything has them.
+std::optional<std::string> colour_video_beside(const fs::path& depth) {
+    const std::string stem = depth.stem().string();
+    std::vector<std::string> stems;
+    for (const char* word : {"_depths", "-depths", "_depth", "-depth", "_vis"})
+        if (stem.size() > std::string_view(word).size() && stem.ends_with(word)) {
+            const std::string rest = stem.substr(0, stem.size() - std::string_view(word).size());
+            for (const char* colour : {"_src", "_rgb", "-rgb", "_color", "-color", "_colour", ""})
+                stems.push_back(rest + colour);
+        }
+    if (stem.starts_with("depth_")) stems.push_back("rgb_" + stem.substr(6));
+    if (stem == "depth") stems.insert(stems.end(), {"rgb", "color", "colour"});
+    for (const std::string& other : stems)
+        for (const std::string& extension :
+             {depth.extension().string(), std::string(".mp4"), std::string(".mov"), std::string(".mkv"),
+              std::string(".webm")}) {
+            const fs::path file = depth.parent_path() / (other + extension);
+            std::error_code ignored;
+            if (fs::is_regular_file(file, ignored) && VideoFile::open(file, PlaneRole::colour).ok())
+                return file.filename().string();
+        }
     return {};
 }
 
@@ -196,7 +245,7 @@ Result<GuessedScene> VideoGuess::make() {
             ", has no grey half and is no map of hues; a scene file with \"video\" says where depth "
             "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
             depthkit_metadata_name(file_.path()).string() + " beside it");
-    const auto part = depth_part(found->layout, picture.width(), picture.height());
+    const auto part = depth_part(found->layout, picture.width(), picture.height(), found->bar);
     if (!part) return refuse("is of odd width: Record3D's have two halves");
     source_ = {file_.path().filename().string(), "", found->layout,
                found->is_hue ? VideoValues::hue : VideoValues::grey};
@@ -210,7 +259,15 @@ Result<GuessedScene> VideoGuess::make() {
     scene.name = file_.path().stem().string();
     scene.rate = (*video)->rate();
     scene.video = source_;
-    scene.remarks = joined_remarks({{found->what, true, otherwise}}, scene.remarks);
+    std::string what = found->what;
+    if (found->bar > 0)
+        what += ", and " + std::to_string(found->bar) + " columns between them are of neither";
+    if (found->layout == VideoLayout::alone)
+        if (auto colour = colour_video_beside(file_.path())) {
+            scene.video->colour = *colour;
+            what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
+        }
+    scene.remarks = joined_remarks({{what, true, otherwise}}, scene.remarks);
     if (found->is_hue && !camera)
         add_remark(scene.remarks, {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
                                    "a scene file's depth.near and far say otherwise, touchable init-scene "

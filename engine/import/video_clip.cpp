@@ -15,8 +15,8 @@ namespace {
 /// Depth in a track of one file; colour beside it in the same pictures, or in a track of its own.
 class VideoPictures final : public FrameSource {
 public:
-    VideoPictures(const VideoSource& source, std::shared_ptr<VideoFile> depth)
-        : source_(source), depth_(std::move(depth)) {}
+    VideoPictures(const VideoSource& source, const Scene& scene, std::shared_ptr<VideoFile> depth)
+        : source_(source), width_(scene.width), height_(scene.height), depth_(std::move(depth)) {}
     /// Colour as a track of its own, which begins so many seconds before depth does.
     void add_colour(std::unique_ptr<VideoFile> colour, double late) {
         colour_ = std::move(colour);
@@ -40,8 +40,10 @@ public:
 private:
     static Result<VideoPicture> read(VideoFile& video, std::int64_t number, RgbConverter& converter);
     Result<VideoPicture*> read_depth(std::int64_t frame);
+    int bar_of(int width, int height) const;
 
     VideoSource source_;
+    int width_, height_;  // of depth
     std::shared_ptr<VideoFile> depth_;
     std::unique_ptr<VideoFile> colour_;
     RgbConverter depth_converter_, colour_converter_;
@@ -76,6 +78,13 @@ Result<CodeRange> VideoPictures::code_range() {
     return (*first)->code_range(source_.values);
 }
 
+/// Between two parts that are less than halves.
+int VideoPictures::bar_of(int width, int height) const {
+    const bool is_beside = source_.layout == VideoLayout::left || source_.layout == VideoLayout::right;
+    const int side = is_beside ? width : height, bar = side - 2 * (is_beside ? width_ : height_);
+    return may_be_bar(bar, side) ? bar : 0;
+}
+
 Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) {
     if (role == PlaneRole::colour && colour_) {
         auto picture = read(*colour_, picture_number(role, frame), colour_converter_);
@@ -87,7 +96,8 @@ Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) 
     const auto picture = read_depth(frame);
     if (!picture) return picture.error();
     const int width = (*picture)->width(), height = (*picture)->height();
-    const auto part = depth_part(source_.layout, width, height);
+    const int bar = bar_of(width, height);
+    const auto part = depth_part(source_.layout, width, height, bar);
     if (!part)
         return input_error(depth_->where(frame) + ": is " + std::to_string(width) + "x" +
                            std::to_string(height) +
@@ -95,7 +105,7 @@ Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) 
     const bool is_depth = role == PlaneRole::depth;
     auto plane = is_depth ? (*picture)->depth(source_.values, *part) : (*picture)->rgb();
     if (!plane) return plane.error();
-    if (!is_depth) plane->view = part_of(plane->view, colour_part(source_.layout, width, height));
+    if (!is_depth) plane->view = part_of(plane->view, colour_part(source_.layout, width, height, bar));
     return lent_picture(depth_->info(), std::move(*plane));
 }
 
@@ -182,7 +192,7 @@ Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path&
     if (!described.unstated.rate)
         if (auto note = clip_tags::rate_note(described.scene.rate, depth->rate()))
             clip.notes.push_back(std::move(*note));
-    auto pictures = std::make_unique<VideoPictures>(source, depth);
+    auto pictures = std::make_unique<VideoPictures>(source, described.scene, depth);
     if (!source.colour.empty())
         if (auto added = add_colour(folder, *depth, *pictures, clip); !added) return added.error();
     if (stored.kind == StoredDepth::Kind::relative) {

@@ -38,30 +38,30 @@ std::optional<Image> in_host_order(const AVFrame& frame) {
 
 }  // namespace
 
-std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height) {
-    const PicturePart left{0, 0, width / 2, height}, top{0, 0, width, height / 2};
+std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height, int bar) {
+    const bool is_beside = layout == VideoLayout::left || layout == VideoLayout::right;
+    if (layout == VideoLayout::alone) return PicturePart{0, 0, width, height};
+    int &side = is_beside ? width : height, whole = side;
+    if (side <= bar || (side - bar) % 2 != 0) return std::nullopt;
+    side = (side - bar) / 2;
+    const int second = whole - side;
     switch (layout) {
-        case VideoLayout::alone:
-            return PicturePart{0, 0, width, height};
-        case VideoLayout::left:
         case VideoLayout::right:
-            if (width % 2 != 0 || width == 0) return std::nullopt;
-            return layout == VideoLayout::left ? left : PicturePart{width / 2, 0, width / 2, height};
-        case VideoLayout::top:
+            return PicturePart{second, 0, width, height};
         case VideoLayout::bottom:
-            break;
+            return PicturePart{0, second, width, height};
+        default:
+            return PicturePart{0, 0, width, height};
     }
-    if (height % 2 != 0 || height == 0) return std::nullopt;
-    return layout == VideoLayout::top ? top : PicturePart{0, height / 2, width, height / 2};
 }
 
-PicturePart colour_part(VideoLayout layout, int width, int height) {
+PicturePart colour_part(VideoLayout layout, int width, int height, int bar) {
     constexpr std::pair<VideoLayout, VideoLayout> others[] = {{VideoLayout::left, VideoLayout::right},
                                                               {VideoLayout::right, VideoLayout::left},
                                                               {VideoLayout::top, VideoLayout::bottom},
                                                               {VideoLayout::bottom, VideoLayout::top}};
     for (const auto& [depth, colour] : others)
-        if (layout == depth) return depth_part(colour, width, height).value_or(PicturePart{});
+        if (layout == depth) return depth_part(colour, width, height, bar).value_or(PicturePart{});
     return {0, 0, width, height};
 }
 

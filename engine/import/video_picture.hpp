@@ -18,8 +18,13 @@ struct PicturePart {
     int x = 0, y = 0, width = 0, height = 0;
 };
 /// Depth's part of a picture of this size, and what is left for colour. Nothing where it has no two halves.
-std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height);
-PicturePart colour_part(VideoLayout layout, int width, int height);
+/// `bar`: columns, or rows, between the two that are of neither.
+std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height, int bar = 0);
+PicturePart colour_part(VideoLayout layout, int width, int height, int bar = 0);
+/// Whether so many columns of that many can be such a bar.
+constexpr bool may_be_bar(int bar, int side) {
+    return bar >= 16 && 4 * bar <= side;
+}
 
 /// A part of a plane, which stays where it is.
 PlaneView part_of(PlaneView plane, const PicturePart& part);

@@ -273,5 +273,54 @@ TEST_F(GuessedFolder, WithoutDepthSaysWhatIsThere) {
     EXPECT_NE(message(open_clip(empty.path())).find("there are no pictures"), std::string::npos);
 }
 
+/// As Depth Anything leaves them: under the names of the pictures that it was given.
+TEST_F(GuessedFolder, GreyPicturesAreDepthWhereSomebodySaysSo) {
+    const auto grey = [&](const std::string& name) {
+        std::filesystem::create_directories((folder / name).parent_path());
+        Image image{16, 12, 1, 1, {}};
+        for (int k = 0; k < 16 * 12; ++k) image.samples.push_back(static_cast<std::uint8_t>(k));
+        ASSERT_EQ(message(write_png(folder / name, image.view())), "");
+    };
+    for (const char* n : {"0", "1", "2"}) grey("vis_depth/frame_" + std::string(n) + ".png");
+    EXPECT_EQ(message(open_clip(folder / "vis_depth")), "");
+    std::filesystem::rename(folder / "vis_depth", folder / "out");
+    for (const char* n : {"0", "1", "2"}) colour("out/rgb/frame_" + std::string(n) + ".png");
+    const auto refused = guess_folder(folder / "out", {});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("a preset says so"), std::string::npos);
+    SourceDescription known;
+    known.preset = "relative-inverse";
+    const auto guessed = guess_folder(folder / "out", known);
+    ASSERT_EQ(message(guessed), "");
+    EXPECT_EQ(guessed->scene.folder->depth, "frame_*.png");
+    EXPECT_EQ(guessed->scene.folder->colour, "rgb/frame_*.png");
+    EXPECT_EQ(guessed->scene.stored.kind, StoredDepth::Kind::relative);
+}
+
+/// As MiDaS writes them: PFM has its lowest row first, and what is near has large values.
+TEST_F(GuessedFolder, FloatsThatAreLargeBelowAreDoubtedAsLengths) {
+    const auto pfm = [&](bool is_large_below) {
+        std::string bytes = "Pf\n16 12\n-1\n";
+        for (int k = 0; k < 16 * 12; ++k) {
+            const int row = k / 16;
+            const float value = 200.0F + 10.0F * static_cast<float>(is_large_below ? 11 - row : row);
+            bytes.append(reinterpret_cast<const char*>(&value), 4);
+        }
+        write_bytes(folder / "depth_0.pfm", bytes);
+        write_bytes(folder / "depth_1.pfm", bytes);
+    };
+    const auto is_doubted = [&](const GuessedScene& guessed) {
+        return std::ranges::any_of(guessed.scene.remarks, [](const Remark& remark) {
+            return remark.what.find("as 1/depth of networks is") != std::string::npos;
+        });
+    };
+    pfm(true);
+    EXPECT_TRUE(is_doubted(guess()));
+    EXPECT_FALSE(is_doubted(guess("relative-inverse")));
+    EXPECT_EQ(guess("relative-inverse").scene.stored.kind, StoredDepth::Kind::relative);
+    pfm(false);
+    EXPECT_FALSE(is_doubted(guess()));
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -182,6 +182,54 @@ TEST(GuessedVideo, AVideoInColourIsRefusedSayingWhatWasSeen) {
     EXPECT_NE(message(open_clip(folder / "take.r3d")).find("export it there as MP4"), std::string::npos);
 }
 
+/// As Depth Anything writes them: the picture, 50 white columns, its depth.
+TEST(GuessedVideo, ABarBetweenColourAndDepthIsOfNeither) {
+    const TemporaryFolder folder;
+    const auto pixel = [](int x, int y) {
+        return x < 90     ? Rgb{200, 2 * x, 5 * y}
+               : x >= 140 ? Rgb{2 * (x - 140), 2 * (x - 140), 2 * (x - 140)}
+                          : Rgb{255, 255, 255};
+    };
+    write_rgb(folder / "d.mov", 230, 24, pixel);
+    auto clip = open_clip(folder / "d.mov");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "50 columns between them are of neither"));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    const PlaneView &depth = frames->front().depth, &colour = frames->front().colour;
+    ASSERT_EQ(depth.width, 90);
+    ASSERT_EQ(colour.width, 90);
+    for (int y = 0; y < 24; ++y)
+        for (int x = 0; x < 90; ++x) {
+            EXPECT_EQ(depth.sample(x, y), 2 * x);
+            EXPECT_EQ(colour.sample(x, y, 1), 2 * x);
+        }
+    // The scene that is guessed says so by its width.
+    const auto guessed = guess_video(folder / "d.mov", {});
+    write_bytes(folder / "scene.json", scene_to_json(*guessed));
+    auto described = open_clip(folder / "scene.json");
+    ASSERT_EQ(message(described), "");
+    const auto same = read_all(**described);
+    EXPECT_TRUE(same_frame(same->back(), frames->back()));
+}
+
+TEST(GuessedVideo, ColourInAVideoBesideItIsFoundByItsName) {
+    for (const auto& [depth, colour] : {std::pair{"walk_depth.mkv", "walk.mov"},
+                                        {"walk_vis.mkv", "walk_src.mov"},
+                                        {"depth.mkv", "rgb.mov"}}) {
+        const TemporaryFolder folder;
+        write_grey(folder / depth);
+        write_bytes(folder / "walk_rgb.mov", "no video");
+        write_rgb(folder / colour, 32, 16, [](int x, int y) { return Rgb{7 * x, 9 * y, 40}; });
+        auto clip = open_clip(folder / depth);
+        ASSERT_EQ(message(clip), "");
+        EXPECT_TRUE(is_noted(**clip, std::string("colour is ") + colour)) << depth;
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "");
+        EXPECT_EQ(frames->front().colour.sample(3, 2, 0), 21);
+    }
+}
+
 TEST(GuessedVideo, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
     const TemporaryFolder folder;
     write_grey(folder / "grey.mkv");

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 
 /// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
 constexpr double soft_holes = 0.1;
+constexpr double most_of_lengths = 1.05;                 // lower in a picture, times what is above
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
 bool holds_words(const StoredImage& picture) {
@@ -205,6 +206,11 @@ void Guess::guess_unit(const EstimatedValues& values) {
         say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
                 short_number(values.median),
             otherwise);
+        // What is lower in a picture is mostly nearer.
+        if (values.lower > most_of_lengths * values.upper)
+            say("values are lengths, though they are larger in the lower third of the picture, as 1/depth of "
+                "networks is",
+                "", {{Setting::preset, "relative-inverse"}});
     } else {
         const bool fine = values.median > 12000, coarse = values.median < 100;
         const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
@@ -404,6 +410,20 @@ std::vector<const PictureGroup*> depths_among(const std::vector<PictureGroup>& g
     return best;
 }
 
+/// Grey of 8 bits has no name or kind that says depth: it is that where somebody says so, or its folder.
+std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& groups,
+                                             ReadPictures& pictures) {
+    std::vector<const PictureGroup*> greys;
+    for (const PictureGroup& group : groups) {
+        if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "rgb", "color",
+                                     "colour", "infra"}))
+            continue;
+        const auto looked = pictures.look(group.first);
+        if (looked && (*looked)->values.empty() && is_grey((*looked)->image)) greys.push_back(&group);
+    }
+    return greys;
+}
+
 /// Rather from depth's own folder, and from none that has depth of its own.
 const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
                                  const std::vector<const PictureGroup*>& depths, ReadPictures& pictures) {
@@ -444,8 +464,11 @@ Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& gro
         folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
     const std::string elsewhere = found_elsewhere(folder);
     if (!elsewhere.empty()) return input_error(message + ", " + elsewhere + ')');
-    return input_error(message + "): describe them with a scene file, as docs/scene_file.md has it",
-                       {{Setting::scene_file, "FILE"}});
+    return input_error(
+        message +
+            "): describe them with a scene file, as docs/scene_file.md has it; where grey pictures "
+            "are what a network guessed, a preset says so",
+        {{Setting::scene_file, "FILE"}, {Setting::preset, "relative-inverse"}});
 }
 
 }  // namespace
@@ -456,7 +479,11 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     const auto pictures = std::make_shared<ReadPictures>();
     const auto groups = readable_groups(folder, *pictures);
     if (!groups) return groups.error();
-    const std::vector<const PictureGroup*> depths = depths_among(*groups, *pictures);
+    std::vector<const PictureGroup*> depths = depths_among(*groups, *pictures);
+    const bool is_relative = *preset != nullptr && (*preset)->stored.kind == StoredDepth::Kind::relative;
+    if (depths.empty() &&
+        (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
+        depths = greys_among(*groups, *pictures);
     if (depths.empty() && stop_requested()) return interrupted_looking(folder);
     if (depths.empty()) return without_depth(folder, *groups);
     const PictureGroup* const depth = depths.front();
