@@ -191,9 +191,74 @@ std::vector<SessionSetting> filter_settings() {
          .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.scene.filter.temporal); }}};
 }
 
+/// What a person has set of the relief so far; with all of the others as `touchable relief` has them.
+ReliefChoice& relief_of(SessionOptions& options) {
+    if (!options.clip.relief) options.clip.relief.emplace().settings.amount = 0;
+    return *options.clip.relief;
+}
+const ReliefChoice& relief_in(const TouchSetup& setup) {
+    static const ReliefChoice none{.settings = {.amount = 0}};
+    return setup.clip.relief ? *setup.clip.relief : none;
+}
+
+template <std::size_t band>
+SessionSetting relief_band(const char* name, const char* what) {
+    return {
+        .name = name,
+        .what = what,
+        .words = {},
+        .least = -400,
+        .most = 400,
+        .whole = true,
+        .unit = "%",
+        .of_relief = true,
+        .apply = [](const std::string& value,
+                    Options& o) { relief_of(o).settings.bands[band] = whole(value); },
+        .in_effect = [](const TouchSetup& s) { return std::to_string(relief_in(s).settings.bands[band]); }};
+}
+
+std::vector<SessionSetting> relief_settings() {
+    return {
+        {.name = "relief",
+         .what =
+             "Makes a relief of the colour: what is bright stands out, in place of the clip's own heights. "
+             "How much of the height its largest details get.",
+         .words = {},
+         .most = 400,
+         .whole = true,
+         .unit = "%",
+         .of_relief = true,
+         .apply = [](const std::string& value, Options& o) { relief_of(o).settings.amount = whole(value); },
+         .in_effect = [](const TouchSetup& s) { return std::to_string(relief_in(s).settings.amount); }},
+        {.name = "relief-height",
+         .what = "The height of the relief, from the deepest to the highest, under the hand.",
+         .words = {},
+         .least = 0.05,
+         .most = 5,
+         .unit = "mm",
+         .of_relief = true,
+         .by_ratio = true,
+         .apply = [](const std::string& value,
+                     Options& o) { relief_of(o).height_mm = number_of(value).value_or(0.5); },
+         .in_effect = [](const TouchSetup& s) { return short_number(relief_in(s).height_mm); }},
+        relief_band<0>("relief-fine",
+                       "The share of details of 2 to 4 pixels; below 0 they are turned round."),
+        relief_band<1>("relief-medium", "The share of details of 5 to 10 pixels."),
+        relief_band<2>("relief-coarse", "The share of details of 11 to 25 pixels."),
+        {.name = "relief-invert",
+         .what = "What is dark stands out, not what is bright.",
+         .words = words_of(off_and_on),
+         .of_relief = true,
+         .apply = [](const std::string& value,
+                     Options& o) { relief_of(o).settings.invert = value_of(off_and_on, value); },
+         .in_effect =
+             [](const TouchSetup& s) { return word_for(off_and_on, relief_in(s).settings.invert); }}};
+}
+
 std::vector<SessionSetting> all_settings() {
     std::vector<SessionSetting> all = force_settings();
     for (SessionSetting& filter : filter_settings()) all.push_back(std::move(filter));
+    for (SessionSetting& relief : relief_settings()) all.push_back(std::move(relief));
     return all;
 }
 
@@ -260,6 +325,8 @@ SessionOptions with_settings(SessionOptions options, const SessionSettings& sett
     for (const SessionSetting& setting : session_settings())
         if (const auto value = settings.values().find(setting.name); value != settings.values().end())
             setting.apply(value->second, options);
+    // Without any of it the clip has its own heights.
+    if (options.clip.relief && options.clip.relief->settings.amount == 0) options.clip.relief.reset();
     return options;
 }
 

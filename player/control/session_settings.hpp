@@ -21,6 +21,7 @@ struct SessionSetting {
     bool whole = false;              ///< the number is a whole one
     const char* unit = "";           ///< of the number
     bool filter = false;             ///< one of those that `filters` sets together
+    bool of_relief = false;          ///< one of those of the relief that is made of colour
     bool of_device = false;          ///< it has an effect only where a device is held
     bool by_ratio = false;           ///< the number's slider is logarithmic
     /// Sets a legal value in the options of a run.

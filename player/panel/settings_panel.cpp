@@ -80,7 +80,8 @@ void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFac
     const std::string id = std::string("##") + setting.name;
     auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
     const std::string number = shown_number(setting, value);
-    const std::string words = setting.filter && number == "0" ? "off" : number + " " + setting.unit;
+    const bool may_be_off = setting.filter || std::string_view(setting.name) == "relief";
+    const std::string words = may_be_off && number == "0" ? "off" : number + " " + setting.unit;
     draw_slider(id.c_str(), value, static_cast<float>(setting.least), static_cast<float>(setting.most), words,
                 scale_, setting.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
     if (ImGui::IsItemActive()) {
@@ -112,7 +113,7 @@ void SettingsPanel::draw(const SettingsFacts& facts, float scale, std::vector<Wi
     explain_row(
         "Two sets of settings, to feel the difference. The key B switches; B begins without filters.");
     for (const SessionSetting& setting : session_settings())
-        if (!is_of_filters(setting) && (facts.has_device || !setting.of_device))
+        if (!is_of_filters(setting) && !setting.of_relief && (facts.has_device || !setting.of_device))
             draw_row(setting, facts, asked);
 }
 
@@ -121,6 +122,12 @@ void SettingsPanel::draw_filters(const SettingsFacts& facts, float scale, std::v
     for (const SessionSetting& setting : session_settings())
         if (is_of_filters(setting)) draw_row(setting, facts, asked);
     draw_reasons(facts.filters);
+}
+
+void SettingsPanel::draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
+    for (const SessionSetting& setting : session_settings())
+        if (setting.of_relief) draw_row(setting, facts, asked);
 }
 
 }  // namespace touchable

@@ -23,6 +23,7 @@ struct SettingsFacts {
 class SettingsPanel {
 public:
     void draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
 
 private:

@@ -270,6 +270,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     draw_finger(facts, roomy, scale, asked);
     if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
     if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
+    if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);
     if (draw_fold("How it goes", tall)) {
         curves_.draw(facts.most_newtons, scale);
         for (const std::string& line : facts.figures) draw_remark(line);

@@ -65,10 +65,20 @@ void ClipChoice::take(const LiveCamera& of) {
 }
 
 void ClipChoice::share_clip() {
-    if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
+    if (is_camera() || shared_clip) return;
+    shared_clip = std::make_shared<SharedClip>();
+    relief_memory = std::make_shared<ReliefMemory>();
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
+    if (!relief) return open_stored(colour);
+    auto reader = open_stored(Colour::wanted);
+    return reader.ok() ? with_chosen_relief(std::move(*reader), *relief, relief_memory.get())
+                       : std::move(reader);
+}
+
+/// Without what is made of it.
+Result<std::unique_ptr<ClipReader>> ClipChoice::open_stored(Colour colour) const {
     if (!shared_clip) return open_anew(colour);
     return shared_clip->open([this, colour] { return open_anew(colour); });
 }

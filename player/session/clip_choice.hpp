@@ -17,6 +17,7 @@
 #include "player/session/camera_capture.hpp"
 #include "player/session/camera_words.hpp"
 #include "player/session/chosen_filters.hpp"
+#include "player/session/relief_choice.hpp"
 #include "player/session/shared_clip.hpp"
 
 namespace touchable {
@@ -45,12 +46,14 @@ struct ClipChoice {
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
+    std::optional<ReliefChoice> relief;       ///< made of its colour, in place of the heights that it has
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
     // What stays open from run to run; nothing: each opens its own.
     std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
     std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened
+    std::shared_ptr<ReliefMemory> relief_memory;  ///< of the shared clip
     std::optional<CapturedFrames> filmed;  ///< the clip is the film of a camera, which had these frames
 
     /// What is touched is a camera.
@@ -62,6 +65,7 @@ struct ClipChoice {
     Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
 
 private:
+    Result<std::unique_ptr<ClipReader>> open_stored(Colour colour) const;
     Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };
 

@@ -44,6 +44,10 @@ Result<void> validate(const SessionOptions& options) {
     if (auto checked = check_guard(options.guard); !checked.ok()) return checked;
     if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
         return usage_error("stribeck must be a number of m/s, 0 or above", {{Setting::stribeck}});
+    if (options.recorded && options.clip.relief)
+        return usage_error(
+            "relief that is tried is not recorded: touchable relief CLIP OUT.mkv writes a clip that has it, "
+            "and a run over that can be");
     if (options.start_buried && !options.live)
         return usage_error(
             "a hand that starts buried needs a live run: in another no finger waits to be free",

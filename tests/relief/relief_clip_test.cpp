@@ -13,6 +13,14 @@
 namespace touchable::test {
 namespace {
 
+Result<std::unique_ptr<ClipReader>> looked_at_and_with_relief(std::unique_ptr<ClipReader> clip,
+                                                              const ReliefSettings& settings,
+                                                              double max_height) {
+    auto looked = look_at_relief(std::move(clip), settings);
+    if (!looked.ok()) return looked.error();
+    return with_relief(std::move(looked->clip), settings, looked->range, max_height);
+}
+
 constexpr int columns = 48, rows = 36, count = 20;
 
 class ReliefClip : public ::testing::Test {
@@ -25,7 +33,7 @@ protected:
     std::unique_ptr<ClipReader> open(const ReliefSettings& settings = {}) const {
         auto clip = open_clip(folder_ / "clip.mkv");
         EXPECT_EQ(message(clip), "");
-        auto relief = with_relief(std::move(*clip), settings, 2);
+        auto relief = looked_at_and_with_relief(std::move(*clip), settings, 2);
         EXPECT_EQ(message(relief), "");
         return relief.ok() ? std::move(*relief) : nullptr;
     }
@@ -104,7 +112,7 @@ TEST_F(ReliefClip, WithoutColourIsRefused) {
     ASSERT_EQ(message(write_clip(folder_ / "grey.mkv", scene_, 2, {})), "");
     auto clip = open_clip(folder_ / "grey.mkv");
     ASSERT_EQ(message(clip), "");
-    const auto relief = with_relief(std::move(*clip), {}, 2);
+    const auto relief = looked_at_and_with_relief(std::move(*clip), {}, 2);
     ASSERT_FALSE(relief.ok());
     EXPECT_EQ(relief.error().kind, ErrorKind::input);
     EXPECT_NE(relief.error().message.find("has no colour"), std::string::npos) << relief.error().message;
@@ -112,7 +120,7 @@ TEST_F(ReliefClip, WithoutColourIsRefused) {
 
 TEST_F(ReliefClip, LeavesRoomBeforeTheCamera) {
     auto clip = open_clip(folder_ / "clip.mkv");
-    auto relief = with_relief(std::move(*clip), {}, 50);
+    auto relief = looked_at_and_with_relief(std::move(*clip), {}, 50);
     ASSERT_EQ(message(relief), "");
     EXPECT_NEAR((*relief)->scene().height_coding.max_height, 5, 0.1);  // the nearest depth is 10
 }
@@ -130,7 +138,7 @@ TEST_F(ReliefClip, HasTheSameBitsEverywhere) {
     }
     ASSERT_EQ(message((*writer)->finish()), "");
     auto clip = open_clip(folder_ / "exact.mkv");
-    auto relief = with_relief(std::move(*clip), {}, 2);
+    auto relief = looked_at_and_with_relief(std::move(*clip), {}, 2);
     ASSERT_EQ(message(relief), "");
     const auto frames = read_all(**relief);
     const auto least =

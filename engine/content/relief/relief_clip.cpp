@@ -88,9 +88,9 @@ void ReliefReader::add_flicker() {
     const auto flicker = heights_.flicker();
     if (!flicker || has_told_flicker_) return;
     has_told_flicker_ = true;
-    notes_.push_back("relief: where colour changes no more than by noise, heights change by " + short_words(flicker->mean) +
-                     " of 255 levels a frame, and " + short_words(100 * flicker->more_than_one) +
-                     " % of them by more than one");
+    notes_.push_back("relief: where colour changes no more than by noise, heights change by " +
+                     short_words(flicker->mean) + " of 255 levels a frame, and " +
+                     short_words(100 * flicker->more_than_one) + " % of them by more than one");
 }
 
 /// What the telling frames have of relief.
@@ -142,23 +142,26 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip,
-                                                const ReliefSettings& settings, double max_height,
-                                                std::vector<std::string> notes) {
+Result<LookedAt> look_at_relief(std::unique_ptr<ClipReader> clip, const ReliefSettings& settings) {
     Prefetch ahead(std::move(clip));
     const auto range = look(ahead, settings);
     if (!range) return range.error();
-    const Scene scene = with_heights(ahead.clip().scene(), max_height, notes);
-    if (auto valid = validate(scene); !valid) return valid.error();
-    const auto levels = [](std::int32_t number) { return short_words(number / 16.0); };
-    notes.push_back(
-        "relief: the largest height stands for details of " + levels(range->full) +
-        " of 255 levels of brightness" +
-        (range->noise ? "; noise from frame to frame is " + levels(*range->noise) : std::string()));
     auto again = ahead.finish();
     if (!again) return again.error();
+    return LookedAt{std::move(*again), *range};
+}
+
+Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip,
+                                                const ReliefSettings& settings, const ReliefRange& range,
+                                                double max_height, std::vector<std::string> notes) {
+    const Scene scene = with_heights(clip->scene(), max_height, notes);
+    if (auto valid = validate(scene); !valid.ok()) return valid.error();
+    const auto levels = [](std::int32_t number) { return short_words(number / 16.0); };
+    notes.push_back("relief: the largest height stands for details of " + levels(range.full) +
+                    " of 255 levels of brightness" +
+                    (range.noise ? "; noise from frame to frame is " + levels(*range.noise) : std::string()));
     return std::unique_ptr<ClipReader>(
-        std::make_unique<ReliefReader>(std::move(*again), scene, settings, *range, std::move(notes)));
+        std::make_unique<ReliefReader>(std::move(clip), scene, settings, range, std::move(notes)));
 }
 
 }  // namespace touchable
