@@ -1,0 +1,20 @@
+#pragma once
+
+#include "engine/content/segments/segmentation.hpp"
+#include "engine/row_bands.hpp"
+
+namespace touchable {
+
+/// Fills in `segments` from `labels` and the frame they are of.
+class SegmentFigures {
+public:
+    void find(const RawFrame& frame, Segmentation& of, RowBands& bands);
+
+private:
+    void find_deviations(const PlaneView& colour, int width, int height, RowBands& bands);
+
+    std::vector<std::uint16_t> brightness_, deviations_;
+    std::vector<std::uint32_t> place_of_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,112 @@
+// Segments of generated clips, of which it is known what every pixel shows.
+#include "engine/content/segments/segmentation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "engine/byte_hash.hpp"
+#include "tests/segments/generated_table.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Mean over things of the best segment's intersection over union.
+double mean_iou(const std::vector<std::uint16_t>& truth, const std::vector<std::uint16_t>& labels) {
+    std::map<std::pair<int, int>, double> both;
+    std::map<int, double> true_pixels, label_pixels;
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        ++both[{truth[k], labels[k]}];
+        ++true_pixels[truth[k]];
+        ++label_pixels[labels[k]];
+    }
+    std::map<int, double> best;
+    for (const auto& [pair, pixels] : both)
+        if (pair.second != 0)
+            best[pair.first] = std::max(
+                best[pair.first], pixels / (true_pixels[pair.first] + label_pixels[pair.second] - pixels));
+    double sum = 0;
+    for (const auto& [thing, pixels] : true_pixels) sum += best[thing];
+    return sum / static_cast<double>(true_pixels.size());
+}
+
+TEST(Segmenter, FindsThingsOnATable) {
+    double sum = 0, least = 1;
+    constexpr int scenes = 8;
+    std::size_t most_segments = 0;
+    for (int seed = 0; seed < scenes; ++seed) {
+        const GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
+        Segmenter segmenter(table.scene());
+        const GeneratedFrame frame = generate(table, 0);
+        const Segmentation& found = segmenter.next(frame.raw(), false);
+        const double iou = mean_iou(frame.truth, found.labels);
+        std::printf("scene %d: mean IoU %.3f, %zu segments\n", seed, iou, found.segments.size());
+        sum += iou;
+        least = std::min(least, iou);
+        most_segments = std::max(most_segments, found.segments.size());
+    }
+    std::printf("mean of %d scenes: %.3f\n", scenes, sum / scenes);
+    EXPECT_GE(sum / scenes, 0.8);
+    EXPECT_GE(least, 0.7);
+    EXPECT_LE(most_segments, 40U);
+}
+
+/// Per cent of the pixels seen in both frames whose label is another than it was, in the mean and at most.
+struct Changes {
+    double mean = 0, most = 0;
+};
+Changes changes_of(const GeneratedTable& table, int frames, int from) {
+    Segmenter segmenter(table.scene());
+    GeneratedFrame before;
+    std::vector<std::uint16_t> labels;
+    Changes changes;
+    std::set<std::uint16_t> all;
+    for (int n = 0; n < frames; ++n) {
+        GeneratedFrame now = generate(table, n);
+        const Segmentation& found = segmenter.next(now.raw(n), n > 0);
+        for (const Segment& segment : found.segments) all.insert(segment.label);
+        if (n >= from) {
+            double seen = 0, changed = 0;
+            for (std::size_t k = 0; k < now.truth.size(); ++k) {
+                const auto there = place_before(table, now, before, n, k);
+                if (!there) continue;
+                ++seen;
+                changed += labels[*there] != found.labels[k] ? 1 : 0;
+            }
+            const double share = 100 * changed / seen;
+            changes.mean += share / (frames - from);
+            changes.most = std::max(changes.most, share);
+        }
+        labels = found.labels;
+        before = std::move(now);
+    }
+    std::printf("%zu labels in %d frames; %.3f %% change, at most %.3f %%\n", all.size(), frames,
+                changes.mean, changes.most);
+    return changes;
+}
+
+TEST(Segmenter, IsSteadyBeforeAStillCamera) {
+    for (int seed = 0; seed < 3; ++seed) {
+        GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
+        table.colour_noise = 5;
+        const Changes changes = changes_of(table, 16, 1);
+        EXPECT_LE(changes.mean, 0.5);
+    }
+}
+
+TEST(Segmenter, FollowsWhatMoves) {
+    for (int seed = 0; seed < 3; ++seed) {
+        GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
+        if (seed != 1) table.things[3].speed = {0.008, 0, 0};
+        if (seed != 1) table.things[5].speed = {-0.004, 0, 0.003};
+        if (seed != 0) table.camera_speed = {0.01, 0, -0.003};
+        const Changes changes = changes_of(table, 20, 1);
+        EXPECT_LE(changes.mean, 3);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
