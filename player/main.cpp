@@ -37,10 +37,10 @@ int fail(const CLI::App& app, const Error& error) {
 
 /// What the program can do, on one screen.
 Result<void> print_overview(const CLI::App& app) {
-    std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n";
+    std::cout << "touchable " << TOUCHABLE_VERSION
+              << ": touch a depth video and feel its forces. Options: touchable help COMMAND\n";
     for (const CLI::App* command : app.get_subcommands({}))
         std::printf("  %-12s%s\n", command->get_name().c_str(), command->get_description().c_str());
-    std::cout << "Options of a command: touchable help COMMAND\n";
     return {};
 }
 
@@ -115,6 +115,7 @@ int run(int argc, char** argv) {
     add_export_command(app, command);
     add_convert_command(app, command);
     add_relief_command(app, command);
+    add_materials_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_cameras_command(app, command);

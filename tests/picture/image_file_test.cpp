@@ -1,4 +1,4 @@
-#include "engine/picture/coded_image.hpp"
+#include "engine/picture/image_file.hpp"
 
 #include <gtest/gtest.h>
 

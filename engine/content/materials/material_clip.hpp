@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/clip/clip_reader.hpp"
+#include "engine/content/materials/segment_search.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+struct MaterialSettings {
+    SegmentNames names{};
+    std::optional<SegmentMap> map{};
+    /// Heights (8 bits, 128 is level, as with_relief makes them) are scaled by each material's relief.
+    bool scale_relief = false;
+    /// That the haptic pictures have; values beyond are cut. Nothing: some that hold all (ranges_of_palette).
+    std::optional<HapticRanges> ranges{};
+};
+
+/// A segment as it was seen first.
+struct SeenSegment {
+    std::uint16_t label = 0;
+    PixelOfFrame at{};  ///< a pixel of it
+    std::int32_t pixels = 0;
+    std::array<std::uint8_t, 3> colour{};
+    std::string name{};      ///< that a person gave it; empty: none
+    std::string material{};  ///< of the palette; empty: values of its own
+    Feel feel{};
+    bool is_guess = false;  ///< its material
+};
+
+/// What was found in the frames read since the clip's beginning.
+struct MaterialReport {
+    std::vector<SeenSegment> segments;  ///< in the order in which they came
+    std::int64_t frames = 0;
+    /// Pixels with a segment in two frames that follow each other, and those whose segment is another one.
+    std::int64_t compared = 0, changed = 0;
+    double seconds = 0;  ///< that segments and haptic pictures took
+};
+
+/// The clip with haptic pictures in place of its own, in which each segment feels like its material: as it
+/// is named, otherwise as its first look suggests. A segment keeps its material. The report is filled as
+/// frames are read. Seeking reads all frames from the first on, since segments are followed. Refused
+/// as find_named_segments does; a frame is where its colour is needed for a guess, and where its heights
+/// cannot be scaled.
+Result<std::unique_ptr<ClipReader>> with_materials(std::unique_ptr<ClipReader> clip,
+                                                   const MaterialSettings& settings,
+                                                   const BeginSegments& begin,
+                                                   std::shared_ptr<MaterialReport> report);
+
+}  // namespace touchable

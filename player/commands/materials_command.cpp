@@ -1,0 +1,190 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/given_file.hpp"
+#include "engine/picture/coded_image.hpp"
+#include "engine/printable.hpp"
+#include "player/commands/commands.hpp"
+#include "player/commands/materials_run.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/typed_numbers.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t last_segment_frame = 999'999'999;
+
+struct MaterialsTyped {
+    ClipTyped clip;
+    MaterialsOptions options;
+    bool list = false;
+    std::vector<std::string> materials, places;  // each with its own
+    std::filesystem::path segments, map;
+    std::string otherwise, frame;
+};
+
+/// "X,Y" or "X,Y,FRAME".
+Result<PixelOfFrame> read_place(const std::string& text) {
+    const auto refused = [&] {
+        return usage_error(
+            "--at " + in_quotes(text) +
+            " is no pixel; right would be X,Y or X,Y,FRAME: its column, its row and its frame, "
+            "from 0, such as 120,80 or 120,80,45");
+    };
+    const std::string_view view = text;
+    const std::size_t first = view.find(','), second = view.find(',', first + 1);
+    if (first == std::string_view::npos) return refused();
+    const bool has_frame = second != std::string_view::npos;
+    const auto x = read_whole_number("--at", view.substr(0, first), 0, 16383);
+    const auto y = read_whole_number(
+        "--at", view.substr(first + 1, has_frame ? second - first - 1 : std::string_view::npos), 0, 16383);
+    const auto frame =
+        has_frame ? read_whole_number<std::int64_t>("--at", view.substr(second + 1), 0, last_segment_frame)
+                  : Result<std::int64_t>(std::int64_t{0});
+    if (!x.ok() || !y.ok() || !frame.ok()) return refused();
+    return PixelOfFrame{*x, *y, *frame};
+}
+
+/// "NAME=MATERIAL" and where that is.
+Result<NamedSegment> read_named(const std::string& text, const std::string& place) {
+    const std::size_t equals = text.rfind('=');
+    if (equals == std::string::npos || equals == 0)
+        return usage_error("--material " + in_quotes(text) +
+                           " will not do; right would be NAME=MATERIAL, such as table=wood");
+    NamedSegment named;
+    named.name = text.substr(0, equals);
+    named.material = text.substr(equals + 1);
+    const PaletteMaterial* const known = find_material(named.material);
+    if (known == nullptr) return usage_error("--material: " + no_such_material(named.material));
+    named.feel = known->feel();
+    named.said_by = "--at " + place;
+    const auto at = read_place(place);
+    if (!at.ok()) return at.error();
+    named.at = *at;
+    return named;
+}
+
+Result<SegmentNames> read_names(const MaterialsTyped& typed) {
+    SegmentNames names;
+    if (!typed.segments.empty()) {
+        const std::string where = typed.segments.string();
+        const auto text = read_given_file(typed.segments, where, "a file of segments (JSON, docs/content.md)",
+                                          largest_segment_names);
+        if (!text.ok()) return text.error();
+        auto read = parse_segment_names(*text, where);
+        if (!read.ok()) return read.error();
+        names = std::move(*read);
+    }
+    if (typed.materials.size() != typed.places.size())
+        return usage_error("--material is given " + std::to_string(typed.materials.size()) +
+                           " times and --at " + std::to_string(typed.places.size()) +
+                           "; each --material needs its --at, X,Y of a pixel of the segment");
+    for (std::size_t k = 0; k < typed.materials.size(); ++k) {
+        auto named = read_named(typed.materials[k], typed.places[k]);
+        if (!named.ok()) return named.error();
+        names.segments.push_back(std::move(*named));
+    }
+    if (!typed.otherwise.empty()) names.otherwise = typed.otherwise;
+    if (!names.otherwise.empty() && find_material(names.otherwise) == nullptr)
+        return usage_error("--otherwise: " + no_such_material(names.otherwise));
+    return names;
+}
+
+Result<SegmentMap> read_map(const std::filesystem::path& file) {
+    const auto bytes = read_picture_bytes(file);
+    if (!bytes.ok()) return bytes.error();
+    auto indices = decode_indices(*bytes, file.string());
+    if (!indices.ok()) return indices.error();
+    return SegmentMap{file.string(), std::move(*indices)};
+}
+
+/// What is asked for before anything is read.
+Result<void> check_words(const MaterialsTyped& typed) {
+    const MaterialsOptions& options = typed.options;
+    if (typed.clip.choice.file.empty())
+        return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
+    const std::string ending = options.out.extension().string();
+    if (!options.out.empty() && ending != ".mkv" && ending != ".png")
+        return usage_error("OUT " + in_quotes(options.out.string()) +
+                           " does not end in .mkv, a clip with its materials, or .png, a map of one frame; "
+                           "touchable convert makes anything else of a clip");
+    if (ending == ".mkv" && !typed.frame.empty())
+        return usage_error("--frame is for NAME.png, and for no OUT at all; NAME.mkv has all frames");
+    if (ending != ".mkv" && options.materials.scale_relief)
+        return usage_error("--scale-relief is for NAME.mkv, which has heights");
+    if (typed.clip.choice.maps.haptic)
+        return usage_error(
+            "--haptic does nothing here: materials make haptic pictures of their own; touchable convert lays "
+            "a "
+            "map under a clip");
+    return {};
+}
+
+Result<void> run_typed(const MaterialsTyped& typed) {
+    if (typed.list) return print_palette();
+    if (auto fits = check_words(typed); !fits.ok()) return fits;
+    MaterialsOptions options = typed.options;
+    const auto choice = read_clip(typed.clip);
+    if (!choice.ok()) return choice.error();
+    options.clip = *choice;
+    auto names = read_names(typed);
+    if (!names.ok()) return names.error();
+    options.materials.names = std::move(*names);
+    if (!typed.frame.empty()) {
+        const auto frame = read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame);
+        if (!frame.ok()) return frame.error();
+        options.frame = *frame;
+    }
+    if (!typed.segments.empty()) options.read.push_back(typed.segments);
+    if (!typed.map.empty()) {
+        auto map = read_map(typed.map);
+        if (!map.ok()) return map.error();
+        options.materials.map = std::move(*map);
+        options.read.push_back(typed.map);
+    }
+    return run_materials(options);
+}
+
+}  // namespace
+
+void add_materials_command(CLI::App& app, Command& command) {
+    auto* sub =
+        app.add_subcommand("materials", "write a clip whose segments feel like wood, metal, cloth, ...");
+    auto typed = std::make_shared<MaterialsTyped>();
+    add_clip_options(*sub, typed->clip);
+    add_file_option(*sub, "OUT", typed->options.out,
+                    "NAME.mkv: the clip with what its segments feel like; NAME.png: a map of one frame for "
+                    "--haptic; nothing: its segments are only told");
+    add_camera_options(*sub, typed->clip.camera);
+    add_overwrite_option(*sub, typed->options.existing);
+    sub->add_flag("--list", typed->list, "print the materials, their values and where these are from");
+    sub->add_option("--material", typed->materials,
+                    "what a segment is, with --at behind it; as often as needed")
+        ->allow_extra_args(false)
+        ->type_name("NAME=MATERIAL");
+    sub->add_option("--at", typed->places, "a pixel of that segment, and its frame (0)")
+        ->allow_extra_args(false)
+        ->type_name("X,Y[,FRAME]");
+    add_file_option(*sub, "--segments", typed->segments, "what segments are, NAME.json, as --save writes it");
+    add_file_option(*sub, "--map", typed->map,
+                    "which segment of frame 0 is which: a PNG with a palette, or grey, whose values are the "
+                    "index of --segments");
+    sub->add_option("--otherwise", typed->otherwise,
+                    "material of all segments that are not named, rather than a guess for each")
+        ->type_name("MATERIAL");
+    sub->add_flag("--scale-relief", typed->options.materials.scale_relief,
+                  "heights of touchable relief as high as each material's relief says");
+    sub->add_option("--frame", typed->frame, "of NAME.png, or whose segments are told; from 0")
+        ->type_name("N");
+    add_file_option(*sub, "--save", typed->options.save,
+                    "write what was used, guesses of frame 0 too, for --segments, NAME.json");
+    sub->callback([typed, &command] { command = [typed] { return run_typed(*typed); }; });
+}
+
+}  // namespace touchable

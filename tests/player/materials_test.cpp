@@ -1,0 +1,288 @@
+// `touchable materials`, as a person calls it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "engine/byte_hash.hpp"
+#include "engine/import/open_clip.hpp"
+#include "engine/picture/image_file.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+#include "tests/video/clip_remux.hpp"
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+constexpr int wide = 96, high = 64;
+
+/// A wall at 1000 mm, brown to the left and blue to the right, with a hole in its upper left corner. In a
+/// folder of pictures, and as a clip.
+class Materials : public ::testing::Test {
+protected:
+    Materials() {
+        Image depth{wide, high, 2, 1, {}}, colour{wide, high, 1, 3, {}};
+        for (int y = 0; y < high; ++y)
+            for (int x = 0; x < wide; ++x) {
+                const std::uint16_t mm = x < 10 && y < 10 ? 0 : 1000;
+                depth.samples.push_back(static_cast<std::uint8_t>(mm & 255));
+                depth.samples.push_back(static_cast<std::uint8_t>(mm >> 8));
+                const std::array<std::uint8_t, 3> paint = x < wide / 2
+                                                              ? std::array<std::uint8_t, 3>{150, 100, 60}
+                                                              : std::array<std::uint8_t, 3>{60, 70, 150};
+                colour.samples.insert(colour.samples.end(), paint.begin(), paint.end());
+            }
+        fs::create_directory(at("wall"));
+        for (int n = 0; n < frames; ++n) {
+            const std::string number = std::to_string(n) + ".png";
+            EXPECT_TRUE(write_png(at("wall/depth_" + number), depth.view()).ok());
+            EXPECT_TRUE(write_png(at("wall/colour_" + number), colour.view()).ok());
+        }
+        std::ofstream(at("wall/scene.json")) << R"({"touchable_scene": 1, "width": 96, "height": 64,
+            "camera": {"fx": 400, "fy": 400, "cx": 47.5, "cy": 31.5}, "device_metres_per_unit": 0.0005,
+            "depth": {"coding": "metric", "scale": 1, "near": 10, "far": 1500, "invalid": [0]},
+            "folder": {"depth": "depth_%d.png", "colour": "colour_%d.png", "count": 12}})";
+        const Outcome made = run_touchable({"convert", at("wall"), at("wall.mkv"), "--exact-colour"});
+        EXPECT_EQ(made.code, 0) << made.err;
+    }
+    std::string at(const std::string& name) const { return folder_ / name; }
+    Words words(const std::string& out, const Words& more = {}) const {
+        Words all{"materials", at("wall.mkv"), at(out)};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    Outcome run(const std::string& out, const Words& more = {}) const {
+        const Outcome done = run_touchable(words(out, more));
+        EXPECT_EQ(done.code, 0) << done.err;
+        return done;
+    }
+    /// Of the file's bytes: two that differ are told apart without a page of them.
+    std::uint64_t bytes(const std::string& name) const {
+        const std::string all = file_contents(at(name));
+        EXPECT_FALSE(all.empty()) << name;
+        ByteHash hash;
+        hash.add(all.data(), all.size());
+        return hash.value();
+    }
+    std::array<int, 3> haptic_at(const std::string& name, int x, int y) const {
+        auto clip = open_clip(at(name));
+        EXPECT_TRUE(clip.ok()) << name;
+        const auto first = (*clip)->next();
+        const PlaneView& haptic = (*first)->haptic;
+        return {haptic.sample(x, y, 0), haptic.sample(x, y, 1), haptic.sample(x, y, 2)};
+    }
+    /// Both named.
+    const Words wood_and_foam{"--material", "table=wood", "--at", "20,40",
+                              "--material", "mat=foam",   "--at", "80,20,3"};
+
+    static constexpr int frames = 12;
+    TemporaryFolder folder_;
+};
+
+/// Dragged over both, a finger slides with the friction of each: the force leans by it.
+TEST_F(Materials, AreFeltByADraggedFinger) {
+    run("felt.mkv", wood_and_foam);
+    std::ofstream(at("hand.csv")) << "t_s,x,y,z\n0,-80,0,-950\n0.3,-80,0,-1004\n1.9,80,0,-1004\n";
+    touch({at("felt.mkv"), "--hand", "csv:" + at("hand.csv") + ":columns=x+y+z,space=scene", "--forces",
+           at("forces.csv"), "--seconds", "1.9"});
+    struct Felt {
+        double stiffness, static_friction, dynamic_friction;
+        int slides = 0;
+    };
+    Felt wood{2000, 0.29, 0.216}, foam{220, 1.21, 0.911};
+    for (const ForcesRow& row : read_forces(at("forces.csv"))) {
+        const double column = row["pixel_x"];
+        if (row["contact"] != 1 || row["time_s"] < 0.6 || (column > 46 && column < 49)) continue;
+        Felt& felt = column < 48 ? wood : foam;
+        EXPECT_NEAR(row["stiffness"], felt.stiffness, 4);
+        EXPECT_NEAR(row["mu_static"], felt.static_friction, 0.003);
+        EXPECT_NEAR(row["mu_dynamic"], felt.dynamic_friction, 0.003);
+        const auto force = row.vector("force");
+        const double leans = std::hypot(force[0], force[1]) / std::abs(force[2]);
+        EXPECT_LE(leans, felt.static_friction + 0.004);
+        felt.slides += std::abs(leans - felt.dynamic_friction) < 0.01;
+    }
+    EXPECT_GT(wood.slides, 100);
+    EXPECT_GT(foam.slides, 100);
+}
+
+TEST_F(Materials, LeaveAllElseToTheBitAndOpenAsAnyClipDoes) {
+    const Outcome done = run("felt.mkv", wood_and_foam);
+    for (const char* said : {"colour  every value kept", "haptic  every value kept", "table: 2 N/mm",
+                             "mat: 0.22 N/mm", "steady   0.000 %", "frames/s"})
+        EXPECT_NE(done.out.find(said), std::string::npos) << said << '\n' << done.out;
+    const auto before = packets(at("wall.mkv")), after = packets(at("felt.mkv"));
+    EXPECT_FALSE(before.empty());
+    for (const std::string& packet : before)
+        EXPECT_NE(std::find(after.begin(), after.end(), packet), after.end());
+    EXPECT_GT(after.size(), before.size());
+
+    EXPECT_EQ(run_touchable({"convert", at("felt.mkv"), at("again.mkv")}).code, 0);
+    EXPECT_EQ(run_touchable({"convert", at("felt.mkv"), at("felt.mp4")}).code, 0);
+    const std::string hash = force_hash({at("felt.mkv"), "--seconds", "0.5"});
+    EXPECT_EQ(force_hash({at("again.mkv"), "--seconds", "0.5"}), hash);
+    EXPECT_EQ(force_hash({at("felt.mp4"), "--seconds", "0.5"}), hash);
+    EXPECT_NE(force_hash({at("wall.mkv"), "--seconds", "0.5"}), hash);
+    EXPECT_EQ(
+        run_touchable({"play", at("felt.mkv"), "--headless", "--seconds", "0.1", "--size", "160x120"}).code,
+        0);
+    // Its haptic pictures give way to others.
+    EXPECT_EQ(run_touchable({"materials", at("felt.mkv"), at("other.mkv"), "--otherwise", "stone"}).code, 0);
+    EXPECT_EQ(packets(at("other.mkv")).size(), after.size());
+}
+
+TEST_F(Materials, AreTheSameBytesAgainAndFromWhatWasSaved) {
+    run("once.mkv", wood_and_foam);
+    run("twice.mkv", wood_and_foam);
+    EXPECT_EQ(bytes("once.mkv"), bytes("twice.mkv"));
+    run("saved.mkv", {"--save", at("names.json"), "--material", "table=wood", "--at", "20,40"});
+    run("read.mkv", {"--segments", at("names.json")});
+    EXPECT_EQ(bytes("saved.mkv"), bytes("read.mkv"));
+    EXPECT_NE(bytes("saved.mkv"), bytes("once.mkv"));
+    // What it holds as guesses, a person may say.
+    run("said.mkv", {"--segments", at("names.json"), "--material", "mat=foam", "--at", "80,20"});
+    EXPECT_EQ(bytes("said.mkv"), bytes("once.mkv"));
+    // The same by a map: values of grey here, a palette's indices elsewhere.
+    Image map{wide, high, 1, 1, {}};
+    for (int k = 0; k < wide * high; ++k) map.samples.push_back(k % wide < 40 ? 1 : 2);
+    ASSERT_TRUE(write_png(at("map.png"), map.view()).ok());
+    std::ofstream(at("map.json")) << R"({"touchable_segments": 1, "segments": [
+        {"name": "table", "material": "wood", "index": 1}, {"name": "mat", "material": "foam", "index": 2}]})";
+    run("mapped.mkv", {"--segments", at("map.json"), "--map", at("map.png"), "--save", at("found.json")});
+    for (const auto& [x, y] : {std::pair{20, 40}, {80, 20}})
+        EXPECT_EQ(haptic_at("mapped.mkv", x, y), haptic_at("once.mkv", x, y)) << x;
+    run("found.mkv", {"--segments", at("found.json")});
+    EXPECT_EQ(bytes("found.mkv"), bytes("mapped.mkv"));
+}
+
+TEST_F(Materials, BecomeAMapOfOneFrameThatLiesUnderTheClip) {
+    const Outcome done =
+        run("map.png", {"--frame", "1", "--material", "mat=carpet", "--at", "80,20", "--otherwise", "stone"});
+    EXPECT_NE(done.out.find("static friction 1.34 becomes 1"), std::string::npos) << done.out;
+    EXPECT_EQ(done.out.find("guess"), std::string::npos) << done.out;
+    auto clip = open_clip(at("wall.mkv"));
+    ASSERT_TRUE(clip.ok());
+    const auto& ranges = (*clip)->scene().haptic;
+    const auto map = read_image(at("map.png"));
+    ASSERT_TRUE(map.ok());
+    const auto felt = [&](int x, int y) {
+        const PlaneView view = map->view();
+        return ranges.at(static_cast<std::uint8_t>(view.sample(x, y, 0)),
+                         static_cast<std::uint8_t>(view.sample(x, y, 1)),
+                         static_cast<std::uint8_t>(view.sample(x, y, 2)));
+    };
+    EXPECT_NEAR(felt(90, 5).stiffness, 400, 20);
+    EXPECT_EQ(felt(90, 5).static_friction, 1);
+    EXPECT_NEAR(felt(5, 60).stiffness, 2000, 20);
+    EXPECT_NEAR(felt(5, 5).static_friction, 0.93, 0.002);
+    EXPECT_NE(force_hash({at("wall.mkv"), "--haptic", at("map.png"), "--seconds", "0.5"}),
+              force_hash({at("wall.mkv"), "--seconds", "0.5"}));
+}
+
+TEST_F(Materials, AreToldWithoutAnythingWritten) {
+    const auto before = names_in(at(""));
+    const Outcome told = run_touchable({"materials", at("wall.mkv")});
+    EXPECT_EQ(told.code, 0) << told.err;
+    EXPECT_NE(told.out.find("wood       guess"), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("Guesses are by colour and roughness alone"), std::string::npos) << told.out;
+    const Outcome list = run_touchable({"materials", "--list"});
+    EXPECT_EQ(list.code, 0) << list.err;
+    for (const char* said : {"wood ", "water ", "as stiff as the device can", "HaTT", "estimate"})
+        EXPECT_NE(list.out.find(said), std::string::npos) << said;
+    EXPECT_EQ(names_in(at("")), before);
+}
+
+/// A finger rests while what it rests on changes from foam to wood and back with every frame: neither its
+/// stiffness nor its force jumps.
+TEST_F(Materials, ThatChangeUnderARestingFingerDoNotKickIt) {
+    run("wood.png", {"--otherwise", "wood", "--frame", "0"});
+    run("foam.png", {"--otherwise", "foam", "--frame", "0"});
+    for (int n = 0; n < frames; ++n)
+        fs::copy_file(at(n % 2 == 0 ? "wood.png" : "foam.png"),
+                      at("wall/haptic_" + std::to_string(n) + ".png"));
+    std::string scene = file_contents(at("wall/scene.json"));
+    scene.insert(scene.find("\"count\""), "\"haptic\": \"haptic_%d.png\", ");
+    std::ofstream(at("hand.csv")) << "t_s,x,y,z\n0,0,0,-950\n0.05,0,0,-1004\n1,0,0,-1004\n";
+    for (const bool held : {false, true}) {
+        if (held) scene.insert(scene.find("\"folder\""), "\"interpolation\": \"hold\", ");
+        std::ofstream(at("wall/scene.json")) << scene;
+        touch({at("wall"), "--hand", "csv:" + at("hand.csv") + ":columns=x+y+z,space=scene", "--forces",
+               at("forces.csv"), "--seconds", "0.36"});
+        double before = 0, rise = 0, fall = 0, least = 1e9, most = 0;
+        for (const ForcesRow& row : read_forces(at("forces.csv"))) {
+            const double force = length(row.vector("force"));
+            if (row["time_s"] > 0.18) {
+                rise = std::max(rise, force - before);
+                fall = std::max(fall, before - force);
+                least = std::min(least, force);
+                most = std::max(most, force);
+            }
+            before = force;
+        }
+        // Of 0.44 N on foam and 4 N on wood a tick is not to get more than its share of a frame.
+        EXPECT_GT(most, least + 0.1);
+        EXPECT_LT(rise, 3.6 / 33 + 0.02);
+        EXPECT_LT(held ? 0 : fall, 3.6 / 33 + 0.02);  // what becomes soft at once may fall at once
+    }
+}
+
+TEST_F(Materials, StoppedLeaveNothing) {
+    make_clip("globe", at("long.mkv"), {"--size", "320x240", "--frames", "30"});
+    const auto before = names_in(at(""));
+    const Outcome stopped = run_interrupted(
+        {"materials", at("long.mkv"), at("felt.mkv"), "--save", at("names.json")}, folder_.path());
+    EXPECT_EQ(stopped.code, 130) << stopped.err;
+    EXPECT_EQ(names_in(at("")), before);
+}
+
+TEST_F(Materials, RefuseWhatCannotBe) {
+    std::ofstream(at("bad.json")) << R"({"touchable_segments": 1, "segments": [
+        {"name": "a", "material": "gold", "at": [20, 40]}]})";
+    std::ofstream(at("hole.json")) << R"({"touchable_segments": 1, "segments": [
+        {"name": "a", "material": "wood", "at": [5, 5]}]})";
+    const auto before = names_in(at(""));
+    const auto expect = [&](const Words& more, int code, const std::string& why,
+                            const std::string& out = "out.mkv") {
+        const Outcome run = run_touchable(words(out, more));
+        EXPECT_EQ(run.code, code) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+        EXPECT_EQ(names_in(at("")), before) << why;
+    };
+    const auto named = [](const std::string& material, const std::string& place) {
+        return Words{"--material", material, "--at", place};
+    };
+    expect(named("table=gold", "20,40"), 2, "\"gold\" is no material");
+    expect(named("wood", "20,40"), 2, "right would be NAME=MATERIAL");
+    expect(named("table=wood", "20"), 2, "right would be X,Y or X,Y,FRAME");
+    expect(named("table=wood", "20,40,-1"), 2, "right would be X,Y or X,Y,FRAME");
+    expect(named("table=wood", "5,5"), 2, "no surface at pixel 5,5 of frame 0");
+    expect(named("table=wood", "96,5"), 2, "outside of the picture, which has 96x64");
+    expect(named("table=wood", "20,40,12"), 2, "frame 12 is beyond the clip, whose last one is 11");
+    expect({"--material", "table=wood"}, 2, "each --material needs its --at");
+    expect({"--material", "a=wood", "--at", "20,40", "--material", "b=foam", "--at", "21,41"}, 2,
+           "a segment is of one material");
+    expect({"--otherwise", "gold"}, 2, "\"gold\" is no material");
+    expect({"--segments", at("bad.json")}, 3, "bad.json: \"gold\" is no material");
+    expect({"--segments", at("hole.json")}, 3, "hole.json: segments[0]: there is no surface");
+    expect({"--segments", at("none.json")}, 3, "none.json");
+    expect({"--map", at("wall/depth_0.png")}, 3, "must be a PNG of indices");
+    expect({"--save", at("wall.mkv")}, 2, "which it would replace");
+    expect({"--save", at("hole.json")}, 2, "is there already");
+    expect({"--scale-relief"}, 3, "has no heights to be scaled");
+    expect({"--scale-relief"}, 2, "--scale-relief is for NAME.mkv", "out.png");
+    expect({}, 2, "--frame says which one", "out.png");
+    expect({"--frame", "12"}, 2, "--frame 12 is beyond the clip, which has 12 frames", "out.png");
+    expect({"--frame", "1"}, 2, "--frame is for NAME.png");
+    expect({"--haptic", at("wall/colour_0.png")}, 2, "--haptic does nothing here");
+    expect({}, 2, "does not end in .mkv", "out.mp4");
+    EXPECT_EQ(run_touchable({"materials"}).code, 2);
+    EXPECT_EQ(run_touchable({"materials", at("none.mkv")}).code, 3);
+}
+
+}  // namespace
+}  // namespace touchable::test
