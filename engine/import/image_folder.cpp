@@ -90,6 +90,10 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
                                           : Result<std::shared_ptr<ImageStack>>(nullptr);
     if (!stack) return stack.error();
     if (*stack) depth->frames = static_cast<std::size_t>((*stack)->count());
+    if (*stack && (*stack)->least_confidence())
+        clip.notes.push_back(
+            "depth whose confidence is below " + short_number(*(*stack)->least_confidence()) +
+            " is taken for none (half of the median of frame 0's where nobody says another)");
     for (const PlaneRole role : all_roles) {
         if (pattern_of(source, role).empty()) continue;
         const bool is_depths = role == PlaneRole::depth ||

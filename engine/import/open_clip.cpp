@@ -375,6 +375,9 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     if (known && scene_file)
         return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
                            of_bare_pictures());
+    if (known && known->least_confidence && (is_folder || !is_npy_file(SourceFile(path))))
+        return usage_error(path.string() +
+                           ": is no .npz with an array conf, of which there could be a least confidence");
     if (!is_folder && is_scene_file(path)) {
         if (scene_file || known)
             return usage_error(path.string() + ": is a scene file itself: leave " +

@@ -1,6 +1,7 @@
 #include "engine/picture/npy_stack.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,20 @@ Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& wher
     return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
                        std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
                        ": must be one picture here");
+}
+
+/// What is no number is least.
+std::vector<double> numbers_of(const StoredImage& picture) {
+    const auto pixels =
+        static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
+    std::vector<double> numbers(pixels, std::numeric_limits<double>::lowest());
+    const PlaneView codes = picture.image.view();
+    for (std::size_t k = 0; k < pixels; ++k)
+        if (picture.values.empty())
+            numbers[k] = codes.sample(static_cast<int>(k) % codes.width, static_cast<int>(k) / codes.width);
+        else if (picture.values[k] == picture.values[k])
+            numbers[k] = picture.values[k];
+    return numbers;
 }
 
 }  // namespace
@@ -92,16 +107,55 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
                            std::to_string(count() - 1));
     auto picture = read(number);
     if (!picture) return picture.error();
-    return std::move(*picture).finish("npy", floats_);
+    StoredImage image = std::move(*picture).finish("npy", floats_);
+    if (!confidence_) return image;
+    const auto confidence = confidence_->image(number);
+    if (!confidence) return confidence.error();
+    const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
+    const std::vector<double> trusted = numbers_of(*confidence);
+    for (std::size_t k = 0; k < trusted.size(); ++k) {
+        if (trusted[k] >= *least_confidence_) continue;
+        if (!image.values.empty())
+            image.values[k] = std::numeric_limits<float>::quiet_NaN();
+        else
+            std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
+                        std::uint8_t{0});
+    }
+    return image;
 }
 
-Result<ImageStack> open_npy_stack(const SourceFile& file) {
+Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> least) {
+    if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
+        return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
+                           " pictures of " + std::to_string(confidence.width()) + "x" +
+                           std::to_string(confidence.height()) + ", but depth of " + std::to_string(count()) +
+                           " of " + std::to_string(width()) + "x" + std::to_string(height()));
+    if (!least) {
+        const auto first = confidence.image(0);
+        if (!first) return first.error();
+        std::vector<double> numbers = numbers_of(*first);
+        const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+        std::nth_element(numbers.begin(), middle, numbers.end());
+        least = *middle / 2;
+    }
+    least_confidence_ = least;
+    confidence_ = std::make_unique<ImageStack>(std::move(confidence));
+    return {};
+}
+
+Result<ImageStack> open_npy_stack(const SourceFile& file, std::optional<double> least_confidence) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     if (!is_npz(first_bytes(**bytes, 4))) return ImageStack::of(std::move(*bytes), file.string());
     auto member = open_npz(std::move(*bytes), file.string());
     if (!member) return member.error();
-    return ImageStack::of(std::move(member->bytes), member->where);
+    auto stack = ImageStack::of(std::move(member->bytes), member->where);
+    if (!stack || !member->confidence) return stack;
+    auto confidence = ImageStack::of(std::move(member->confidence), file.string() + ": conf");
+    if (!confidence) return confidence;
+    if (auto trusted = stack->trust(std::move(*confidence), least_confidence); !trusted)
+        return trusted.error();
+    return stack;
 }
 
 bool is_npy_file(const SourceFile& file) {

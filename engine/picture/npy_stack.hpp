@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,13 @@ public:
     /// From 0 on. All are alike: floats where any picture has a number that is no integer from 0 to 65535.
     Result<StoredImage> image(std::int64_t number);
 
+    /// Where `confidence`, which is of the same pictures, is below `least` there is no depth: NaN, of
+    /// integers 0. Without `least` that is half of the median of the first picture's. Of other pictures it is
+    /// refused.
+    Result<void> trust(ImageStack confidence, std::optional<double> least);
+    /// It, where there is a confidence.
+    std::optional<double> least_confidence() const { return least_confidence_; }
+
 private:
     ImageStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, NpyPictures pictures);
     Result<void> check() const;
@@ -35,11 +43,13 @@ private:
     NpyHeader header_;
     NpyPictures pictures_;
     bool floats_ = false;
+    std::unique_ptr<ImageStack> confidence_;
+    std::optional<double> least_confidence_;
 };
 
 /// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes. An
-/// array of one picture is a stack of one.
-Result<ImageStack> open_npy_stack(const SourceFile& file);
+/// array of one picture is a stack of one. `least_confidence`: ImageStack::trust, where a .npz has one.
+Result<ImageStack> open_npy_stack(const SourceFile& file, std::optional<double> least_confidence = {});
 
 /// Whether a file begins as such a one.
 bool is_npy_file(const SourceFile& file);

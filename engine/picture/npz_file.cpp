@@ -210,7 +210,10 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
     if (!array->is_possible)
         return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +
                            " bytes");
-    return NpzMember{unpacked(archive, *array), name};
+    const NpzArray* const trust = only(arrays, [&](const NpzArray& a) {
+        return &a != array && a.pictures && a.is_possible && (a.name == "conf" || a.name == "confidence");
+    });
+    return NpzMember{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
 }
 
 Result<NpzMember> open_archive(zip_source_t* source, zip_error_t& error, const std::string& where) {

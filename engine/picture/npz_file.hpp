@@ -13,6 +13,8 @@ namespace touchable {
 struct NpzMember {
     std::unique_ptr<ByteSource> bytes;  ///< keeps the archive open
     std::string where;                  ///< both names, as messages begin
+    /// An array of pictures named conf or confidence, which networks write beside depth; null: there is none.
+    std::unique_ptr<ByteSource> confidence{};
 };
 
 bool is_npz(std::string_view begin);

@@ -293,7 +293,7 @@ void group_window_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {{"The clip",
                    {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
-                    "--align", "--camera", "--start", "--rate", "--loop"}},
+                    "--align", "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
                   {"The window",
                    {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
                     "--record", "--sound", "--video", "--settings", "--overwrite"}},

@@ -71,12 +71,13 @@ std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) 
 }
 
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
-    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset)
+    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset && !typed.least_confidence)
         return std::optional<SourceDescription>();
     SourceDescription known;
     known.fov = typed.fov;
     known.metres_per_code = typed.depth_unit;
     known.preset = typed.preset.value_or("");
+    known.least_confidence = typed.least_confidence;
     if (!typed.intrinsics) return std::optional(known);
     const std::vector<double> numbers = numbers_in(*typed.intrinsics);
     if (numbers.size() == 2 || numbers.size() == 4) {

@@ -14,6 +14,7 @@ namespace touchable {
 struct CameraTyped {
     std::optional<std::string> intrinsics, preset;
     std::optional<double> fov, depth_unit;
+    std::optional<double> least_confidence;  ///< of add_clip_options
 };
 
 /// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.

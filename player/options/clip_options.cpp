@@ -6,6 +6,7 @@
 #include "engine/scene/scene.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/filters_option.hpp"
+#include "player/options/number_option.hpp"
 #include "player/options/temporal_option.hpp"
 #include "player/options/whole_option.hpp"
 #include "player/options/word_option.hpp"
@@ -52,6 +53,12 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
         "depth without a scale, as networks guess it, to one scale for all frames: off, on, or auto "
         "(of pictures and videos that came without one, where it pumps)",
         words);
+    add_number_option(
+        sub, "--least-confidence", typed.camera.least_confidence,
+        "of a .npz with an array conf beside depth: what is below it is no depth; otherwise half of the "
+        "median of frame 0",
+        -1e9, 1e9)
+        ->type_name("C");
     return clip;
 }
 

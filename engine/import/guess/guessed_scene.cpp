@@ -551,8 +551,17 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (!is_still(name))
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
     const auto pictures = std::make_shared<ReadPictures>(source);
+    pictures->trust_from(known.least_confidence);
     const auto stored = depth_in(file, *pictures);
     if (!stored) return stored.error();
+    if (known.least_confidence) {
+        const auto stack = pictures->stack_in(file);
+        if (!stack) return stack.error();
+        if (!*stack || !(*stack)->least_confidence())
+            return usage_error(file.string() +
+                               ": has no confidence beside its depth, so none can be the least: must be "
+                               "a .npz with an array conf");
+    }
     Guess guess(known, *preset);
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
         return error_at(file.string(), described.error());

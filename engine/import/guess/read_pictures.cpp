@@ -28,7 +28,7 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
         return there->second;
     if (pictures_.contains(file.lexically_normal()) || !is_npy_file(source(file)))
         return std::shared_ptr<ImageStack>();
-    auto stack = open_npy_stack(source(file));
+    auto stack = open_npy_stack(source(file), least_confidence_);
     if (!stack) return stack.error();
     return stacks_[file.lexically_normal()] = std::make_shared<ImageStack>(std::move(*stack));
 }

@@ -36,6 +36,8 @@ public:
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
     /// The pictures of a file that is a stack of them (.npy, .npz), which stays open; null of others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
+    /// Of stacks that are opened from now on (ImageStack::trust).
+    void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
     /// Keeps one for `take`, with what is beside it.
     void keep(const std::filesystem::path& file, StoredImage picture);
     /// Forgets all but these.
@@ -57,6 +59,7 @@ private:
     std::map<std::filesystem::path, std::shared_ptr<ImageStack>> stacks_;
     std::optional<SourceFile> newest_;  // stays open until another one is wanted, or it was read
     std::size_t bytes_ = 0;             // of the pictures
+    std::optional<double> least_confidence_;
     BesideDepth::Wanted wanted_{true, true};
     std::filesystem::path rendering_;      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;  // it; null: nothing

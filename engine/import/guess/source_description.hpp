@@ -19,8 +19,10 @@ struct SourceDescription {
     std::optional<Intrinsics> intrinsics;
     std::optional<double> fov;              ///< from the left edge to the right one, degrees
     std::optional<double> metres_per_code;  ///< of metric depth: of a stored 1
-    std::filesystem::path file;             ///< that `intrinsics` were read from, if any
-    std::string preset;                     ///< a name of presets.hpp; empty: none
+    std::filesystem::path file;  ///< that `intrinsics` were read from, if any
+    std::string preset;          ///< a name of presets.hpp; empty: none
+    /// Of arrays with a confidence beside depth (ImageStack::trust).
+    std::optional<double> least_confidence{};
     bool operator==(const SourceDescription&) const = default;
 };
 
