@@ -33,9 +33,7 @@ struct GeneratedTable {
     double colour_noise = 3, depth_noise = 0.0015;  ///< levels; metres at a metre, growing with its square
     std::array<double, 3> camera_speed{};
 
-    Camera camera() const {
-        return {0.82 * width, 0.82 * width, (width - 1) / 2.0, (height - 1) / 2.0};
-    }
+    Camera camera() const { return {0.82 * width, 0.82 * width, (width - 1) / 2.0, (height - 1) / 2.0}; }
     Scene scene() const {
         Scene scene = small_scene(width, height, 16);
         scene.camera = camera();

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <set>
 
@@ -52,6 +55,25 @@ TEST(Segmenter, FindsThingsOnATable) {
     EXPECT_GE(sum / scenes, 0.8);
     EXPECT_GE(least, 0.7);
     EXPECT_LE(most_segments, 40U);
+}
+
+/// As good at the sizes of other cameras. What a frame takes is printed: 640x480 has to be 5 a second.
+TEST(Segmenter, FindsThemInPicturesOfAnySize) {
+    for (const auto& [width, height] : {std::pair{640, 480}, {1920, 1080}}) {
+        const GeneratedTable table = random_table(3, width, height);
+        Segmenter segmenter(table.scene());
+        const GeneratedFrame first = generate(table, 0), second = generate(table, 1);
+        double iou = mean_iou(first.truth, segmenter.next(first.raw(0), false).labels);
+        const auto wall = std::chrono::steady_clock::now();
+        const std::clock_t cpu = std::clock();
+        iou = std::min(iou, mean_iou(second.truth, segmenter.next(second.raw(1), true).labels));
+        const double all_ms = 1000.0 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+        const double ms =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count();
+        std::printf("%dx%d: mean IoU %.3f, a frame takes %.0f ms, %.0f ms of CPU\n", width, height, iou, ms,
+                    all_ms);
+        EXPECT_GE(iou, 0.8);
+    }
 }
 
 /// Per cent of the pixels seen in both frames whose label is another than it was, in the mean and at most.
@@ -106,6 +128,47 @@ TEST(Segmenter, FollowsWhatMoves) {
         const Changes changes = changes_of(table, 20, 1);
         EXPECT_LE(changes.mean, 3);
     }
+}
+
+/// All that is found of some frames of a clip that moves, of which one is left out.
+std::uint64_t hash_of(int threads) {
+    GeneratedTable table = random_table(11);
+    table.things[3].speed = {0.01, 0, 0};
+    table.camera_speed = {-0.006, 0, 0};
+    SegmentSettings settings;
+    settings.threads = threads;
+    Segmenter segmenter(table.scene(), settings);
+    ByteHash hash;
+    for (const int n : {0, 1, 2, 3, 9, 10}) {
+        const GeneratedFrame frame = generate(table, n);
+        const Segmentation& found = segmenter.next(frame.raw(n), n != 0 && n != 9);
+        hash.add(found.labels.data(), 2 * found.labels.size());
+        for (const Segment& segment : found.segments) {
+            const std::array<std::int32_t, 8> figures{segment.label,     segment.pixels,   segment.x,
+                                                      segment.y,         segment.contrast, segment.colour[0],
+                                                      segment.colour[1], segment.colour[2]};
+            hash.add(figures.data(), sizeof figures);
+        }
+    }
+    return hash.value();
+}
+
+/// Of GCC, Clang, with and without optimisation, and with any number of threads.
+TEST(Segmenter, HasTheSameBitsEverywhere) {
+    for (const int threads : {1, 2, 4}) EXPECT_EQ(hash_of(threads), 915390905513774920U) << threads;
+}
+
+/// After a cut things that are where they were, and look as they did, have the labels that they had.
+TEST(Segmenter, KnowsThingsAgainAfterACut) {
+    GeneratedTable table = random_table(3), other = random_table(4);
+    Segmenter segmenter(table.scene());
+    const GeneratedFrame frame = generate(table, 0), later = generate(table, 1), cut = generate(other, 0);
+    const std::vector<std::uint16_t> before = segmenter.next(frame.raw(), false).labels;
+    segmenter.next(cut.raw(), false);
+    const std::vector<std::uint16_t>& after = segmenter.next(later.raw(), false).labels;
+    std::size_t same = 0;
+    for (std::size_t k = 0; k < before.size(); ++k) same += before[k] == after[k] ? 1U : 0U;
+    EXPECT_GE(same * 100, before.size() * 97);
 }
 
 }  // namespace

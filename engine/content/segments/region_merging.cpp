@@ -12,17 +12,18 @@ namespace {
 /// Neighbours that differ by so much are two surfaces.
 constexpr std::int64_t apart = 1024;
 /// Each of these alone is that much: 16 levels of colour; a step of 1.5 % of the depth; a concave crease of
-/// 20 degrees, where one thing stands on another, or a convex one of 80, since a box's edge is the same thing
-/// on both sides. Creases are chords in 1024ths of a unit normal.
-constexpr std::int64_t colour_apart = 64 * 64, step_apart = 90, concave_apart = 356, convex_apart = 1316;
+/// 20 degrees, where one thing stands on another, or a convex one of 100, since a box's edge is the same
+/// thing on both sides. Creases are chords in 1024ths of a unit normal.
+constexpr std::int64_t colour_apart = 64 * 64, step_apart = 90, concave_apart = 356, convex_apart = 1600;
 /// Of squared differences of brightness, which are mostly light's: what counts.
-constexpr std::int64_t shading_share = 4;
+constexpr std::int64_t shading_share = 8;
 /// However much a border's piece differs, it counts as its length tells.
 constexpr std::int64_t most_times = 16, most_step = 4 * step_apart;
 /// A region of so many times the smallest has to differ twice as much as a large one, in squares.
 constexpr std::int64_t small_times = 3;
-/// Regions that were one in the last frame differ by this much less, and those that were two by as much more.
-constexpr std::int64_t hysteresis = 2;
+/// Regions that were one in the last frame differ by so many times less, and those that were two by as many
+/// times more.
+constexpr std::int64_t hysteresis = 3;
 
 /// Cells between those of two superpixels that may be neighbours: each pixel's is next to its own cell, and
 /// a hole of two cells may lie between.
@@ -233,6 +234,8 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
         std::sort(region.borders.begin(), region.borders.end(),
                   [](const auto& a, const auto& b) { return a.first < b.first; });
     for (std::size_t k = 0; k < all.size(); ++k) offer(k);
+    auto left = std::count_if(regions_.begin(), regions_.end(),
+                              [](const Region& region) { return !region.borders.empty(); });
     const std::int64_t enough = apart * settings_.difference / 100;
     while (!queue_.empty()) {
         std::pop_heap(queue_.begin(), queue_.end(), [](const Candidate& c, const Candidate& d) {
@@ -246,7 +249,8 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
         // One that was there in the last frame may get smaller before it goes.
         const bool stays = smaller.label != 0 && one.label != other.label;
         const bool is_crumb = smaller.pixels * (stays ? 2 : 1) < settings_.smallest;
-        if (next.difference >= enough && !is_crumb) continue;
+        if (next.difference >= enough && !is_crumb && left <= settings_.most) continue;
+        --left;
         const bool into_first = one.borders.size() >= other.borders.size();
         const std::uint16_t into = into_first ? next.a : next.b, from = into_first ? next.b : next.a;
         join(into, from);

@@ -11,6 +11,7 @@ namespace touchable {
 /// What of neighbours makes them one region.
 struct MergeSettings {
     int difference = 100;       ///< SegmentSettings
+    int most = 40;              ///< SegmentSettings
     std::int32_t smallest = 1;  ///< pixels
 };
 

@@ -45,7 +45,7 @@ struct Segmenter::State {
                                      : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
           reader(scene),
           superpixels(scene.width, scene.height, superpixel_side(scene, settings)),
-          merging(scene.camera, {settings.difference, smallest_segment(scene, settings)}),
+          merging(scene.camera, {settings.difference, settings.most, smallest_segment(scene, settings)}),
           memory(scene.width, scene.height),
           smallest(smallest_segment(scene, settings)) {
         out.width = scene.width;

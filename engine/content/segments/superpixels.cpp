@@ -195,7 +195,7 @@ void Superpixels::update(std::size_t k) {
     const std::int64_t rest = sums.z - z * n, xz = covariance(sums.xz - z * sums.x, sums.x, rest),
                        yz = covariance(sums.yz - z * sums.y, sums.y, rest),
                        zz = covariance(sums.zz - 2 * z * sums.z + z * z * n, rest, rest);
-    const std::int64_t firm = 16 + side_ * side_ / 25;
+    const std::int64_t firm = 1 + side_ * side_ / 50;
     const std::int64_t xx = covariance(sums.xx, sums.x, sums.x) + firm,
                        yy = covariance(sums.yy, sums.y, sums.y) + firm,
                        xy = covariance(sums.xy, sums.x, sums.y);

@@ -17,8 +17,12 @@ struct Superpixel {
     std::int32_t spread = 1;  ///< of its pixels along the narrower of x and y, squared
     std::uint16_t label = 0;  ///< of its segment in the last frame; 0: none
 
+    /// Of the plane: 1 / depth is even in the picture, so that log depth is bent.
     std::int32_t depth_at(std::int32_t at_x, std::int32_t at_y) const {
-        return depth + ((slope_x * (at_x - x) + slope_y * (at_y - y)) >> 8);
+        constexpr std::int64_t bend = 11818;  // 2 PixelFeatures::depth_per_octave / ln 2
+        const std::int64_t even =
+            (std::int64_t{slope_x} * (at_x - x) + std::int64_t{slope_y} * (at_y - y)) >> 8;
+        return static_cast<std::int32_t>(depth + even + even * even / bend);
     }
 };
 
