@@ -171,5 +171,18 @@ TEST(Segmenter, KnowsThingsAgainAfterACut) {
     EXPECT_GE(same * 100, before.size() * 97);
 }
 
+/// Somebody draws the curtains: things do not look as they did, but are where they were.
+TEST(Segmenter, KeepsLabelsWhereTheLightChanges) {
+    const GeneratedTable table = random_table(3);
+    Segmenter segmenter(table.scene());
+    GeneratedFrame frame = generate(table, 0);
+    const std::vector<std::uint16_t> before = segmenter.next(frame.raw(0), false).labels;
+    for (std::uint8_t& sample : frame.colour) sample = static_cast<std::uint8_t>(sample / 2);
+    const std::vector<std::uint16_t>& after = segmenter.next(frame.raw(1), true).labels;
+    std::size_t same = 0;
+    for (std::size_t k = 0; k < before.size(); ++k) same += before[k] == after[k] ? 1U : 0U;
+    EXPECT_GE(same * 100, before.size() * 97);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -25,16 +25,12 @@ std::vector<int> even_cells(int length, int side, int& cells) {
 
 }  // namespace
 
-/// Of the pixels of a superpixel, places from its cell's middle.
-struct Superpixels::Sums {
-    std::int64_t pixels, x, y, brightness, red_green, yellow_blue, z, xx, xy, yy, xz, yz, zz;
-    void operator+=(const Sums& other) {
-        pixels += other.pixels, x += other.x, y += other.y;
-        brightness += other.brightness, red_green += other.red_green, yellow_blue += other.yellow_blue;
-        z += other.z, xx += other.xx, xy += other.xy, yy += other.yy;
-        xz += other.xz, yz += other.yz, zz += other.zz;
-    }
-};
+void Superpixels::Sums::operator+=(const Sums& other) {
+    pixels += other.pixels, x += other.x, y += other.y;
+    brightness += other.brightness, red_green += other.red_green, yellow_blue += other.yellow_blue;
+    z += other.z, xx += other.xx, xy += other.xy, yy += other.yy;
+    xz += other.xz, yz += other.yz, zz += other.zz;
+}
 
 Superpixels::Superpixels(int width, int height, int side) : width_(width), height_(height), side_(side) {
     column_ends_ = even_cells(width, side, columns_);

@@ -51,7 +51,11 @@ public:
     int height() const { return height_; }
 
 private:
-    struct Sums;
+    /// Of the pixels of a superpixel, places from its cell's corner.
+    struct Sums {
+        std::int64_t pixels, x, y, brightness, red_green, yellow_blue, z, xx, xy, yy, xz, yz, zz;
+        void operator+=(const Sums& other);
+    };
     void seed(const PixelFeatures& features, const std::vector<std::uint16_t>& known);
     void assign(const PixelFeatures& features, const std::vector<std::uint16_t>& known, const RowBand& band);
     void add_up(const PixelFeatures& features, const RowBand& band);
