@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -171,6 +172,32 @@ TEST_F(SegmentsOf, TextureIsMeasured) {
     EXPECT_EQ(contrast_of([](int, int) { return 100; }), 0);
     EXPECT_LE(contrast_of([](int x, int) { return 80 + x / 8; }), 8);  // light that falls off
     EXPECT_NEAR(contrast_of([](int x, int y) { return (x + y) % 2 ? 110 : 90; }), 160, 4);  // 10 levels
+}
+
+/// Depth of 8 bits is a staircase: its steps are no edges.
+TEST_F(SegmentsOf, DepthOfEightBitsHasNoSegmentsOfItsOwn) {
+    double sum = 0;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        GeneratedTable table = random_table(seed);
+        table.depth_noise = 0;
+        Scene scene = table.scene();
+        scene.depth.kind = DepthCodingKind::inverse;
+        scene.depth.near = 0.4;
+        scene.depth.far = 8;
+        scene.depth.code_max = 255;
+        scene.depth.invalid_code_count = 0;
+        derive_valid_range(scene.depth);
+        GeneratedFrame frame = generate(table, 0);
+        for (std::uint16_t& code : frame.depth) code = scene.depth.code(code * 0.001);
+        Segmenter segmenter(scene);
+        const Segmentation& found = segmenter.next(frame.raw(), false);
+        check(found);
+        std::printf("8 bits, scene %d: %zu segments, mean IoU %.3f\n", static_cast<int>(seed),
+                    found.segments.size(), mean_iou(frame.truth, found.labels));
+        sum += mean_iou(frame.truth, found.labels);
+        EXPECT_LE(found.segments.size(), 20U);
+    }
+    EXPECT_GE(sum / 4, 0.8);
 }
 
 }  // namespace

@@ -20,25 +20,6 @@ namespace {
 
 const bool short_sweeps = sweep_step() > 1;
 
-/// Mean over things of the best segment's intersection over union.
-double mean_iou(const std::vector<std::uint16_t>& truth, const std::vector<std::uint16_t>& labels) {
-    std::map<std::pair<int, int>, double> both;
-    std::map<int, double> true_pixels, label_pixels;
-    for (std::size_t k = 0; k < truth.size(); ++k) {
-        ++both[{truth[k], labels[k]}];
-        ++true_pixels[truth[k]];
-        ++label_pixels[labels[k]];
-    }
-    std::map<int, double> best;
-    for (const auto& [pair, pixels] : both)
-        if (pair.second != 0)
-            best[pair.first] = std::max(
-                best[pair.first], pixels / (true_pixels[pair.first] + label_pixels[pair.second] - pixels));
-    double sum = 0;
-    for (const auto& [thing, pixels] : true_pixels) sum += best[thing];
-    return sum / static_cast<double>(true_pixels.size());
-}
-
 TEST(Segmenter, FindsThingsOnATable) {
     double sum = 0, least = 1;
     constexpr int scenes = 8;
