@@ -197,7 +197,7 @@ TEST_F(SegmentsOf, DepthOfEightBitsHasNoSegmentsOfItsOwn) {
         sum += mean_iou(frame.truth, found.labels);
         EXPECT_LE(found.segments.size(), 20U);
     }
-    EXPECT_GE(sum / 4, 0.8);
+    EXPECT_GE(sum / 4, 0.92);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdlib>
 
 #include "engine/frame/stored_code.hpp"
 
@@ -15,6 +16,9 @@ constexpr int dark = 96;
 /// A level of hue weighs as much as one of colour in a pixel of middle brightness.
 constexpr int hue_weight = 4 * (128 + dark), share_bits = 14;
 constexpr int brightness_weight = 2;
+
+constexpr int per_quantum = PixelFeatures::depth_per_octave / 8;
+constexpr std::size_t quanta = 32 * 8;
 
 }  // namespace
 
@@ -35,13 +39,19 @@ std::int32_t fixed_log2(double number) {
 
 FeatureReader::FeatureReader(const Scene& scene)
     : width_(scene.width), height_(scene.height), coding_(scene.depth) {
+    quanta_.assign(quanta, 0);
     depth_of_code_.assign(std::size_t{1} << 16, PixelFeatures::no_surface);
     if (coding_.valid_min <= coding_.valid_max) {
         const double nearest = coding_.nearest_depth();
         for (int code = coding_.valid_min; code <= coding_.valid_max; ++code) {
             const auto valid = static_cast<std::uint16_t>(code);
             if (!coding_.is_valid(valid)) continue;
-            depth_of_code_[valid] = fixed_log2(std::clamp(coding_.depth(valid) / nearest, 1.0, 2e9));
+            const std::int32_t depth = fixed_log2(std::clamp(coding_.depth(valid) / nearest, 1.0, 2e9));
+            depth_of_code_[valid] = depth;
+            const std::int32_t before = code > coding_.valid_min ? depth_of_code_[valid - 1U] : depth;
+            if (before == PixelFeatures::no_surface) continue;
+            std::int32_t& quantum = quanta_[static_cast<std::size_t>(depth / per_quantum)];
+            quantum = std::max(quantum, std::abs(depth - before));
         }
     }
     if (coding_.semantics == DepthSemantics::range)
@@ -50,6 +60,10 @@ FeatureReader::FeatureReader(const Scene& scene)
                 ray_.push_back(fixed_log2(std::min(scene.camera.ray_length(x, y), 2e9)));
     for (int level = 0; level <= 255 * window_pixels; ++level)
         shares_.push_back((hue_weight << share_bits) / (level + dark * window_pixels));
+}
+
+std::int32_t FeatureReader::quantum(std::int32_t depth) const {
+    return quanta_[std::min(static_cast<std::size_t>(std::max(depth, 0) / per_quantum), quanta - 1)];
 }
 
 void FeatureReader::read(const RawFrame& frame, PixelFeatures& features, RowBands& bands) const {

@@ -43,6 +43,8 @@ class FeatureReader {
 public:
     explicit FeatureReader(const Scene& scene);
     void read(const RawFrame& frame, PixelFeatures& features, RowBands& bands) const;
+    /// About that depth: from one code to the next.
+    std::int32_t quantum(std::int32_t depth) const;
 
 private:
     void read_colour(const PlaneView& colour, PixelFeatures& features, const RowBand& band) const;
@@ -51,6 +53,7 @@ private:
     int width_, height_;
     DepthCoding coding_;
     std::vector<std::int32_t> depth_of_code_, ray_;  // ray_: of range depth, by pixel; else none
+    std::vector<std::int32_t> quanta_;               // by eighths of an octave
     std::vector<std::int32_t> shares_;
 };
 

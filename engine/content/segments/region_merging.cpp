@@ -91,7 +91,8 @@ void RegionMerging::find_borders(const Superpixels& superpixels) {
 }
 
 /// With g and h the slopes of log depth by the ray's u and v, the normal is along (g, h, -(1 + g u + h v)).
-void RegionMerging::find_normals(const std::vector<Superpixel>& all) {
+void RegionMerging::find_normals(const Superpixels& superpixels) {
+    const std::vector<Superpixel>& all = superpixels.all();
     // Per pixel and octave / (256 PixelFeatures::depth_per_octave), in normal_unit.
     const double unit = 0.6931471805599453 / (256.0 * PixelFeatures::depth_per_octave) * normal_unit;
     const std::int64_t per_x = fixed(camera_.fx * unit, 1 << 16), per_y = fixed(camera_.fy * unit, 1 << 16);
@@ -111,8 +112,11 @@ void RegionMerging::find_normals(const std::vector<Superpixel>& all) {
         // The variance of a slope, four times: noise of depth is alike in neighbouring pixels.
         const std::int64_t per_slope = squared((256 * std::max(per_x, per_y)) >> 16);
         const std::int64_t pixels = std::int64_t{one.pixels} * one.spread;
-        normal.doubt =
-            std::min<std::int64_t>(4 * normal_unit * normal_unit, 4 * per_slope * one.noise / pixels);
+        // And a code from one end to the other may be none of the surface's.
+        const std::int64_t coarse =
+            squared(256 * std::max(per_x, per_y) / 65536 * one.quantum / superpixels.side());
+        normal.doubt = std::min<std::int64_t>(4 * normal_unit * normal_unit,
+                                              4 * per_slope * one.noise / pixels + coarse);
     }
 }
 
@@ -125,8 +129,11 @@ void RegionMerging::measure(const std::vector<Superpixel>& all, std::size_t a, s
                                              colour_difference(one.brightness - other.brightness,
                                                                one.red_green - other.red_green,
                                                                one.yellow_blue - other.yellow_blue));
-    border.step = border.length *
-                  std::clamp<std::int64_t>(one.depth_at(x, y) - other.depth_at(x, y), -most_step, most_step);
+    // Of codes, each plane may be half of one off.
+    const std::int64_t step = one.depth_at(x, y) - other.depth_at(x, y),
+                       sure = std::max<std::int64_t>(
+                           0, std::abs(step) - std::max(one.quantum, other.quantum) / 2);
+    border.step = border.length * std::min(sure, most_step) * (step < 0 ? -1 : 1);
     const Normal &n = normals_[a], &m = normals_[b];
     const std::int64_t crease = whole_root(std::max<std::int64_t>(
         0, squared(n.x - m.x) + squared(n.y - m.y) + squared(n.z - m.z) - n.doubt - m.doubt));
@@ -204,7 +211,7 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
                                                        const std::vector<std::uint16_t>& labels) {
     const std::vector<Superpixel>& all = superpixels.all();
     find_borders(superpixels);
-    find_normals(all);
+    find_normals(superpixels);
     regions_.assign(all.size(), {});
     region_of_.resize(all.size());
     for (std::size_t k = 0; k < all.size(); ++k) {

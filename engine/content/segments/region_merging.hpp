@@ -54,7 +54,7 @@ private:
     };
 
     void find_borders(const Superpixels& superpixels);
-    void find_normals(const std::vector<Superpixel>& all);
+    void find_normals(const Superpixels& superpixels);
     void measure(const std::vector<Superpixel>& all, std::size_t a, std::size_t b, Border& border) const;
     std::int64_t difference(std::size_t a, std::size_t b, const Border& border) const;
     void offer(std::size_t region);

@@ -113,6 +113,7 @@ std::vector<std::uint16_t> Segmenter::State::labels_of_superpixels() const {
 }
 
 void Segmenter::State::find_regions() {
+    for (Superpixel& one : superpixels.all()) one.quantum = reader.quantum(one.depth);
     const std::vector<std::uint16_t>& of_superpixels = merging.merge(superpixels, labels_of_superpixels());
     const std::vector<std::uint16_t>& of_pixels = superpixels.of_pixels();
     regions.resize(of_pixels.size());

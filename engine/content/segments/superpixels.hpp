@@ -13,9 +13,10 @@ struct Superpixel {
     std::int32_t pixels = 0;                                                 ///< 0: there is none in its cell
     std::int32_t brightness = 0, red_green = 0, yellow_blue = 0, depth = 0;  ///< means; depth at its middle
     std::int32_t slope_x = 0, slope_y = 0;                                   ///< of depth, 1/256 per pixel
-    std::int32_t noise = 0;   ///< of depth about that plane, squared
-    std::int32_t spread = 1;  ///< of its pixels along the narrower of x and y, squared
-    std::uint16_t label = 0;  ///< of its segment in the last frame; 0: none
+    std::int32_t noise = 0;    ///< of depth about that plane, squared
+    std::int32_t spread = 1;   ///< of its pixels along the narrower of x and y, squared
+    std::int32_t quantum = 0;  ///< of depth: from one code to the next
+    std::uint16_t label = 0;   ///< of its segment in the last frame; 0: none
 
     /// Of the plane: 1 / depth is even in the picture, so that log depth is bent.
     std::int32_t depth_at(std::int32_t at_x, std::int32_t at_y) const {
