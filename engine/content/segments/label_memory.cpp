@@ -1,6 +1,7 @@
 #include "engine/content/segments/label_memory.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <tuple>
 

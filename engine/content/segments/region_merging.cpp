@@ -1,10 +1,9 @@
 #include "engine/content/segments/region_merging.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstdlib>
 #include <tuple>
+#include <utility>
 
 namespace touchable {
 namespace {

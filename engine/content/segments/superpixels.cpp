@@ -1,7 +1,6 @@
 #include "engine/content/segments/superpixels.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <limits>
 
