@@ -51,6 +51,13 @@ double mean_of(const std::vector<double>& numbers) {
     return sum / static_cast<double>(numbers.size());
 }
 
+/// Of frames that show nothing of each other a chain of lines may lead anywhere.
+bool is_likely(const Line& line) {
+    constexpr double most_scale = 64, most_shift = 1e8;
+    return line.scale >= 1 / most_scale && line.scale <= most_scale && line.shift >= -most_shift &&
+           line.shift <= most_shift;
+}
+
 /// The straight line through numbers at places first, first + 1, ..., at place 0.
 double regressed_at_zero(const std::vector<double>& numbers, double first) {
     const double middle = first + (static_cast<double>(numbers.size()) - 1) / 2, mean = mean_of(numbers);
@@ -129,6 +136,7 @@ void ShotAlignment::fit_to_shot(const CellPicture& picture, Fitted& fitted) {
     fitted.is_still =
         fit && !camera_moves && 4 * any.size() >= known && fit->noise <= noise_of_still * range_;
     fitted.to_shot = fitted.is_still ? fit->line : fitted.to_before.then(shot_.back().to_shot);
+    if (!is_likely(fitted.to_shot)) fitted.to_shot = {};
     const double noise = fit ? fit->noise : least_noise_;
     remember(picture, same, fitted.to_shot, 4 * std::min(noise, noise_of_still * range_));
 }
@@ -178,40 +186,55 @@ void ShotAlignment::add(CellPicture picture) {
     before_ = std::move(picture);
 }
 
-/// Its frames' lines, of which the mean leaves codes as they are.
+/// Of which the mean leaves codes as they are.
+std::vector<Line> ShotAlignment::lines_of_still() const {
+    std::vector<double> scales, shifts;
+    for (const Fitted& fitted : shot_) {
+        const Line back = fitted.to_shot.inverse();
+        scales.push_back(back.scale);
+        shifts.push_back(back.shift);
+    }
+    const Line mean{mean_of(scales), mean_of(shifts)};
+    std::vector<Line> lines;
+    for (const Fitted& fitted : shot_) lines.push_back(fitted.to_shot.then(mean));
+    return lines;
+}
+
+/// Through the scales of the frames around each, as they are seen from there, a straight line.
+std::vector<Line> ShotAlignment::lines_of_moving() const {
+    std::vector<Line> lines;
+    const auto count = static_cast<std::ptrdiff_t>(shot_.size());
+    const auto fitted = [&](std::ptrdiff_t k) -> const Fitted& { return shot_[static_cast<std::size_t>(k)]; };
+    for (std::ptrdiff_t n = 0; n < count; ++n) {
+        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, n - radius),
+                             last = std::min(count - 1, n + radius);
+        std::vector<double> scales(static_cast<std::size_t>(last - first + 1)), shifts(scales.size());
+        const auto put = [&](std::ptrdiff_t k, const Line& there) {
+            scales[static_cast<std::size_t>(k - first)] = there.scale;
+            shifts[static_cast<std::size_t>(k - first)] = there.shift;
+        };
+        put(n, {});
+        Line there;
+        for (std::ptrdiff_t k = n; k > first; --k) put(k - 1, there = there.then(fitted(k).to_before));
+        there = {};
+        for (std::ptrdiff_t k = n + 1; k <= last; ++k)
+            put(k, there = there.then(fitted(k).to_before.inverse()));
+        const auto place = static_cast<double>(first - n);
+        lines.push_back({regressed_at_zero(scales, place), regressed_at_zero(shifts, place)});
+    }
+    return lines;
+}
+
 void ShotAlignment::end_shot() {
     if (shot_.empty()) return;
     ++shots_;
-    const auto count = static_cast<std::ptrdiff_t>(shot_.size());
-    const auto still = std::count_if(shot_.begin(), shot_.end(), [](const Fitted& f) { return f.is_still; });
-    const bool is_still = static_cast<double>(still) >= still_frames * static_cast<double>(count);
+    const auto count = static_cast<double>(shot_.size());
+    const auto still = static_cast<double>(
+        std::count_if(shot_.begin(), shot_.end(), [](const Fitted& f) { return f.is_still; }));
+    const bool is_still = still >= still_frames * count;
     still_shots_ += is_still;
-    std::vector<Line> to_first;
-    for (const Fitted& fitted : shot_)
-        to_first.push_back(is_still           ? fitted.to_shot
-                           : to_first.empty() ? Line{}
-                                              : fitted.to_before.then(to_first.back()));
-    for (std::ptrdiff_t n = 0; n < count; ++n) {
-        const std::ptrdiff_t first = is_still ? 0 : std::max<std::ptrdiff_t>(0, n - radius),
-                             last = is_still ? count : std::min(count, n + radius + 1);
-        if (is_still && n > 0) {  // the same mean for all of them
-            lines_.push_back(to_first[static_cast<std::size_t>(n)].then(
-                to_first.front().inverse().then(lines_[lines_.size() - static_cast<std::size_t>(n)])));
-            continue;
-        }
-        std::vector<double> scales, shifts;
-        for (std::ptrdiff_t k = first; k < last; ++k) {
-            const Line there =
-                to_first[static_cast<std::size_t>(n)].then(to_first[static_cast<std::size_t>(k)].inverse());
-            scales.push_back(there.scale);
-            shifts.push_back(there.shift);
-        }
-        if (is_still)
-            lines_.push_back({mean_of(scales), mean_of(shifts)});
-        else
-            lines_.push_back({regressed_at_zero(scales, static_cast<double>(first - n)),
-                              regressed_at_zero(shifts, static_cast<double>(first - n))});
-    }
+    for (const Line& line : is_still ? lines_of_still() : lines_of_moving())
+        lines_.push_back(is_likely(line) ? line : Line{});
     shot_.clear();
 }
 

@@ -52,6 +52,8 @@ private:
                   double tolerance);
     void begin_shot(const CellPicture& picture);
     void end_shot();
+    std::vector<Line> lines_of_still() const;
+    std::vector<Line> lines_of_moving() const;
 
     std::vector<Line> lines_;
     std::vector<RestingCells> resting_;
