@@ -196,6 +196,19 @@ TEST_F(Materials, AreToldWithoutAnythingWritten) {
     EXPECT_EQ(names_in(at("")), before);
 }
 
+TEST_F(Materials, NeedNoColourWhereNothingIsGuessed) {
+    make_clip("bumps", at("grey.mkv"), {"--size", "48x32", "--frames", "2"});
+    const Outcome guessed = run_touchable({"materials", at("grey.mkv"), at("out.mkv")});
+    EXPECT_EQ(guessed.code, 3) << guessed.err;
+    EXPECT_TRUE(guessed.one_line_of_error()) << guessed.err;
+    EXPECT_NE(guessed.err.find("has no colour"), std::string::npos) << guessed.err;
+    const Outcome said = run_touchable({"materials", at("grey.mkv"), at("out.mkv"), "--otherwise", "cork"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    const auto cork = haptic_at("out.mkv", 1, 1);
+    EXPECT_EQ(cork, haptic_at("out.mkv", 47, 31));
+    EXPECT_NEAR(cork[0], (1.5 - 0.05) / 1.95 * 255, 0.5);
+}
+
 /// A finger rests while what it rests on changes from foam to wood and back with every frame: neither its
 /// stiffness nor its force jumps.
 TEST_F(Materials, ThatChangeUnderARestingFingerDoNotKickIt) {
