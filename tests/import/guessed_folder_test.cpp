@@ -322,5 +322,24 @@ TEST_F(GuessedFolder, FloatsThatAreLargeBelowAreDoubtedAsLengths) {
     EXPECT_FALSE(is_doubted(guess()));
 }
 
+/// As Marigold guesses it: from 0, the nearest, to 1. Others guess 1/depth, 1 the nearest.
+TEST_F(GuessedFolder, SharesThatGrowWithDepthAreDepthAndOthersOneOverIt) {
+    for (const bool is_near_high : {false, true}) {
+        std::string bytes = "Pf\n16 12\n-1\n";  // from the lowest row on
+        for (int k = 0; k < 16 * 12; ++k) {
+            const float share = static_cast<float>(k) / 191;
+            const float value = is_near_high ? 1 - share : share;
+            bytes.append(reinterpret_cast<const char*>(&value), 4);
+        }
+        write_bytes(folder / "depth_0.pfm", bytes);
+        write_bytes(folder / "depth_1.pfm", bytes);
+        const GuessedScene guessed = guess();
+        EXPECT_EQ(guessed.scene.stored.kind, StoredDepth::Kind::relative);
+        EXPECT_EQ(guessed.scene.depth.near_is_high, is_near_high);
+        EXPECT_EQ(guessed.scene.depth.kind,
+                  is_near_high ? DepthCodingKind::inverse : DepthCodingKind::linear);
+    }
+}
+
 }  // namespace
 }  // namespace touchable::test

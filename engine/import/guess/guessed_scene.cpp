@@ -198,8 +198,10 @@ void Guess::guess_unit(const EstimatedValues& values) {
     const Hints otherwise{{Setting::depth_unit}};
     const bool is_signed = values.negative > 0.01;
     if (values.bits == 8 || values.is_normalised || is_signed) {
-        // Networks that guess depth write more for what is nearer.
-        set_relative(is_signed || values.lower >= values.upper, true);
+        // What is larger where it is nearer is 1/depth, as most networks guess it; what grows with depth is
+        // depth.
+        const bool near_is_high = is_signed || values.lower >= values.upper;
+        set_relative(near_is_high, near_is_high);
     } else if (values.is_float) {
         const bool metres = values.median < 30;
         set_metric(metres ? 1 : 0.001);
