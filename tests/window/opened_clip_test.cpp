@@ -297,6 +297,42 @@ TEST_F(CountedClip, TheForceOnAFingerThatIsPressedInBeginsAtZeroAndRisesByTheGua
     }
 }
 
+TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
+    choice_.share_clip();
+    const auto heights = [&] {
+        auto reader = choice_.open();
+        EXPECT_TRUE(reader.ok());
+        const auto frame = (*reader)->next();
+        EXPECT_TRUE(frame.ok() && *frame);
+        std::vector<std::uint16_t> codes;
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 64; ++x) codes.push_back((*frame)->height.sample(x, y));
+        return codes;
+    };
+    const auto own = heights();
+    choice_.relief = ReliefChoice{};
+    const auto half = [&] {
+        choice_.relief->settings.amount = 50;
+        return heights();
+    }();
+    EXPECT_NE(half, own);
+    ASSERT_TRUE(choice_.relief_memory->range(choice_.relief->settings.bands));
+    choice_.relief->settings.amount = 100;
+    const auto whole = heights();
+    int higher = 0;
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+        EXPECT_NEAR(whole[k] - 128, 2 * (half[k] - 128), 2);
+        higher += whole[k] != 128 ? 1 : 0;
+    }
+    EXPECT_GT(higher, 100);
+    choice_.relief.reset();
+    EXPECT_EQ(heights(), own);
+    // And while it is touched.
+    EXPECT_TRUE(change("relief", "200").ok());
+    EXPECT_TRUE(comes_true([&] { return clip_->session().playback().time_ns > 0; }));
+    EXPECT_FALSE(clip_->failure());
+}
+
 TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {
     const WatchedSession* const before = &clip_->session();
     ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));

@@ -61,6 +61,26 @@ TEST(SessionSettings, MakeTheOptionsOfARun) {
     EXPECT_EQ(with_settings(typed, felt({{"max-force", "5"}})).guard.max_force, 5);
 }
 
+TEST(SessionSettings, ReliefIsThereOnceAnyOfItIsWanted) {
+    SessionSettings settings;
+    ASSERT_TRUE(settings.set("relief-fine", "-100").ok());
+    EXPECT_FALSE(with_settings({}, settings).clip.relief);
+    ASSERT_TRUE(settings.set("relief", "150").ok());
+    ASSERT_TRUE(settings.set("relief-invert", "on").ok());
+    ASSERT_TRUE(settings.set("relief-height", "2").ok());
+    const auto relief = with_settings({}, settings).clip.relief;
+    ASSERT_TRUE(relief);
+    EXPECT_EQ(relief->settings, (ReliefSettings{{-100, 70, 40}, 150, true}));
+    EXPECT_EQ(relief->height_mm, 2);
+    EXPECT_FALSE(settings.set("relief", "401").ok());
+    // A recording would not know of it.
+    SessionOptions recorded = with_settings({}, settings);
+    recorded.recorded = true;
+    const auto refused = validate(recorded);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("touchable relief"), std::string::npos) << refused.error().message;
+}
+
 TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {
     TwoSettings two;
     EXPECT_TRUE(two.set("median", "5").ok());
