@@ -56,10 +56,9 @@ fs::path name_in_folder(const fs::path& clip) {
     return (name.empty() ? std::string("clip") : name) + ".mkv";
 }
 
-void ManyClips::add_option(CLI::App& sub, const std::string& out) {
-    add_file_option(sub, "OUT", rest,
-                    out + "; or further clips, and the folder that all of them go into (FOLDER/)")
-        ->required()
+CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
+    return add_file_option(sub, "OUT", rest,
+                           out + "; or further clips, and the folder that all of them go into (FOLDER/)")
         ->expected(1, -1);
 }
 

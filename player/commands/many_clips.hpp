@@ -10,7 +10,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace touchable {
 
@@ -20,8 +21,8 @@ namespace touchable {
 struct ManyClips {
     std::vector<std::filesystem::path> rest;  ///< further clips, then OUT
 
-    /// Adds the words after CLIP. `out`: what OUT is.
-    void add_option(CLI::App& sub, const std::string& out);
+    /// Adds the words after CLIP, and gives them back. `out`: what OUT is.
+    CLI::Option* add_option(CLI::App& sub, const std::string& out);
 
     using One =
         std::function<Result<void>(const std::filesystem::path& clip, const std::filesystem::path& out)>;

@@ -9,6 +9,7 @@
 #include "engine/picture/coded_image.hpp"
 #include "engine/printable.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/many_clips.hpp"
 #include "player/commands/materials_run.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
@@ -22,6 +23,7 @@ constexpr std::int64_t last_segment_frame = 999'999'999;
 
 struct MaterialsTyped {
     ClipTyped clip;
+    ManyClips many;
     MaterialsOptions options;
     bool list = false;
     std::vector<std::string> materials, places;  // each with its own
@@ -105,10 +107,7 @@ Result<SegmentMap> read_map(const std::filesystem::path& file) {
 }
 
 /// What is asked for before anything is read.
-Result<void> check_words(const MaterialsTyped& typed) {
-    const MaterialsOptions& options = typed.options;
-    if (typed.clip.choice.file.empty())
-        return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
+Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& options) {
     const std::string ending = options.out.extension().string();
     if (!options.out.empty() && ending != ".mkv" && ending != ".png")
         return usage_error("OUT " + in_quotes(options.out.string()) +
@@ -126,13 +125,16 @@ Result<void> check_words(const MaterialsTyped& typed) {
     return {};
 }
 
-Result<void> run_typed(const MaterialsTyped& typed) {
-    if (typed.list) return print_palette();
-    if (auto fits = check_words(typed); !fits.ok()) return fits;
+/// Of one clip; `out` may be empty.
+Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& clip,
+                     const std::filesystem::path& out) {
     MaterialsOptions options = typed.options;
+    options.out = out;
+    if (auto fits = check_words(typed, options); !fits.ok()) return fits;
     const auto choice = read_clip(typed.clip);
     if (!choice.ok()) return choice.error();
     options.clip = *choice;
+    options.clip.file = clip;
     auto names = read_names(typed);
     if (!names.ok()) return names.error();
     options.materials.names = std::move(*names);
@@ -151,6 +153,19 @@ Result<void> run_typed(const MaterialsTyped& typed) {
     return run_materials(options);
 }
 
+Result<void> run_typed(const MaterialsTyped& typed) {
+    if (typed.list) return print_palette();
+    const auto& first = typed.clip.choice.file;
+    if (first.empty())
+        return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
+    if (typed.many.rest.empty()) return run_one(typed, first, {});
+    if (typed.many.rest.size() > 1 && !typed.options.save.empty())
+        return usage_error("--save is one file, for one clip; there are several");
+    return typed.many.for_each(first, typed.options.existing, [&typed](const auto& clip, const auto& out) {
+        return run_one(typed, clip, out);
+    });
+}
+
 }  // namespace
 
 void add_materials_command(CLI::App& app, Command& command) {
@@ -158,9 +173,9 @@ void add_materials_command(CLI::App& app, Command& command) {
         app.add_subcommand("materials", "write a clip whose segments feel like wood, metal, cloth, ...");
     auto typed = std::make_shared<MaterialsTyped>();
     add_clip_options(*sub, typed->clip);
-    add_file_option(*sub, "OUT", typed->options.out,
-                    "NAME.mkv: the clip with what its segments feel like; NAME.png: a map of one frame for "
-                    "--haptic; nothing: its segments are only told");
+    typed->many.add_option(*sub,
+                           "NAME.mkv: the clip with what its segments feel like; NAME.png: a map of one "
+                           "frame for --haptic; nothing: its segments are only told");
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
     sub->add_flag("--list", typed->list, "print the materials, their values and where these are from");

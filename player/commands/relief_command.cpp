@@ -52,7 +52,7 @@ void add_relief_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<ReliefTyped>();
     ReliefSettings& relief = typed->relief.settings;
     add_clip_options(*sub, typed->clip)->required();
-    typed->many.add_option(*sub, "the clip to write, NAME.mkv");
+    typed->many.add_option(*sub, "the clip to write, NAME.mkv")->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
     const char* share = "per cent, -400 to 400";

@@ -84,6 +84,18 @@ protected:
 };
 
 /// Dragged over both, a finger slides with the friction of each: the force leans by it.
+TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
+    fs::copy_file(at("wall.mkv"), at("other.mkv"));
+    const Words several{"materials", at("wall.mkv"), at("other.mkv"), at("out") + "/"};
+    ASSERT_EQ(run_touchable(several).code, 0);
+    EXPECT_TRUE(fs::exists(at("out/wall.mkv")) && fs::exists(at("out/other.mkv")));
+    Words saved = several;
+    saved.insert(saved.end(), {"--save", at("names.json")});
+    const Outcome refused = run_touchable(saved);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("--save is one file"), std::string::npos) << refused.err;
+}
+
 TEST_F(Materials, AreFeltByADraggedFinger) {
     run("felt.mkv", wood_and_foam);
     std::ofstream(at("hand.csv")) << "t_s,x,y,z\n0,-80,0,-950\n0.3,-80,0,-1004\n1.9,80,0,-1004\n";

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <glm/geometric.hpp>
@@ -321,7 +322,7 @@ TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
     const auto whole = heights();
     int higher = 0;
     for (std::size_t k = 0; k < whole.size(); ++k) {
-        EXPECT_NEAR(whole[k] - 128, 2 * (half[k] - 128), 2);
+        EXPECT_NEAR(whole[k] - 128, std::clamp(2 * (half[k] - 128), -128, 127), 2);
         higher += whole[k] != 128 ? 1 : 0;
     }
     EXPECT_GT(higher, 100);
@@ -329,7 +330,7 @@ TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
     EXPECT_EQ(heights(), own);
     // And while it is touched.
     EXPECT_TRUE(change("relief", "200").ok());
-    EXPECT_TRUE(comes_true([&] { return clip_->session().playback().time_ns > 0; }));
+    EXPECT_TRUE(comes_true([&] { return now().moment.time_ns > 0; }));
     EXPECT_FALSE(clip_->failure());
 }
 
