@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/frame/unseen_colour.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr float nothing_there = std::numeric_limits<float>::max();
-constexpr std::uint8_t unknown_grey = 128;
 constexpr double widest = 100;  // from a camera's axis, at distance 1: no picture reaches so far
 
 /// Neighbours in depth, up to one and a half cells apart, of a surface that is 80 degrees steep.
@@ -145,7 +145,7 @@ void ColourRegistration::fill_unseen(Image& picture) const {
                 if (sights_[k] == Sight::hidden && (has_left || has_right))
                     std::memcpy(to + 3 * k, to + 3 * from, 3);
                 else
-                    std::memset(to + 3 * k, unknown_grey, 3);
+                    std::memset(to + 3 * k, unseen_colour, 3);
             }
         }
 }

@@ -70,6 +70,7 @@ Result<ClipQuality> measure_quality(ClipReader& clip, const Scene& scene,
         const RawFrame& frame = **next;
         times.add(frame);
         pumping.add(frame);
+        if (!pumping.has_depth() && quality.blank++ == 0) quality.first_blank = frame.number;
         if (read == 0) {
             const CodePicture codes = code_picture(frame.depth, scene.depth);
             quality.where.picture = picture_of(frame, codes, scene);

@@ -17,6 +17,8 @@ namespace touchable {
 /// What was measured of a whole clip. How each is measured stands with its type.
 struct ClipQuality {
     FrameTimes times;
+    std::int64_t blank = 0;                  ///< frames without any depth
+    std::int64_t first_blank = 0;            ///< number of the first of them
     std::optional<double> pumping;           ///< share of the depth (PumpingEstimator)
     std::optional<ColourEdges::Fit> colour;  ///< nothing: no colour, or too few edges
     std::optional<HapticValues> haptic;      ///< nothing: no haptic picture

@@ -141,15 +141,27 @@ double ColourEdges::median(Facing facing) const {
     return 0;
 }
 
+/// Those that are no more than two samples away from it.
+std::int64_t ColourEdges::near_median(Facing facing) const {
+    const int middle = static_cast<int>(std::lround(median(facing) / step_)) + reach;
+    std::int64_t sum = 0;
+    for (int k = std::max(0, middle - 2); k <= std::min(offsets - 1, middle + 2); ++k)
+        sum += counts_[facing][static_cast<std::size_t>(k)];
+    return sum;
+}
+
 std::optional<ColourEdges::Fit> ColourEdges::fit() const {
     Fit fit;
     double rims = 0;
+    std::int64_t agreeing = 0;
     for (const Facing facing : {to_right, to_left, down, up}) {
         fit.edges += count(facing);
+        agreeing += near_median(facing);
         rims -= median(facing) * static_cast<double>(count(facing));
     }
     if (fit.edges < fewest) return std::nullopt;
     fit.rim = rims / static_cast<double>(fit.edges);
+    fit.agreement = static_cast<double>(agreeing) / static_cast<double>(fit.edges);
     const auto shift = [&](Facing a, Facing b) -> std::optional<double> {
         if (std::min(count(a), count(b)) < fewest / 4) return std::nullopt;
         return (median(a) - median(b)) / 2;

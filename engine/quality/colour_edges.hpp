@@ -24,6 +24,11 @@ public:
     /// Medians, in pixels of the depth plane.
     struct Fit {
         std::int64_t edges = 0;  ///< places that were compared
+        /// Share of them within two pixels of their median. Where colour lies far beside depth, by more than
+        /// is looked at, edges of colour are found by chance, all over the window: then the other figures
+        /// mean nothing.
+        double agreement = 0;
+        bool agrees() const { return agreement >= 0.6; }
         /// By how much colour lies to the right of depth, and below it. Nothing: too few edges face both
         /// ways.
         std::optional<double> right, below;
@@ -43,6 +48,7 @@ private:
     void look(const Line& line, int at, Facing facing, std::vector<std::uint8_t>* where);
     std::int64_t count(Facing facing) const;
     double median(Facing facing) const;
+    std::int64_t near_median(Facing facing) const;
 
     const DepthCoding coding_;
     const int step_;  // pixels from one sample of a profile to the next

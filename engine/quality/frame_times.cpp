@@ -16,8 +16,15 @@ void FrameTimesEstimator::add(const RawFrame& frame) {
             so_far_.longest_at = frame.number;
         }
         if (same_touch_planes(*before_, frame)) {
-            ++so_far_.repeated;
-            so_far_.of_new_colour += same_samples(before_->colour, frame.colour) ? 0 : 1;
+            ++same_;
+            same_of_new_colour_ += same_samples(before_->colour, frame.colour) ? 0 : 1;
+        } else {
+            if (same_ <= FrameTimes::longest_repeat && so_far_.changed > 0) {
+                so_far_.repeated += same_;
+                so_far_.of_new_colour += same_of_new_colour_;
+            }
+            same_ = same_of_new_colour_ = 0;
+            ++so_far_.changed;
         }
     }
     before_ = frame;

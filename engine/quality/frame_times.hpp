@@ -11,11 +11,15 @@ namespace touchable {
 /// How frames follow each other.
 struct FrameTimes {
     std::int64_t frames = 0;
-    std::int64_t repeated = 0;       ///< whose depth, haptic and height are those of the one before
+    /// Whose depth, haptic and height are those of the one before, though the surface moves: it changes
+    /// within longest_repeat frames before and after. A surface that stands still for longer is no fault.
+    std::int64_t repeated = 0;
+    std::int64_t changed = 0;        ///< that are others than the one before
     std::int64_t of_new_colour = 0;  ///< of those: colour has changed
-    double usual_ms = 0;             ///< from one to the next, the median
-    std::int64_t missing = 0;        ///< as many fit into longer times
-    std::int64_t jumps = 0;  ///< times that stand still, go back, or follow within a quarter of the usual
+    static constexpr std::int64_t longest_repeat = 4;
+    double usual_ms = 0;       ///< from one to the next, the median
+    std::int64_t missing = 0;  ///< as many fit into longer times
+    std::int64_t jumps = 0;    ///< times that stand still, go back, or follow within a quarter of the usual
     double longest_ms = 0;
     std::int64_t longest_at = 0;  ///< the frame after it
 };
@@ -30,6 +34,7 @@ private:
     FrameTimes so_far_;
     std::optional<RawFrame> before_;
     std::vector<std::int64_t> steps_ns_;
+    std::int64_t same_ = 0, same_of_new_colour_ = 0;  // since the last change
 };
 
 }  // namespace touchable

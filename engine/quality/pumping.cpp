@@ -3,24 +3,39 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 
 #include "engine/frame/stored_code.hpp"
 
 namespace touchable {
 
+bool PumpingEstimator::is_cut() const {
+    constexpr int another = 24;  // levels
+    if (colours_.empty() || colours_.size() != colours_before_.size()) return false;
+    std::size_t changed = 0;
+    for (std::size_t k = 0; k < colours_.size(); ++k)
+        changed += std::abs(colours_[k] - colours_before_[k]) > another ? 1 : 0;
+    return 2 * changed > colours_.size();
+}
+
 void PumpingEstimator::add(const RawFrame& frame) {
     here_.clear();
+    colours_.clear();
     for (int y = every / 2; y < frame.depth.height; y += every)
         for (int x = every / 2; x < frame.depth.width; x += every) {
             const std::uint16_t code = stored_code(frame.depth, coding_, x, y);
             here_.push_back(coding_.is_valid(code) ? coding_.depth(code) : 0.0);
+            if (!frame.colour.empty())
+                colours_.push_back(static_cast<std::uint8_t>(frame.colour.sample(x, y, 1)));
         }
+    has_depth_ = std::any_of(here_.begin(), here_.end(), [](double depth) { return depth > 0; });
     ratios_.clear();
-    if (before_.size() == here_.size())
+    if (before_.size() == here_.size() && !is_cut())
         for (std::size_t k = 0; k < here_.size(); ++k)
             if (before_[k] > 0 && here_[k] > 0) ratios_.push_back(here_[k] / before_[k] - 1);
     std::swap(before_, here_);
+    std::swap(colours_before_, colours_);
     if (ratios_.size() < 16) {
         last_change_.reset();
         return;

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/filter_choice.hpp"
 #include "player/session/filter_words.hpp"
@@ -54,7 +55,17 @@ private:
         found_.push_back({name, std::move(what), std::move(mend), where});
     }
     double mm(double scene_units) const { return scene_units * facts_.scene.metres_per_unit * 1000; }
-    std::string clip() const { return facts_.clip; }
+    /// As a shell takes it.
+    std::string clip() const {
+        const std::string name = printable(facts_.clip);
+        const bool is_plain =
+            name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-") ==
+            std::string::npos;
+        if (is_plain) return name;
+        std::string quoted = "'";
+        for (const char c : name) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        return quoted + "'";
+    }
 
     void look_at_times();
     void look_at_pumping();
@@ -81,10 +92,9 @@ void Findings::look_at_times() {
                 number(times.longest_ms) + " ms (before frame " + std::to_string(times.longest_at) +
                 "), usual are " + number(times.usual_ms),
             "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
-    // A clip in which nothing moves repeats them all.
-    if (times.repeated == 0 || 20 * times.repeated >= 19 * (times.frames - 1)) return;
+    if (times.repeated == 0) return;
     const double every =
-        static_cast<double>(times.frames) / static_cast<double>(times.frames - times.repeated);
+        static_cast<double>(times.changed + times.repeated) / static_cast<double>(times.changed);
     const auto nth = static_cast<int>(std::lround(every));
     const bool is_regular = nth > 1 && std::abs(every - nth) < 0.1;
     add("repeated",
@@ -97,13 +107,23 @@ void Findings::look_at_times() {
 }
 
 void Findings::look_at_pumping() {
+    if (quality_.blank > 0)
+        add("blank",
+            std::to_string(quality_.blank) + " frames have no depth at all, the first is " +
+                std::to_string(quality_.first_blank) + ": a finger falls through there",
+            "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
     const double share = quality_.pumping.value_or(0);
     if (share < 0.001 || !facts_.measured) return;
+    const bool may_be_aligned = facts_.scene.depth.kind == DepthCodingKind::linear ||
+                                facts_.scene.depth.kind == DepthCodingKind::inverse;
     add("pumping",
         "the depth of whole pictures goes to and fro by " + per_cent(share) + " from frame to frame, " +
             number(mm(share * facts_.measured->median)) + " mm at " +
             number(mm(facts_.measured->median) / 1000) + " m: a finger at rest feels a pulse",
-        "touchable convert " + clip() + " OUT.mkv --align on");
+        may_be_aligned
+            ? "touchable convert " + clip() + " OUT.mkv --align on"
+            : "frames that are of one place and one scale; depth of a network that is none in metres is "
+              "aligned where it is opened with --preset relative-inverse");
 }
 
 /// Filters that measurement would choose, and that are off.
@@ -153,6 +173,16 @@ void Findings::look_at_colour() {
     const ColourEdges::Fit& fit = *quality_.colour;
     const double right = fit.right.value_or(0), below = fit.below.value_or(0);
     const auto* where = &quality_.where.colour_edges;
+    const char* colour_camera =
+        "a scene file that says where the colour camera stands: colour_camera (docs/scene_file.md)";
+    if (!fit.agrees())
+        return add(
+            "registration",
+            "colour's edges do not lie at depth's: only " + per_cent(fit.agreement) + " of " +
+                std::to_string(fit.edges) +
+                " agree on a place, so colour lies far beside depth, or is of something else: a finger "
+                "touches something else than it seems to touch",
+            colour_camera, where);
     if (std::max(std::abs(right), std::abs(below)) >= 1.5)
         add("registration",
             "colour is not where depth is: " + number(std::abs(right)) + " pixels to the " +

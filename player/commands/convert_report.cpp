@@ -24,7 +24,8 @@ std::string how_stored(const TrackInfo& track, bool is_still) {
     return track.codec + (is_still ? ", one picture for all frames" : "");
 }
 
-std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized) {
+/// `may_be_exact`: the command has an option for that.
+std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
     if (loss.changed == 0 && !resized) return "every value kept";
     const std::string share =
         worded("%.3g %% of the values differ, by %d at most, RMS %.3g",
@@ -32,7 +33,7 @@ std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized) {
                loss.rms());
     if (role == PlaneRole::colour)
         return (resized ? "averaged: " : "as good as the eye can tell: ") + share +
-               (resized ? "" : " (--exact-colour keeps every value)");
+               (resized || !may_be_exact ? "" : " (--exact-colour keeps every value)");
     std::string words = "LOST: of the pixels before, " + share;
     if (role != PlaneRole::depth) return words;
     words += worded("; depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
@@ -100,7 +101,8 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
                               ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
                                (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
                                (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
-        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized) +
+        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
+                                               !options.content) +
                                      " (" + how_stored(track, is_still) + ")");
     }
     if (!done.sound.empty()) text += line("sound", done.sound);

@@ -13,9 +13,9 @@ namespace touchable {
 namespace {
 namespace fs = std::filesystem;
 
+/// A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
 bool is_folder(const fs::path& path) {
-    std::error_code ignored;
-    return !path.has_filename() || fs::is_directory(path, ignored);
+    return !path.has_filename();
 }
 
 bool is_there(const fs::path& path) {
@@ -26,7 +26,9 @@ bool is_there(const fs::path& path) {
 Result<void> make_folder(const fs::path& folder) {
     std::error_code failure;
     fs::create_directories(folder, failure);
-    if (is_folder(folder) && is_there(folder)) return {};
+    if (fs::is_directory(folder, failure)) return {};
+    if (is_there(folder.parent_path()))
+        return usage_error("'" + printable(folder.parent_path().string()) + "' is a file, and no folder");
     return usage_error("'" + printable(folder.string()) + "' cannot be made: " + failure.message());
 }
 
@@ -72,6 +74,12 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
     clips.insert(clips.end(), rest.begin(), rest.end() - 1);
     const auto outs = places(clips, out);
     if (!outs.ok()) return outs.error();
+    for (std::size_t k = 0; k < clips.size(); ++k)
+        for (const fs::path& clip : clips)
+            if (std::error_code ignored; fs::equivalent(clip, (*outs)[k], ignored))
+                return usage_error(
+                    "'" + printable((*outs)[k].string()) +
+                    "' is one of the clips, and would be written; right would be another folder");
     if (auto made = make_folder(out); !made) return made;
     std::optional<Error> failed;
     std::size_t failures = 0;
@@ -84,7 +92,10 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
         auto done = one(clips[k], place);
         if (done) continue;
         if (done.error().kind == ErrorKind::interrupted) return done;
-        if (existing == Existing::keep && is_there(place)) continue;  // another program was quicker
+        if (existing == Existing::keep && is_there(place)) {
+            std::cout << printable(place.string()) << ": another program has made it meanwhile\n";
+            continue;
+        }
         std::cout.flush();
         std::cerr << "touchable: " << done.error().message << '\n';
         if (!failed) failed = done.error();

@@ -32,8 +32,11 @@ nlohmann::ordered_json measures_json(const ClipQuality& quality) {
         const auto known = [](const std::optional<double>& value) {
             return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
         };
-        json["colour_edges"] = {
-            {"edges", fit.edges}, {"right", known(fit.right)}, {"below", known(fit.below)}, {"rim", fit.rim}};
+        json["colour_edges"] = {{"edges", fit.edges},
+                                {"agreement", fit.agreement},
+                                {"right", known(fit.right)},
+                                {"below", known(fit.below)},
+                                {"rim", fit.rim}};
     }
     if (quality.haptic)
         json["haptic"] = {{"stiffest_n_per_mm", quality.haptic->stiffest},
@@ -50,7 +53,8 @@ std::string measures_in_words(const ClipQuality& quality) {
     if (quality.pumping) words << "; depth goes to and fro by " << 100 * *quality.pumping << " %";
     if (quality.colour) {
         const ColourEdges::Fit& fit = *quality.colour;
-        words << "; colour against depth at " << fit.edges << " edges:";
+        words << "; colour against depth at " << fit.edges << " edges (" << 100 * fit.agreement
+              << " % agree):";
         if (fit.right) words << ' ' << *fit.right << " pixels to the right,";
         if (fit.below) words << ' ' << *fit.below << " below,";
         words << " rims " << fit.rim << " wide";

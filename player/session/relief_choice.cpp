@@ -86,6 +86,11 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
     const double metres_per_unit = choice.is_of_world ? clip->scene().metres_per_unit : hand->metres_per_unit;
     const double max_height = choice.height_mm / 1000 / metres_per_unit;
     std::vector<std::string> notes;
+    std::ostringstream height;
+    height << std::setprecision(3) << "relief: " << max_height * hand->metres_per_unit * 1000
+           << " mm of the hand are " << max_height * clip->scene().metres_per_unit * 1000
+           << " mm of what was recorded";
+    notes.push_back(height.str());
     if (hand->pixel > 0) notes.push_back(finest_in_words(*hand, *clip));
     const auto& bands = choice.settings.bands;
     const auto known = memory ? memory->range(bands) : std::nullopt;

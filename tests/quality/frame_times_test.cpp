@@ -37,12 +37,23 @@ TEST(FrameTimes, RepeatedOnesAreCountedAndThoseUnderNewColour) {
     for (int k = 0; k < 20; ++k)
         estimator.add(
             frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k / 4)));
-    EXPECT_EQ(estimator.times().repeated, 10);
+    EXPECT_EQ(estimator.times().repeated, 8);  // not the first and the last, which are not between changes
     EXPECT_EQ(estimator.times().of_new_colour, 0);  // colour changes with every fourth, when depth does
     FrameTimesEstimator quick;
     for (int k = 0; k < 20; ++k)
         quick.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k)));
-    EXPECT_EQ(quick.times().of_new_colour, 10);
+    EXPECT_EQ(quick.times().of_new_colour, 8);
+}
+
+TEST(FrameTimes, WhatStandsStillForLongIsNotRepeated) {
+    FrameTimesEstimator estimator;
+    for (int k = 0; k < 30; ++k)  // moves, stands still for ten frames, moves on
+        estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k < 10 ? k : k < 20 ? 10 : k)));
+    EXPECT_EQ(estimator.times().repeated, 0);
+    EXPECT_EQ(estimator.times().changed, 20);
+    FrameTimesEstimator still;
+    for (int k = 0; k < 30; ++k) still.add(frame_at(k, 33 * k, 7));
+    EXPECT_EQ(still.times().repeated, 0);
 }
 
 TEST(FrameTimes, GapsAndJumpsAreCounted) {

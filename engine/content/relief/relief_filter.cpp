@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/frame/unseen_colour.hpp"
 #include "engine/surface/code_picture.hpp"
 
 namespace touchable {
@@ -61,9 +62,12 @@ void ReliefFilter::read_luma(const PlaneView& colour) {
         std::int32_t *luma_row = luma_.row(y), *weight_row = weights_.row(y);
         for (int x = 0; x < colour.width; ++x, rgb += 3) {
             luma_row[x] = luma(rgb);
-            weight_row[x] = std::min(
-                ramp(luma_row[x], shadow_from * luma_per_level, shadow_to * luma_per_level),
-                ramp(-luma_row[x], -highlight_to * luma_per_level, -highlight_from * luma_per_level));
+            weight_row[x] =
+                is_unseen_colour(rgb)
+                    ? 0
+                    : std::min(ramp(luma_row[x], shadow_from * luma_per_level, shadow_to * luma_per_level),
+                               ramp(-luma_row[x], -highlight_to * luma_per_level,
+                                    -highlight_from * luma_per_level));
         }
     }
 }
