@@ -68,7 +68,7 @@ Result<NamedSegment> read_named(const std::string& text, const std::string& plac
     named.said_by = "--at " + place;
     const auto at = read_place(place);
     if (!at.ok()) return at.error();
-    named.at = *at;
+    named.at = {*at};
     return named;
 }
 

@@ -84,14 +84,23 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene) {
 SegmentNames used_names(const MaterialReport& report, const SegmentNames& given) {
     SegmentNames used;
     used.otherwise = given.otherwise;
+    used.cuts = given.cuts;
     for (const SeenSegment& segment : report.segments) {
         const bool is_first_guess = segment.is_guess && segment.at.frame == 0;
         if (segment.name.empty() && !is_first_guess) continue;
+        const auto known = std::find_if(used.segments.begin(), used.segments.end(), [&](const auto& name) {
+            return !segment.name.empty() && name.name == segment.name && name.feel == segment.feel &&
+                   name.is_guess == segment.is_guess;
+        });
+        if (known != used.segments.end()) {
+            known->at.push_back(segment.at);
+            continue;
+        }
         NamedSegment name;
         name.name = segment.name.empty() ? "segment " + std::to_string(segment.label) : segment.name;
         name.material = segment.material;
         name.feel = segment.feel;
-        name.at = segment.at;
+        name.at = {segment.at};
         name.is_guess = segment.is_guess;
         used.segments.push_back(std::move(name));
     }

@@ -64,7 +64,7 @@ protected:
         return with_materials(std::move(*clip), settings, ColourSegments::begin, report_);
     }
     static NamedSegment named(const std::string& name, const std::string& material, const PixelOfFrame& at) {
-        return {name, material, find_material(material)->feel(), at, {}, "--at of " + name};
+        return {name, material, find_material(material)->feel(), {at}, {}, "--at of " + name};
     }
     static std::string felt_at(const ClipReader& clip, const RawFrame& frame, int x, int y) {
         std::string all;

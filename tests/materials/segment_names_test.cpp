@@ -23,9 +23,9 @@ TEST(SegmentNames, AreReadWithTheirMaterialsAndOwnValues) {
          "index": 9}]})");
     ASSERT_EQ(names.segments.size(), 3U);
     EXPECT_EQ(names.otherwise, "wood");
-    EXPECT_EQ(names.segments[0].at, (PixelOfFrame{3, 4, 0}));
+    EXPECT_EQ(names.segments[0].at, (std::vector<PixelOfFrame>{{3, 4, 0}}));
     EXPECT_EQ(names.segments[0].feel, find_material("glass")->feel());
-    EXPECT_EQ(names.segments[1].at, (PixelOfFrame{5, 6, 7}));
+    EXPECT_EQ(names.segments[1].at, (std::vector<PixelOfFrame>{{5, 6, 7}}));
     EXPECT_EQ(names.segments[1].feel.properties.stiffness, 400);
     EXPECT_EQ(names.segments[1].feel.properties.static_friction, find_material("foam")->static_friction);
     EXPECT_EQ(names.segments[2].index, 9);
@@ -44,13 +44,15 @@ TEST(SegmentNames, AreReadAsTheDocumentsHaveThem) {
 TEST(SegmentNames, ComeBackAsTheyWereWritten) {
     SegmentNames names;
     names.otherwise = "skin";
-    names.segments = {{"a \"b\"\n\xff", "wood", find_material("wood")->feel(), PixelOfFrame{1, 2, 3}},
-                      {"own", "", {{123.456, 0.7, 0.7}, 33}, PixelOfFrame{4, 5, 0}},
-                      {"other", "foam", {{300, 1, 0.5}, 80}, std::nullopt, 17}};
+    names.segments = {{"a \"b\"\n\xff", "wood", find_material("wood")->feel(), {{1, 2, 3}, {4, 5, 6}}},
+                      {"own", "", {{123.456, 0.7, 0.7}, 33}, {{4, 5, 0}}},
+                      {"other", "foam", {{300, 1, 0.5}, 80}, {}, 17}};
+    names.cuts = {{2, {{1, 2}, {3, 4}, {5, 6}}}, {0, {{0, 0}, {9, 9}}}};
     names.segments[1].is_guess = true;
     const std::string text = segment_names_to_json(names);
     const SegmentNames again = parsed(text);
     EXPECT_EQ(segment_names_to_json(again), text);
+    EXPECT_EQ(again.cuts, names.cuts);
     ASSERT_EQ(again.segments.size(), 3U);
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_EQ(again.segments[k].feel, names.segments[k].feel) << k;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <limits>
 
 namespace touchable {
 namespace {
 
-constexpr std::int32_t straight = 3, diagonal = 4, nowhere = std::numeric_limits<std::int32_t>::max() / 2;
 constexpr int level_height = 128, top_height = 255;
 
 void widen_to(PropertyRange& range, double value) {
@@ -48,41 +46,10 @@ void HapticPainter::set(std::uint16_t label, const Feel& feel) {
     reliefs_[label] = feel.relief;
 }
 
-/// The nearest segment's label, by a distance transform with weights of 3 and 4 (chamfer): once from the
-/// upper left and once back.
-void HapticPainter::fill(const Segmentation& segmentation) {
-    labels_ = segmentation.labels;
-    const std::ptrdiff_t width = segmentation.width, height = segmentation.height;
-    if (std::find(labels_.begin(), labels_.end(), 0) == labels_.end()) return;
-    distances_.resize(labels_.size());
-    std::transform(labels_.begin(), labels_.end(), distances_.begin(),
-                   [](std::uint16_t label) { return label == 0 ? nowhere : 0; });
-    const auto pass = [&](std::ptrdiff_t step) {
-        const auto count = static_cast<std::ptrdiff_t>(labels_.size());
-        for (std::ptrdiff_t k = step > 0 ? 0 : count - 1; k >= 0 && k < count; k += step) {
-            const auto at = static_cast<std::size_t>(k);
-            if (distances_[at] == 0) continue;
-            const std::ptrdiff_t x = k % width, y = k / width;
-            const auto look = [&](std::ptrdiff_t dx, std::ptrdiff_t dy, std::int32_t weight) {
-                if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) return;
-                const auto from = static_cast<std::size_t>(k + dy * width + dx);
-                if (distances_[from] + weight >= distances_[at]) return;
-                distances_[at] = distances_[from] + weight;
-                labels_[at] = labels_[from];
-            };
-            look(-step, 0, straight);
-            look(0, -step, straight);
-            look(-step, -step, diagonal);
-            look(step, -step, diagonal);
-        }
-    };
-    pass(1);
-    pass(-1);
-}
-
-Image HapticPainter::haptic(const Segmentation& segmentation) {
-    fill(segmentation);
-    Image image{segmentation.width, segmentation.height, 1, 3, {}};
+Image HapticPainter::haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
+    labels_ = labels;
+    nearest_.fill(labels_, width, height);
+    Image image{width, height, 1, 3, {}};
     image.samples.resize(3 * labels_.size());
     std::uint8_t* to = image.samples.data();
     for (const std::uint16_t label : labels_) {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/content/materials/nearest_label.hpp"
 #include "engine/content/materials/palette.hpp"
-#include "engine/content/segments/segmentation.hpp"
 #include "engine/frame/plane_view.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene.hpp"
@@ -27,19 +27,17 @@ public:
 
     /// What segments of this label feel like, 0: a picture without any.
     void set(std::uint16_t label, const Feel& feel);
-    /// Of labels that were set.
-    Image haptic(const Segmentation& segmentation);
+    /// Of labels that were set, row by row; 0: no segment.
+    Image haptic(const std::vector<std::uint16_t>& labels, int width, int height);
     /// Of the picture that was painted last: its heights, 8 bits, around level (128) scaled by relief.
     Image scaled(const PlaneView& height) const;
 
 private:
-    void fill(const Segmentation& segmentation);
-
     HapticRanges ranges_;
     std::vector<std::array<std::uint8_t, 3>> codes_;  // by label
     std::vector<int> reliefs_;
-    std::vector<std::uint16_t> labels_;    // of all pixels
-    std::vector<std::int32_t> distances_;  // to the segment, a third of a pixel
+    std::vector<std::uint16_t> labels_;  // of all pixels
+    NearestLabel nearest_;
 };
 
 }  // namespace touchable

@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "engine/clip/plane_role.hpp"
-#include "engine/clip/reader_around.hpp"
 #include "engine/content/materials/haptic_painter.hpp"
+#include "engine/content/materials/haptic_track.hpp"
 #include "engine/content/materials/material_guess.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr std::size_t most_segment_bytes = std::size_t{1} << 30;
 
 /// Which guesses are made of.
 Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
@@ -38,14 +40,11 @@ struct Materials {
     bool scale_relief = false;
 };
 
-class MaterialReader final : public ReaderAround {
+class MaterialReader final : public HapticTrackReader {
 public:
-    MaterialReader(std::unique_ptr<ClipReader> clip, Scene scene, Materials materials, BeginSegments begin,
-                   std::shared_ptr<MaterialReport> report);
+    MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges, Materials materials,
+                   BeginSegments begin, std::shared_ptr<MaterialReport> report);
 
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> seek(std::int64_t frame) override;
     std::int64_t access_point(std::int64_t) const override { return 0; }
@@ -54,13 +53,9 @@ public:
 
 private:
     void start();
-    void describe();
     void meet(const Segment& segment, std::int64_t frame);
     void count_changes(const Segmentation& segmentation);
 
-    const Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     const Materials materials_;
     const BeginSegments begin_;
     const std::shared_ptr<MaterialReport> report_;
@@ -72,38 +67,22 @@ private:
     std::optional<FramePlace> before_;
 };
 
-MaterialReader::MaterialReader(std::unique_ptr<ClipReader> clip, Scene scene, Materials materials,
-                               BeginSegments begin, std::shared_ptr<MaterialReport> report)
-    : ReaderAround(std::move(clip)),
-      scene_(std::move(scene)),
-      tracks_(inner().tracks()),
-      notes_(inner().notes()),
+MaterialReader::MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges,
+                               Materials materials, BeginSegments begin,
+                               std::shared_ptr<MaterialReport> report)
+    : HapticTrackReader(std::move(clip), ranges),
       materials_(std::move(materials)),
       begin_(std::move(begin)),
       report_(std::move(report)),
-      painter_(scene_.haptic) {
-    describe();
+      painter_(ranges) {
     start();
-}
-
-/// A haptic track instead of another, or of none.
-void MaterialReader::describe() {
-    const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
-    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
-    const auto after = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [&](const TrackInfo& track) { return track.role == height; });
-    tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
-    const auto of_none = default_touch_note(false, inner().scene());
-    std::erase_if(notes_, [&](const std::string& note) {
-        return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
-    });
 }
 
 /// Before the first frame.
 void MaterialReader::start() {
-    segments_of_ = begin_(scene_);
-    painter_ = HapticPainter(scene_.haptic);
-    painter_.set(0, {scene_.default_properties, 100});
+    segments_of_ = begin_(scene());
+    painter_ = HapticPainter(scene().haptic);
+    painter_.set(0, {scene().default_properties, 100});
     met_.assign(65536, false);
     before_.reset();
     *report_ = {};
@@ -119,10 +98,9 @@ void MaterialReader::meet(const Segment& segment, std::int64_t frame) {
         seen.feel = named->second.feel;
     } else {
         seen.is_guess = materials_.otherwise == nullptr;
-        const PaletteMaterial& material = seen.is_guess
-                                              ? guess_material({segment.colour, segment.contrast,
-                                                                segment.pixels, scene_.width * scene_.height})
-                                              : *materials_.otherwise;
+        const PaletteMaterial& material =
+            seen.is_guess ? guess_material(look_of(segment, scene().width * scene().height))
+                          : *materials_.otherwise;
         seen.material = material.name;
         seen.feel = material.feel();
     }
@@ -155,7 +133,7 @@ Result<std::optional<RawFrame>> MaterialReader::next() {
     if (follows) count_changes(segmentation);
     labels_before_ = segmentation.labels;
     before_.emplace(raw);
-    Image haptic = painter_.haptic(segmentation);
+    Image haptic = painter_.haptic(segmentation.labels, scene().width, scene().height);
     if (materials_.scale_relief)
         add_plane(raw, PlaneRole::height, plane_from(painter_.scaled(raw.height), 8));
     add_plane(raw, PlaneRole::haptic, plane_from(std::move(haptic)));
@@ -178,25 +156,85 @@ Result<void> MaterialReader::seek(std::int64_t frame) {
     return {};
 }
 
+Result<std::unique_ptr<ClipReader>> begin_reading(std::unique_ptr<ClipReader> clip,
+                                                  const MaterialSettings& settings, LabelNames named,
+                                                  const BeginSegments& begin,
+                                                  std::shared_ptr<MaterialReport> report) {
+    std::vector<Feel> others;
+    for (const NamedSegment& name : settings.names.segments) others.push_back(name.feel);
+    Scene scene = clip->scene();
+    scene.haptic = settings.ranges.value_or(ranges_of_palette(scene, others));
+    if (auto valid = validate(scene); !valid) return valid.error();
+    Materials materials{std::move(named), find_material(settings.names.otherwise), settings.scale_relief};
+    return std::unique_ptr<ClipReader>(std::make_unique<MaterialReader>(
+        std::move(clip), scene.haptic, std::move(materials), begin, std::move(report)));
+}
+
+/// Cuts are followed both ways through time, so that all frames are read before.
+Result<std::unique_ptr<ClipReader>> with_cut_materials(std::unique_ptr<ClipReader> clip,
+                                                       const MaterialSettings& settings,
+                                                       const BeginSegments& begin,
+                                                       std::shared_ptr<MaterialReport> report) {
+    auto read = read_segments(*clip, begin, {});
+    if (!read) return read.error();
+    auto cut = with_cuts(std::move(*read), settings.names);
+    if (!cut) return cut.error();
+    auto named = find_named_segments(*cut, settings.names, settings.map);
+    if (!named) return named.error();
+    if (auto back = clip->rewind(); !back) return back.error();
+    struct Known {
+        SegmentStore segments;
+        Segmentation now;
+    };
+    const auto known = std::make_shared<Known>(Known{std::move(*cut), {}});
+    return begin_reading(
+        std::move(clip), settings, std::move(*named),
+        [known](const Scene&) {
+            return [known](const RawFrame& frame, bool) -> const Segmentation& {
+                return known->now = known->segments.segmentation(frame.number);
+            };
+        },
+        std::move(report));
+}
+
 }  // namespace
+
+Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,
+                                   const std::function<void(std::int64_t frame)>& progress) {
+    const Scene& scene = clip.scene();
+    SegmentStore segments(scene.width, scene.height);
+    const SegmentFrames segments_of = begin(scene);
+    for (;;) {
+        if (stop_requested()) return interrupted_error();
+        const auto frame = clip.next();
+        if (!frame) return frame.error();
+        if (!*frame) break;
+        if ((*frame)->number != segments.frames())
+            return input_error(clip.inputs().front().string() + ": frame " +
+                               std::to_string((*frame)->number) + " comes after frame " +
+                               std::to_string(segments.frames() - 1) + "; must be the next one");
+        if (progress) progress((*frame)->number);
+        segments.add(segments_of(**frame, segments.frames() > 0));
+        if (segments.bytes() > most_segment_bytes)
+            return input_error(
+                clip.inputs().front().string() + ": its first " + std::to_string(segments.frames()) +
+                " frames have segments of 1 GiB, as many as are kept; a shorter clip would do");
+    }
+    if (segments.frames() == 0) return input_error(clip.inputs().front().string() + ": has no frames");
+    return segments;
+}
 
 Result<std::unique_ptr<ClipReader>> with_materials(std::unique_ptr<ClipReader> clip,
                                                    const MaterialSettings& settings,
                                                    const BeginSegments& begin,
                                                    std::shared_ptr<MaterialReport> report) {
+    if (!settings.names.cuts.empty()) return with_cut_materials(std::move(clip), settings, begin, report);
     Prefetch ahead(std::move(clip));
     auto named = find_named_segments(ahead, settings.names, settings.map, begin);
     if (!named) return named.error();
     auto again = ahead.finish();
     if (!again) return again.error();
-    Scene scene = (*again)->scene();
-    std::vector<Feel> others;
-    for (const NamedSegment& name : settings.names.segments) others.push_back(name.feel);
-    scene.haptic = settings.ranges.value_or(ranges_of_palette(scene, others));
-    if (auto valid = validate(scene); !valid) return valid.error();
-    Materials materials{std::move(*named), find_material(settings.names.otherwise), settings.scale_relief};
-    return std::unique_ptr<ClipReader>(std::make_unique<MaterialReader>(
-        std::move(*again), std::move(scene), std::move(materials), begin, std::move(report)));
+    return begin_reading(std::move(*again), settings, std::move(*named), begin, std::move(report));
 }
 
 }  // namespace touchable

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,11 +44,17 @@ struct MaterialReport {
     double seconds = 0;  ///< that segments and haptic pictures took
 };
 
+/// The segments of all frames of a clip, which is at its beginning; it is at its end then. `progress`, if
+/// any, is called before each frame with its number. Refused: a frame that cannot be read; no frames; more
+/// segments than fit into 1 GiB.
+Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,
+                                   const std::function<void(std::int64_t frame)>& progress);
+
 /// The clip with haptic pictures in place of its own, in which each segment feels like its material: as it
 /// is named, otherwise as its first look suggests. A segment keeps its material. The report is filled as
-/// frames are read. Seeking reads all frames from the first on, since segments are followed. Refused
-/// as find_named_segments does; a frame is where its colour is needed for a guess, and where its heights
-/// cannot be scaled.
+/// frames are read. Seeking reads all frames from the first on, since segments are followed; where
+/// segments are cut all are read once before. Refused as find_named_segments and with_cuts do; a frame is
+/// where its colour is needed for a guess, and where its heights cannot be scaled.
 Result<std::unique_ptr<ClipReader>> with_materials(std::unique_ptr<ClipReader> clip,
                                                    const MaterialSettings& settings,
                                                    const BeginSegments& begin,

@@ -66,6 +66,10 @@ constexpr Rule rules[] = {
 
 }  // namespace
 
+SegmentLook look_of(const Segment& segment, std::int32_t of_pixels) {
+    return {segment.colour, segment.contrast, segment.pixels, of_pixels};
+}
+
 const PaletteMaterial& guess_material(const SegmentLook& look) {
     const int red = look.colour[0], green = look.colour[1], blue = look.colour[2];
     const int chroma = std::max({red, green, blue}) - std::min({red, green, blue});

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "engine/content/materials/segment_json.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -12,10 +13,9 @@ using NamesNode = checked_json::Node;
 using NamesJson = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
-constexpr std::size_t most_segments = 65535;
+constexpr std::size_t most_segments = 65535, most_cuts = 1000;
 constexpr std::pair<const char*, bool> said_by_whom[] = {{"guess", true}, {"hand", false}};
 constexpr double stiffest_segment = 1000, roughest_segment = 10;  // N/mm, coefficient
-constexpr std::int64_t last_pixel = 16383, last_frame_named = 999'999'999;
 
 double number_between(const NamesNode& node, double least, double most, const char* right) {
     const double number = node.number();
@@ -48,13 +48,14 @@ void read_feel(const NamesNode& node, NamedSegment& segment) {
     if (node.has("relief")) segment.feel.relief = static_cast<int>(node["relief"].integer(0, 400));
 }
 
-PixelOfFrame read_place(const NamesNode& node) {
-    const auto numbers = node.elements(2, 3, "[X, Y] or [X, Y, FRAME]");
-    PixelOfFrame place;
-    place.x = static_cast<int>(numbers[0].integer(0, last_pixel));
-    place.y = static_cast<int>(numbers[1].integer(0, last_pixel));
-    if (numbers.size() == 3) place.frame = numbers[2].integer(0, last_frame_named);
-    return place;
+/// One place, or a list of them.
+std::vector<PixelOfFrame> read_places(const NamesNode& node) {
+    const auto first = node.element(0);
+    if (!first || first->size() < 2) return {segment_json::read_place(node)};
+    std::vector<PixelOfFrame> places;
+    for (const NamesNode& place : node.elements(1, most_segments, "a list of places"))
+        places.push_back(segment_json::read_place(place));
+    return places;
 }
 
 NamedSegment read_segment(const NamesNode& node) {
@@ -67,21 +68,25 @@ NamedSegment read_segment(const NamesNode& node) {
     if (node.has("by")) segment.is_guess = node["by"].one_of(said_by_whom);
     if (node.has("at") == node.has("index"))
         node.refuse("of either at, a pixel of the segment, or index, its value in a map");
-    if (node.has("at")) segment.at = read_place(node["at"]);
+    if (node.has("at")) segment.at = read_places(node["at"]);
     if (node.has("index")) segment.index = static_cast<int>(node["index"].integer(0, 255));
     return segment;
 }
 
 SegmentNames read_names(const NamesNode& node, std::string_view where) {
-    node.allow_only({"touchable_segments", "otherwise", "segments"});
+    node.allow_only({"touchable_segments", "otherwise", "cuts", "segments"});
     if (node["touchable_segments"].integer(1, 1'000'000) != format_version)
         node["touchable_segments"].refuse("1, the version that is read here");
     SegmentNames names;
+    names.said_by = where;
     if (node.has("otherwise")) {
         names.otherwise = node["otherwise"].text();
         if (find_material(names.otherwise) == nullptr)
             throw checked_json::Refusal{"otherwise: " + no_such_material(names.otherwise)};
     }
+    if (node.has("cuts"))
+        for (const NamesNode& cut : node["cuts"].elements(0, most_cuts, "a list of up to 1000 cuts"))
+            names.cuts.push_back(segment_json::read_cut(cut));
     const auto segments = node["segments"].elements(0, most_segments, "a list of up to 65535 segments");
     for (std::size_t k = 0; k < segments.size(); ++k) {
         names.segments.push_back(read_segment(segments[k]));
@@ -101,7 +106,9 @@ NamesJson write_segment(const NamedSegment& segment) {
         json["relief"] = segment.feel.relief;
     }
     if (segment.is_guess) json["by"] = "guess";
-    if (segment.at) json["at"] = {segment.at->x, segment.at->y, segment.at->frame};
+    NamesJson places = NamesJson::array();
+    for (const PixelOfFrame& at : segment.at) places.push_back(segment_json::write_place(at));
+    if (!places.empty()) json["at"] = places.size() == 1 ? places.front() : places;
     if (segment.index) json["index"] = *segment.index;
     return json;
 }
@@ -129,6 +136,10 @@ std::string segment_names_to_json(const SegmentNames& names) {
     // A line for each segment, so that a person finds it.
     std::string text = "{\"touchable_segments\": " + std::to_string(format_version);
     if (!names.otherwise.empty()) text += ",\n \"otherwise\": " + in_ascii(names.otherwise);
+    if (!names.cuts.empty()) text += ",\n \"cuts\": [";
+    for (const SegmentCut& cut : names.cuts)
+        text += (&cut == &names.cuts.front() ? "\n  " : ",\n  ") + in_ascii(segment_json::write_cut(cut));
+    if (!names.cuts.empty()) text += "\n ]";
     text += ",\n \"segments\": [";
     const char* between = "\n  ";
     for (const NamedSegment& segment : names.segments) {

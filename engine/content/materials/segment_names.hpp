@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/content/materials/palette.hpp"
+#include "engine/content/materials/segment_cut.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -24,8 +25,8 @@ struct NamedSegment {
     std::string name;
     std::string material;  ///< of the palette; empty: only its values are known
     Feel feel{};
-    std::optional<PixelOfFrame> at{};  ///< a pixel of it; nothing: a map says where it is
-    std::optional<int> index{};        ///< of its pixels in that map, 0 to 255
+    std::vector<PixelOfFrame> at{};  ///< a pixel of it, and of each that is joined to it; none: a map says it
+    std::optional<int> index{};      ///< of its pixels in that map, 0 to 255
     /// Who says so, for messages: "--at 10,20", "table.json: segments[2]".
     std::string said_by{};
     ErrorKind kind = ErrorKind::usage;  ///< of an error in what is said
@@ -35,11 +36,15 @@ struct NamedSegment {
 /// What is known of a clip's segments. As JSON:
 /// {"touchable_segments": 1, "otherwise": "wood",
 ///  "segments": [{"name": "table", "material": "wood", "at": [120, 80, 0]}]}
-/// In place of a material, or to change it: stiffness (N/mm), static_friction, dynamic_friction, relief. In
-/// place of `at`: index. "by": "guess" says that nobody chose it.
+/// In place of a material, or to change it: stiffness (N/mm), static_friction, dynamic_friction, relief. `at`
+/// may be a list of several: segments that are one thing. In place of `at`: index. "by": "guess" says that
+/// nobody chose it. "cuts": [{"frame": 0, "stroke": [[10, 20], [30, 20]]}] part segments, one after the
+/// other, before anything is named.
 struct SegmentNames {
     std::vector<NamedSegment> segments{};
+    std::vector<SegmentCut> cuts{};
     std::string otherwise{};  ///< material of all others; empty: a guess for each
+    std::string said_by{};    ///< where the cuts are from, for messages
 };
 
 /// Of a text of theirs, in bytes.

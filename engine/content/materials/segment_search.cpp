@@ -21,15 +21,21 @@ Error refuse_name(const NamedSegment& name, const std::string& why) {
     return {name.kind, name.said_by + ": " + why};
 }
 
-Result<void> check_place(const NamedSegment& name, const ClipReader& clip) {
-    const Scene& scene = clip.scene();
-    if (name.at->x >= scene.width || name.at->y >= scene.height)
-        return refuse_name(name, in_words(*name.at) + " is outside of the picture, which has " +
-                                     std::to_string(scene.width) + 'x' + std::to_string(scene.height));
-    const auto count = clip.frame_count();
-    if (count && name.at->frame >= *count)
-        return refuse_name(name, "frame " + std::to_string(name.at->frame) +
-                                     " is beyond the clip, whose last one is " + std::to_string(*count - 1));
+/// A pixel that somebody named.
+struct NamedPlace {
+    const NamedSegment* name;
+    PixelOfFrame at;
+};
+
+Result<void> check_place(const NamedPlace& place, const Segmentation& size,
+                         std::optional<std::int64_t> frames) {
+    if (place.at.x >= size.width || place.at.y >= size.height)
+        return refuse_name(*place.name, in_words(place.at) + " is outside of the picture, which has " +
+                                            std::to_string(size.width) + 'x' + std::to_string(size.height));
+    if (frames && place.at.frame >= *frames)
+        return refuse_name(*place.name, "frame " + std::to_string(place.at.frame) +
+                                            " is beyond the clip, whose last one is " +
+                                            std::to_string(*frames - 1));
     return {};
 }
 
@@ -63,19 +69,20 @@ LabelNames names_of_map(const SegmentMap& map, const Segmentation& frame,
         if (name == by_index.end()) continue;
         NamedSegment& named = found.emplace(segment.label, name->second).first->second;
         named.index.reset();
-        named.at = PixelOfFrame{segment.x, segment.y, 0};
+        named.at = {{segment.x, segment.y, 0}};
     }
     return found;
 }
 
-/// Puts a name to the segment at its pixel.
-Result<void> take_name(const NamedSegment& name, const Segmentation& frame, LabelNames& by_pixel) {
-    const auto at = static_cast<std::size_t>(name.at->y) * static_cast<std::size_t>(frame.width) +
-                    static_cast<std::size_t>(name.at->x);
+/// Puts a name to the segment at one of its pixels.
+Result<void> take_name(const NamedPlace& place, const Segmentation& frame, LabelNames& by_pixel) {
+    const NamedSegment& name = *place.name;
+    const auto at = static_cast<std::size_t>(place.at.y) * static_cast<std::size_t>(frame.width) +
+                    static_cast<std::size_t>(place.at.x);
     const std::uint16_t label = frame.labels[at];
     if (label == 0)
         return refuse_name(name,
-                           "there is no surface at " + in_words(*name.at) + "; name a pixel of the segment");
+                           "there is no surface at " + in_words(place.at) + "; name a pixel of the segment");
     const auto [taken, is_new] = by_pixel.emplace(label, name);
     NamedSegment& there = taken->second;
     if (is_new || name.is_guess) return {};
@@ -84,9 +91,62 @@ Result<void> take_name(const NamedSegment& name, const Segmentation& frame, Labe
         return {};
     }
     if (!(there.feel == name.feel))
-        return refuse_name(name, in_words(*name.at) + " is in the same segment as " + there.said_by +
+        return refuse_name(name, in_words(place.at) + " is in the same segment as " + there.said_by +
                                      ", which is " + in_quotes(there.name) +
                                      " and feels different; a segment is of one material");
+    return {};
+}
+
+/// Looks at frames in order, as far as somebody named something there.
+class NameSearch {
+public:
+    NameSearch(const SegmentNames& names, const std::optional<SegmentMap>& map, const Segmentation& size)
+        : names_(names), map_(map), size_(size) {}
+
+    /// Before the first frame; nothing: nobody knows how many there are.
+    Result<void> begin(std::optional<std::int64_t> frames);
+    /// The place that is looked for next; null: none is.
+    const NamedPlace* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
+    bool wants_map() const { return map_.has_value(); }
+    Result<void> look(const Segmentation& segmentation, std::int64_t frame);
+    LabelNames take_found() {
+        by_pixel_.merge(found_);
+        return std::move(by_pixel_);
+    }
+
+private:
+    const SegmentNames& names_;
+    const std::optional<SegmentMap>& map_;
+    const Segmentation size_;
+    std::map<int, NamedSegment> by_index_;
+    std::vector<NamedPlace> places_;
+    std::size_t next_ = 0;
+    LabelNames found_, by_pixel_;  // by the map, and by pixels
+};
+
+Result<void> NameSearch::begin(std::optional<std::int64_t> frames) {
+    if (map_ && (map_->indices.width != size_.width || map_->indices.height != size_.height))
+        return input_error(map_->file + ": has " + std::to_string(map_->indices.width) + 'x' +
+                           std::to_string(map_->indices.height) +
+                           " pixels: must have those of the clip's depth, " + std::to_string(size_.width) +
+                           'x' + std::to_string(size_.height));
+    auto by_index = names_by_index(names_, map_);
+    if (!by_index) return by_index.error();
+    by_index_ = std::move(*by_index);
+    for (const NamedSegment& name : names_.segments)
+        for (const PixelOfFrame& at : name.at) {
+            places_.push_back({&name, at});
+            if (auto fits = check_place(places_.back(), size_, frames); !fits) return fits;
+        }
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
+    return {};
+}
+
+Result<void> NameSearch::look(const Segmentation& segmentation, std::int64_t frame) {
+    if (map_ && frame == 0) found_ = names_of_map(*map_, segmentation, by_index_);
+    for (; next() && next()->at.frame == frame; ++next_)
+        if (auto taken = take_name(*next(), segmentation, by_pixel_); !taken) return taken;
     return {};
 }
 
@@ -102,41 +162,43 @@ SegmentFrames begin_segments(const Scene& scene) {
 Result<LabelNames> find_named_segments(Prefetch& ahead, const SegmentNames& names,
                                        const std::optional<SegmentMap>& map, const BeginSegments& begin) {
     const Scene& scene = ahead.clip().scene();
-    if (map && (map->indices.width != scene.width || map->indices.height != scene.height))
-        return input_error(map->file + ": has " + std::to_string(map->indices.width) + 'x' +
-                           std::to_string(map->indices.height) +
-                           " pixels: must have those of the clip's depth, " + std::to_string(scene.width) +
-                           'x' + std::to_string(scene.height));
-    const auto by_index = names_by_index(names, map);
-    if (!by_index) return by_index.error();
-    std::vector<const NamedSegment*> wanted;
-    for (const NamedSegment& name : names.segments) {
-        if (!name.at) continue;
-        if (auto fits = check_place(name, ahead.clip()); !fits) return fits.error();
-        wanted.push_back(&name);
-    }
-    std::stable_sort(wanted.begin(), wanted.end(), [](const NamedSegment* a, const NamedSegment* b) {
-        return a->at->frame < b->at->frame;
-    });
-    LabelNames found, by_pixel;
+    NameSearch search(names, map, {scene.width, scene.height, {}, {}});
+    if (auto begun = search.begin(ahead.clip().frame_count()); !begun) return begun.error();
     const SegmentFrames segments_of = begin(scene);
-    auto next = wanted.begin();
-    for (std::int64_t number = 0; next != wanted.end() || (map && number == 0); ++number) {
+    for (std::int64_t number = 0; search.next() || (search.wants_map() && number == 0); ++number) {
         if (stop_requested()) return interrupted_error();
         const auto frame = ahead.next();
         if (!frame) return frame.error();
         if (!*frame)
-            return next == wanted.end()
-                       ? input_error(ahead.clip().inputs().front().string() + ": has no frames")
-                       : refuse_name(**next, "frame " + std::to_string((*next)->at->frame) +
-                                                 " is beyond the clip, which has " + std::to_string(number));
-        const Segmentation& segmentation = segments_of(**frame, number > 0);
-        if (map && number == 0) found = names_of_map(*map, segmentation, *by_index);
-        for (; next != wanted.end() && (*next)->at->frame == number; ++next)
-            if (auto taken = take_name(**next, segmentation, by_pixel); !taken) return taken.error();
+            return search.next() ? refuse_name(*search.next()->name,
+                                               "frame " + std::to_string(search.next()->at.frame) +
+                                                   " is beyond the clip, which has " + std::to_string(number))
+                                 : input_error(ahead.clip().inputs().front().string() + ": has no frames");
+        if (auto looked = search.look(segments_of(**frame, number > 0), number); !looked)
+            return looked.error();
     }
-    by_pixel.merge(found);
-    return by_pixel;
+    return search.take_found();
+}
+
+Result<LabelNames> find_named_segments(const SegmentStore& segments, const SegmentNames& names,
+                                       const std::optional<SegmentMap>& map) {
+    NameSearch search(names, map, {segments.width(), segments.height(), {}, {}});
+    if (auto begun = search.begin(segments.frames()); !begun) return begun.error();
+    for (std::int64_t number = 0; search.next() || (search.wants_map() && number == 0); ++number)
+        if ((search.next() && search.next()->at.frame == number) || number == 0)
+            if (auto looked = search.look(segments.segmentation(number), number); !looked)
+                return looked.error();
+    return search.take_found();
+}
+
+Result<SegmentStore> with_cuts(SegmentStore segments, const SegmentNames& names) {
+    for (std::size_t k = 0; k < names.cuts.size(); ++k) {
+        auto made = segments.with_cut(names.cuts[k]);
+        if (!made)
+            return input_error(names.said_by + ": cuts[" + std::to_string(k) + "]: " + made.error().message);
+        segments = std::move(*made);
+    }
+    return segments;
 }
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 
 #include "engine/clip/prefetch.hpp"
 #include "engine/content/materials/segment_names.hpp"
+#include "engine/content/materials/segment_store.hpp"
 #include "engine/content/segments/segmentation.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/result.hpp"
@@ -31,11 +32,19 @@ struct SegmentMap {
 /// Named segments by their label.
 using LabelNames = std::map<std::uint16_t, NamedSegment>;
 
-/// Which labels the names mean. Of a map each segment has the index that most of its pixels have; where a
-/// pixel of it is named as well, that counts. Each that is found has a pixel of its own (`at`). Refused: a
-/// pixel beyond the picture or without a segment, a frame beyond the clip, one segment under two names that
-/// feel different, an index without a map.
+/// Which labels the names mean; cuts do not count. Of a map each segment has the index that most of its
+/// pixels have; where a pixel of it is named as well, that counts. Each that is found has a pixel of its own
+/// (`at`). Refused: a pixel beyond the picture or without a segment, a frame beyond the clip, one segment
+/// under two names that feel different, an index without a map.
 Result<LabelNames> find_named_segments(Prefetch& ahead, const SegmentNames& names,
                                        const std::optional<SegmentMap>& map, const BeginSegments& begin);
+
+/// The same of frames that are all known, which are at least one.
+Result<LabelNames> find_named_segments(const SegmentStore& segments, const SegmentNames& names,
+                                       const std::optional<SegmentMap>& map);
+
+/// The segments with all cuts of the names, one after the other. Refused as SegmentStore::with_cut does,
+/// with the number of the cut (ErrorKind::input).
+Result<SegmentStore> with_cuts(SegmentStore segments, const SegmentNames& names);
 
 }  // namespace touchable

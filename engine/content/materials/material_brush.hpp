@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engine/content/materials/painted_clip.hpp"
+#include "engine/content/materials/segment_names.hpp"
+#include "engine/content/materials/segment_store.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Materials of a clip's segments as a person paints them, with undo. What nobody painted feels as its first
+/// look suggests, or as all others do.
+class MaterialBrush {
+public:
+    /// One thing that is done.
+    struct Paint {
+        PixelOfFrame at;
+        std::string material;
+    };
+    /// Both segments are one thing: of the material of the one that was painted, otherwise of the first.
+    struct Join {
+        PixelOfFrame a, b;
+    };
+    struct Otherwise {
+        std::string material;  ///< of all that nobody named; empty: guesses
+    };
+    using Edit = std::variant<Paint, Join, SegmentCut, Otherwise>;
+
+    /// With what was said of the segments before, such as in a file; `segments` are without its cuts, and of
+    /// at least one frame. Refused as find_named_segments and with_cuts do.
+    static Result<MaterialBrush> begin(SegmentStore segments, const SegmentNames& names = {});
+
+    /// What was done, in words: "segment 7 is wood". Refused (ErrorKind::usage), and then nothing is changed:
+    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing.
+    Result<std::string> edit(const Edit& edit);
+    /// Likewise what was done. Refused where there is nothing.
+    Result<std::string> undo();
+    Result<std::string> redo();
+    /// How many edits count now, and how many there are with those that were undone.
+    std::size_t done() const { return done_; }
+    std::size_t edits() const { return edits_.size(); }
+
+    /// As all is now; what it points to stays as it is.
+    std::shared_ptr<const PaintedSegments> painted() const { return states_[done_].painted; }
+    /// For a file that --segments reads.
+    const SegmentNames& names() const { return states_[done_].names; }
+
+    /// All that was done and undone, for another run of the program (JSON).
+    std::string history() const;
+    /// Brings a history back in place of all that is here. Refused (ErrorKind::input, beginning with
+    /// `where`), and then nothing is changed, where it is none, or not of such segments.
+    Result<void> repeat(std::string_view history, std::string_view where);
+
+private:
+    struct State {
+        SegmentNames names;
+        std::shared_ptr<const PaintedSegments> painted;
+    };
+    struct Done {
+        Edit edit;
+        std::string words;
+    };
+    MaterialBrush() = default;
+    static Result<State> state_of(std::shared_ptr<const SegmentStore> segments, SegmentNames names);
+    class Draft;
+
+    std::shared_ptr<const SegmentStore> uncut_;
+    std::vector<State> states_;  // before the first edit, after it, ...: one more than edits
+    std::vector<Done> edits_;
+    std::size_t done_ = 0;
+};
+
+}  // namespace touchable
