@@ -154,8 +154,10 @@ Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& c
 }
 
 Result<void> run_typed(const MaterialsTyped& typed) {
-    if (typed.list) return print_palette();
     const auto& first = typed.clip.choice.file;
+    if (typed.list && !first.empty())
+        return usage_error("--list prints the materials, and takes no CLIP; leave out one of both");
+    if (typed.list) return print_palette();
     if (first.empty())
         return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
     if (typed.many.rest.empty()) return run_one(typed, first, {});

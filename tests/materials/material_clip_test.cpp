@@ -222,6 +222,16 @@ TEST_F(MaterialClip, RefusesWhatCannotBe) {
     refused(both, ErrorKind::usage, "same segment as --at of table, which is \"table\"");
     both.names.segments[1] = named("again", "wood", {1, 1, 4});
     EXPECT_TRUE(open(both).ok());
+    // What is typed counts before what stands in a file, whichever is looked for first.
+    for (const std::int64_t frame : {0, 4}) {
+        auto file_too = one({0, 0, 2});
+        file_too.names.segments.push_back(named("chair", "foam", {1, 1, frame}));
+        file_too.names.segments.back().kind = ErrorKind::input;
+        ASSERT_TRUE(open(file_too).ok());
+        const auto clip = open(file_too);
+        EXPECT_EQ(message((*clip)->next()), "");
+        EXPECT_EQ(report_->segments[0].material, "wood");
+    }
 
     MaterialSettings indexed;
     indexed.names.segments = {{"a", "wood", {}, {}, 3, "n.json: segments[0]", ErrorKind::input}};
@@ -229,6 +239,9 @@ TEST_F(MaterialClip, RefusesWhatCannotBe) {
     indexed.map = SegmentMap{"map.png", {2, 2, 1, 1, std::vector<std::uint8_t>(4)}};
     refused(indexed, ErrorKind::input, "map.png: has 2x2 pixels");
     indexed.map->indices = {columns, rows, 1, 1, std::vector<std::uint8_t>(columns * rows)};
+    refused(indexed, ErrorKind::input,
+            "segments[0]: no segment has most of its pixels where map.png has index 3");
+    indexed.map->indices.samples.assign(columns * rows, 3);
     EXPECT_TRUE(open(indexed).ok());
     indexed.names.segments.push_back(indexed.names.segments[0]);
     refused(indexed, ErrorKind::input, "named twice");

@@ -74,7 +74,8 @@ TEST(SegmentNames, AreRefusedInWords) {
         EXPECT_NE(names.error().message.find(why), std::string::npos) << names.error().message;
         EXPECT_EQ(names.error().message.find('\n'), std::string::npos) << names.error().message;
     };
-    refused(R"([{"name": "a", "material": "gold", "at": [1, 2]}])", "\"gold\" is no material");
+    refused(R"([{"name": "a", "material": "gold", "at": [1, 2]}])",
+            "segments[0].material is \"gold\": must be one of wood");
     refused(R"([{"name": "a", "material": "wood"}])", "either at");
     refused(R"([{"name": "a", "material": "wood", "at": [1, 2], "index": 1}])", "either at");
     refused(R"([{"name": "a", "material": "wood", "at": [1]}])", "[X, Y]");
@@ -82,13 +83,17 @@ TEST(SegmentNames, AreRefusedInWords) {
     refused(R"([{"name": "a", "material": "wood", "at": [1, 2, -1]}])", "segments[0].at[2]");
     refused(R"([{"name": "a", "material": "wood", "index": 256}])", "segments[0].index");
     refused(R"([{"name": "a", "stiffness": 1, "at": [1, 2]}])", "of a material, or of stiffness");
-    refused(R"([{"name": "a", "material": "wood", "stiffness": 0, "at": [1, 2]}])", "0.001 to 1000");
+    refused(R"([{"name": "a", "material": "wood", "stiffness": 0, "at": [1, 2]}])", "0.001 to 10 N/mm");
     refused(R"([{"name": "a", "material": "wood", "dynamic_friction": 1, "at": [1, 2]}])",
             "not above static_friction");
     refused(R"([{"name": "a", "material": "wood", "relief": 401, "at": [1, 2]}])", "relief");
     refused(R"([{"material": "wood", "at": [1, 2]}])", "name is missing");
     refused(R"([{"name": "a", "material": "wood", "at": [1, 2], "colour": 1}])", "unknown member");
+    refused(R"([{"name": "a", "material": "wood", "at": [[1, 2], [3]]}])", "segments[0].at[1]");
+    refused(R"([{"name": "a", "material": "wood", "at": []}])", "segments[0].at");
     refused("3", "a list");
+    refused("[], \"cuts\": [{\"frame\": 0, \"stroke\": [[1, 2]]}]", "cuts[0].stroke");
+    refused("[], \"cuts\": [{\"frame\": -1, \"stroke\": [[1, 2], [3, 4]]}]", "cuts[0].frame");
     EXPECT_FALSE(parse_segment_names("{", "n.json").ok());
     EXPECT_FALSE(parse_segment_names(R"({"touchable_segments": 2, "segments": []})", "n.json").ok());
     EXPECT_FALSE(

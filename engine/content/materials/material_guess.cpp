@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "engine/frame/unseen_colour.hpp"
+
 namespace touchable {
 namespace {
 
@@ -64,6 +66,9 @@ constexpr Rule rules[] = {
     {Hue::any, any_number, any_number, any_number, any_number, "cloth"},
 };
 
+/// What no colour camera saw is as any other painted thing.
+constexpr std::string_view of_unseen = "plastic";
+
 }  // namespace
 
 SegmentLook look_of(const Segment& segment, std::int32_t of_pixels) {
@@ -73,6 +78,7 @@ SegmentLook look_of(const Segment& segment, std::int32_t of_pixels) {
 const PaletteMaterial& guess_material(const SegmentLook& look) {
     const int red = look.colour[0], green = look.colour[1], blue = look.colour[2];
     const int chroma = std::max({red, green, blue}) - std::min({red, green, blue});
+    if (is_unseen_colour(look.colour.data())) return *find_material(of_unseen);
     const auto permille =
         static_cast<int>(std::int64_t{look.pixels} * 1000 / std::max<std::int64_t>(look.of_pixels, 1));
     const Seen seen{hue_of(red, green, blue, chroma), (30 * red + 59 * green + 11 * blue) / 100, chroma,

@@ -51,16 +51,19 @@ const PaletteMaterial* find_material(std::string_view name) {
     return found == materials.end() ? nullptr : &*found;
 }
 
+std::string material_names() {
+    std::string all;
+    for (const PaletteMaterial& material : materials)
+        all += (all.empty() ? "" : ", ") + std::string(material.name);
+    return all;
+}
+
 std::string no_such_material(std::string_view name) {
     std::vector<std::string> names;
-    std::string all;
-    for (const PaletteMaterial& material : materials) {
-        names.emplace_back(material.name);
-        all += (all.empty() ? "" : ", ") + names.back();
-    }
+    for (const PaletteMaterial& material : materials) names.emplace_back(material.name);
     const std::string meant = nearest_word(name, names);
     return in_quotes(name) + " is no material" + (meant.empty() ? "" : " (" + meant + "?)") +
-           "; right would be one of " + all;
+           "; right would be one of " + material_names();
 }
 
 }  // namespace touchable

@@ -41,6 +41,9 @@ std::span<const PaletteMaterial> palette();
 /// Null: there is none of that name.
 const PaletteMaterial* find_material(std::string_view name);
 
+/// All of them, between commas.
+std::string material_names();
+
 /// Why a name is none of the palette's: what was probably meant, and all there are.
 std::string no_such_material(std::string_view name);
 

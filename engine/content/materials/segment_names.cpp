@@ -15,7 +15,7 @@ using NamesJson = nlohmann::ordered_json;
 constexpr int format_version = 1;
 constexpr std::size_t most_segments = 65535, most_cuts = 1000;
 constexpr std::pair<const char*, bool> said_by_whom[] = {{"guess", true}, {"hand", false}};
-constexpr double stiffest_segment = 1000, roughest_segment = 10;  // N/mm, coefficient
+constexpr double stiffest_segment = 10, roughest_segment = 10;  // N/mm, coefficient
 
 double number_between(const NamesNode& node, double least, double most, const char* right) {
     const double number = node.number();
@@ -29,14 +29,14 @@ void read_feel(const NamesNode& node, NamedSegment& segment) {
     if (node.has("material")) {
         segment.material = node["material"].text();
         const PaletteMaterial* const found = find_material(segment.material);
-        if (found == nullptr) throw checked_json::Refusal{no_such_material(segment.material)};
+        if (found == nullptr) node["material"].refuse("one of " + material_names());
         segment.feel = found->feel();
     } else if (!(node.has("stiffness") && node.has("static_friction") && node.has("dynamic_friction"))) {
         node.refuse("of a material, or of stiffness, static_friction and dynamic_friction");
     }
     if (node.has("stiffness"))
         properties.stiffness =
-            1000 * number_between(node["stiffness"], 0.001, stiffest_segment, "from 0.001 to 1000 N/mm");
+            1000 * number_between(node["stiffness"], 0.001, stiffest_segment, "from 0.001 to 10 N/mm");
     if (node.has("static_friction"))
         properties.static_friction =
             number_between(node["static_friction"], 0, roughest_segment, "from 0 to 10");
@@ -81,8 +81,7 @@ SegmentNames read_names(const NamesNode& node, std::string_view where) {
     names.said_by = where;
     if (node.has("otherwise")) {
         names.otherwise = node["otherwise"].text();
-        if (find_material(names.otherwise) == nullptr)
-            throw checked_json::Refusal{"otherwise: " + no_such_material(names.otherwise)};
+        if (find_material(names.otherwise) == nullptr) node["otherwise"].refuse("one of " + material_names());
     }
     if (node.has("cuts"))
         for (const NamesNode& cut : node["cuts"].elements(0, most_cuts, "a list of up to 1000 cuts"))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -56,12 +57,13 @@ Result<std::map<int, NamedSegment>> names_by_index(const SegmentNames& names,
 }
 
 /// Each segment's pixels by index.
-LabelNames names_of_map(const SegmentMap& map, const Segmentation& frame,
-                        const std::map<int, NamedSegment>& by_index) {
+Result<LabelNames> names_of_map(const SegmentMap& map, const Segmentation& frame,
+                                const std::map<int, NamedSegment>& by_index) {
     std::map<std::uint16_t, std::array<std::int64_t, 256>> counts;
     for (std::size_t k = 0; k < frame.labels.size(); ++k)
         if (frame.labels[k] != 0) ++counts[frame.labels[k]][map.indices.samples[k]];
     LabelNames found;
+    std::set<int> used;
     for (const Segment& segment : frame.segments) {
         const auto& count = counts[segment.label];
         const auto index = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
@@ -70,7 +72,12 @@ LabelNames names_of_map(const SegmentMap& map, const Segmentation& frame,
         NamedSegment& named = found.emplace(segment.label, name->second).first->second;
         named.index.reset();
         named.at = {{segment.x, segment.y, 0}};
+        used.insert(index);
     }
+    for (const auto& [index, name] : by_index)
+        if (!used.contains(index))
+            return refuse_name(name, "no segment has most of its pixels where " + map.file + " has index " +
+                                         std::to_string(index));
     return found;
 }
 
@@ -86,10 +93,13 @@ Result<void> take_name(const NamedPlace& place, const Segmentation& frame, Label
     const auto [taken, is_new] = by_pixel.emplace(label, name);
     NamedSegment& there = taken->second;
     if (is_new || name.is_guess) return {};
-    if (there.is_guess) {
+    // What is said on the command line counts before what a file says.
+    const bool is_typed = name.kind == ErrorKind::usage, was_typed = there.kind == ErrorKind::usage;
+    if (there.is_guess || (is_typed && !was_typed)) {
         there = name;
         return {};
     }
+    if (was_typed && !is_typed) return {};
     if (!(there.feel == name.feel))
         return refuse_name(name, in_words(place.at) + " is in the same segment as " + there.said_by +
                                      ", which is " + in_quotes(there.name) +
@@ -144,7 +154,11 @@ Result<void> NameSearch::begin(std::optional<std::int64_t> frames) {
 }
 
 Result<void> NameSearch::look(const Segmentation& segmentation, std::int64_t frame) {
-    if (map_ && frame == 0) found_ = names_of_map(*map_, segmentation, by_index_);
+    if (map_ && frame == 0) {
+        auto of_map = names_of_map(*map_, segmentation, by_index_);
+        if (!of_map) return of_map.error();
+        found_ = std::move(*of_map);
+    }
     for (; next() && next()->at.frame == frame; ++next_)
         if (auto taken = take_name(*next(), segmentation, by_pixel_); !taken) return taken;
     return {};
