@@ -18,7 +18,8 @@ using HistoryNode = checked_json::Node;
 using HistoryJson = nlohmann::ordered_json;
 
 constexpr int history_version = 1;
-constexpr std::size_t most_edits = 10000;
+constexpr std::size_t most_edits = 1000;
+constexpr std::size_t most_kept_bytes = std::size_t{1} << 30;  // of segments that were cut, for undo
 
 std::string segment_in_words(std::uint16_t label) {
     return "segment " + std::to_string(label);
@@ -195,10 +196,24 @@ Result<std::string> MaterialBrush::Draft::operator()(const Otherwise& otherwise)
            (otherwise.material.empty() ? std::string("guessed") : otherwise.material);
 }
 
-Result<std::string> MaterialBrush::edit(const Edit& edit) {
+Result<void> MaterialBrush::check_room(const Edit& edit) const {
     if (done_ == most_edits)
-        return usage_error("so many changes were made, " + std::to_string(most_edits) +
-                           ", that no more are kept; save them and begin anew");
+        return usage_error("no more than " + std::to_string(most_edits) +
+                           " changes are kept for undo; save them, and begin anew with what is saved");
+    if (!std::holds_alternative<SegmentCut>(edit)) return {};
+    std::size_t bytes = states_[done_].painted->segments->bytes();
+    for (std::size_t k = 0; k < done_; ++k)
+        if (std::holds_alternative<SegmentCut>(edits_[k].edit))
+            bytes += states_[k + 1].painted->segments->bytes();
+    if (bytes > most_kept_bytes)
+        return usage_error(
+            "what is cut takes 1 GiB, as much as is kept for undo; save it, and begin anew with what is "
+            "saved");
+    return {};
+}
+
+Result<std::string> MaterialBrush::edit(const Edit& edit) {
+    if (auto fits = check_room(edit); !fits) return fits.error();
     Draft draft(states_[done_]);
     auto words = std::visit(draft, edit);
     if (!words) return words;
@@ -278,7 +293,7 @@ ReadHistory read_history(const HistoryNode& node, const SegmentStore& segments, 
     auto begin = parse_segment_names(node["begin"].json(), where + ": begin");
     if (!begin) throw checked_json::Refusal{begin.error().message};
     history.begin = std::move(*begin);
-    for (const HistoryNode& edit : node["edits"].elements(0, most_edits, "a list of up to 10000 changes"))
+    for (const HistoryNode& edit : node["edits"].elements(0, most_edits, "a list of up to 1000 changes"))
         history.edits.push_back(read_edit(edit));
     history.done =
         static_cast<std::size_t>(node["done"].integer(0, static_cast<std::int64_t>(history.edits.size())));

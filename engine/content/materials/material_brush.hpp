@@ -38,7 +38,8 @@ public:
     static Result<MaterialBrush> begin(SegmentStore segments, const SegmentNames& names = {});
 
     /// What was done, in words: "segment 7 is wood". Refused (ErrorKind::usage), and then nothing is changed:
-    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing.
+    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing; more than
+    /// is kept for undo.
     Result<std::string> edit(const Edit& edit);
     /// Likewise what was done. Refused where there is nothing.
     Result<std::string> undo();
@@ -70,6 +71,7 @@ private:
     MaterialBrush() = default;
     static Result<State> state_of(std::shared_ptr<const SegmentStore> segments, SegmentNames names);
     class Draft;
+    Result<void> check_room(const Edit& edit) const;
 
     std::shared_ptr<const SegmentStore> uncut_;
     std::vector<State> states_;  // before the first edit, after it, ...: one more than edits
