@@ -65,6 +65,7 @@ TEST_F(GuessedFolder, OfTumIsPairedByItsLists) {
     EXPECT_EQ(guessed.scene.folder->colour, "rgb.txt");
     EXPECT_EQ(guessed.scene.rate.num, 30);
     EXPECT_EQ(guessed.scene.depth.scale, 1.0 / 5000);
+    EXPECT_EQ(guess().scene.depth.scale, 1.0 / 5000) << "whoever has such lists has such codes";
     const auto read = frames();
     ASSERT_EQ(read.size(), 4U);
     // 100, 133, 166, 199 ms beside 95, 115, 135, 155, 175, 195.

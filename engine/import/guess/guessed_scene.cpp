@@ -45,6 +45,7 @@ public:
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
     void tell_of_layers(const BesideDepth& beside, bool has_colour);
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
+    void know_list(const std::string& file) { list_ = file; }
     Result<void> find_rate(const fs::path& folder);
     void doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures);
 
@@ -65,6 +66,7 @@ private:
     std::vector<fs::path> inputs_;
     CameraFile file_;
     std::optional<GuessedCameras> frames_;  // that have one each
+    std::string list_;                      // of pictures and their times; empty: there is none
     bool has_camera_of_depth_ = false;      // which was said, or read
 };
 
@@ -215,10 +217,11 @@ void Guess::guess_unit(const EstimatedValues& values) {
                 "", {{Setting::preset, "relative-inverse"}});
     } else {
         const bool fine = values.median > 12000, coarse = values.median < 100;
-        const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+        const double unit = fine || !list_.empty() ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
         set_metric(unit);
-        say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
-                short_number(values.median),
+        say("a code is " + short_number(1000 * unit) + " mm, as " +
+                (list_.empty() ? "their median is " + short_number(values.median)
+                               : "recordings with a " + list_ + " have it (TUM RGB-D)"),
             otherwise);
     }
 }
@@ -443,10 +446,15 @@ const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
     return elsewhere;
 }
 
+/// Files and their times, a line each.
+bool is_list_of_depth(const std::string& pattern) {
+    return pattern.ends_with(".txt");
+}
+
 /// What goes as depth as well, by its folder where that is another: "t2/, t3/".
 std::string left_out(const std::vector<const PictureGroup*>& depths) {
     const PictureGroup& depth = *depths.front();
-    const bool is_listed = depth.pattern.ends_with(".txt");
+    const bool is_listed = is_list_of_depth(depth.pattern);
     std::string names;
     std::vector<std::string> told;
     for (const PictureGroup* other : depths) {
@@ -502,6 +510,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(*stored);
     Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
     if (cameras) guess.know_cameras(*cameras);
+    if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
     if (auto described = guess.describe(folder, *stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
