@@ -150,18 +150,23 @@ std::int64_t ColourEdges::near_median(Facing facing) const {
     return sum;
 }
 
+/// 1 where too few edges face either way.
+double ColourEdges::agreement(Facing a, Facing b) const {
+    const std::int64_t edges = count(a) + count(b);
+    if (edges < fewest / 2) return 1;
+    return static_cast<double>(near_median(a) + near_median(b)) / static_cast<double>(edges);
+}
+
 std::optional<ColourEdges::Fit> ColourEdges::fit() const {
     Fit fit;
     double rims = 0;
-    std::int64_t agreeing = 0;
     for (const Facing facing : {to_right, to_left, down, up}) {
         fit.edges += count(facing);
-        agreeing += near_median(facing);
         rims -= median(facing) * static_cast<double>(count(facing));
     }
     if (fit.edges < fewest) return std::nullopt;
     fit.rim = rims / static_cast<double>(fit.edges);
-    fit.agreement = static_cast<double>(agreeing) / static_cast<double>(fit.edges);
+    fit.agreement = std::min(agreement(to_right, to_left), agreement(down, up));
     const auto shift = [&](Facing a, Facing b) -> std::optional<double> {
         if (std::min(count(a), count(b)) < fewest / 4) return std::nullopt;
         return (median(a) - median(b)) / 2;

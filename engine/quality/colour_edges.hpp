@@ -24,9 +24,9 @@ public:
     /// Medians, in pixels of the depth plane.
     struct Fit {
         std::int64_t edges = 0;  ///< places that were compared
-        /// Share of them within two pixels of their median. Where colour lies far beside depth, by more than
-        /// is looked at, edges of colour are found by chance, all over the window: then the other figures
-        /// mean nothing.
+        /// Share of them within two steps of their median, across or down, whichever is less. Where colour
+        /// lies far beside depth, by more than is looked at, edges of colour are found by chance, all over
+        /// the window: then the other figures mean nothing.
         double agreement = 0;
         bool agrees() const { return agreement >= 0.6; }
         /// By how much colour lies to the right of depth, and below it. Nothing: too few edges face both
@@ -49,6 +49,7 @@ private:
     std::int64_t count(Facing facing) const;
     double median(Facing facing) const;
     std::int64_t near_median(Facing facing) const;
+    double agreement(Facing a, Facing b) const;
 
     const DepthCoding coding_;
     const int step_;  // pixels from one sample of a profile to the next

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <iostream>
 
+#include "engine/byte_hash.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 #include "tests/player/program.hpp"
@@ -94,6 +96,37 @@ TEST_F(PumpingFolder, IsConvertedOnceAndTouchedAsItWas) {
     const Outcome later = run_touchable({"info", raw, "--align", "on"});
     EXPECT_NE(later.out.find("depth is aligned"), std::string::npos) << later.out << later.err;
     EXPECT_EQ(run_touchable({"info", raw}).out.find("depth is aligned"), std::string::npos);
+}
+
+/// What writes a clip anew copies the packets of what stays as it is, and aligned depth does not.
+TEST_F(PumpingFolder, OfAClipOfOursIsAlignedByWhateverWritesItAnew) {
+    const std::string raw = folder_ / "raw.mkv";
+    ASSERT_EQ(
+        run_touchable({"convert", pictures(), raw, "--preset", "relative-inverse", "--align", "off"}).code,
+        0);
+    const auto hash_of_depth = [&](const std::string& file, DepthAlignment alignment) {
+        auto clip = open_clip(file, {}, {}, Colour::wanted, {}, alignment);
+        EXPECT_TRUE(clip.ok()) << file;
+        ByteHash hash;
+        while (clip.ok()) {
+            const auto frame = (*clip)->next();
+            if (!frame.ok() || !*frame) break;
+            const PlaneView& depth = (*frame)->depth;
+            for (int y = 0; y < depth.height; ++y) hash.add(depth.row(y), std::size_t{2} * depth.width);
+        }
+        return hash.value();
+    };
+    const std::uint64_t stored = hash_of_depth(raw, DepthAlignment::off);
+    const std::uint64_t aligned = hash_of_depth(raw, DepthAlignment::on);
+    EXPECT_NE(stored, aligned);
+    for (const std::string command : {"convert", "relief", "materials"}) {
+        const std::string as_stored = folder_ / (command + "-auto.mkv"), on = folder_ / (command + "-on.mkv");
+        ASSERT_EQ(run_touchable({command, raw, as_stored}).code, 0) << command;
+        EXPECT_EQ(hash_of_depth(as_stored, DepthAlignment::off), stored) << command;
+        const Outcome run = run_touchable({command, raw, on, "--align", "on"});
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(hash_of_depth(on, DepthAlignment::off), aligned) << command;
+    }
 }
 
 }  // namespace

@@ -84,6 +84,27 @@ TEST_F(Relief, OfSeveralClipsNeedsAFolderAndNamesOfTheirOwn) {
     EXPECT_EQ(same.code, 2);
     EXPECT_NE(same.err.find("would both be"), std::string::npos) << same.err;
     EXPECT_FALSE(fs::exists(at("out")));
+    // Without its slash a folder is a clip of pictures, as a shell gives all that is there.
+    const Outcome last = run_touchable({"relief", at("globe.mkv"), at("a")});
+    EXPECT_EQ(last.code, 2);
+    EXPECT_NE(last.err.find("does not end in .mkv"), std::string::npos) << last.err;
+    const Outcome several = run_touchable({"relief", at("globe.mkv"), at("globe.mkv"), at("a")});
+    EXPECT_EQ(several.code, 2);
+    EXPECT_NE(several.err.find("is no folder"), std::string::npos) << several.err;
+    EXPECT_EQ(names_in(at("a")), std::vector<std::string>{"globe.mkv"});
+}
+
+TEST_F(Relief, OfSeveralClipsWritesOverNoneOfThem) {
+    fs::create_directory(at("a"));
+    fs::copy_file(at("globe.mkv"), at("a/other.mkv"));
+    for (const bool overwrite : {false, true}) {
+        std::vector<std::string> words{"relief", at("globe.mkv"), at("a/other.mkv"), at("a") + "/"};
+        if (overwrite) words.emplace_back("--overwrite");
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 2);
+        EXPECT_NE(run.err.find("is one of the clips"), std::string::npos) << run.err;
+        EXPECT_EQ(names_in(at("a")), std::vector<std::string>{"other.mkv"});
+    }
 }
 
 TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {

@@ -17,23 +17,34 @@ namespace fs = std::filesystem;
 
 class Verify : public ::testing::Test {
 protected:
-    /// Boxes before a wall, 160x120, in millimetres of 16 bits; colour is moved, depth scaled frame by frame.
-    std::string recording(int frames, int right, double pulse) const {
+    struct Filmed {
+        int frames = 6;
+        int right = 0;           ///< pixels by which colour is moved
+        double pulse = 0;        ///< depth is scaled by as much, frame by frame
+        int blank = -1;          ///< this frame has no depth
+        int colour_period = 40;  ///< pixels from one box to the next in colour; in depth it is 40
+    };
+    /// Boxes before a wall, 160x120, in millimetres of 16 bits.
+    std::string recording(const Filmed& filmed) const {
         const fs::path folder = at("recording");
         fs::create_directories(folder);
-        for (int k = 0; k < frames; ++k) {
+        for (int k = 0; k < filmed.frames; ++k) {
             Image depth{160, 120, 2, 1, {}}, colour{160, 120, 1, 3, {}};
-            const double scale = 1 + pulse * (k % 3 - 1);
+            const double scale = 1 + filmed.pulse * (k % 3 - 1);
             for (int y = 0; y < 120; ++y)
                 for (int x = 0; x < 160; ++x) {
-                    const auto is_box = [&](int column) { return (column + 80) % 40 >= 15 && y % 40 >= 15; };
+                    const auto is_box = [&](int column, int period) {
+                        return (column + 2 * period) % period >= 15 && y % period >= 15;
+                    };
                     // Something moves, so that no frame repeats another.
-                    const double mm = (is_box(x) ? 700 : 1000) + (y < 8 ? 3 * k : 0);
-                    const auto code = static_cast<std::uint16_t>(std::lround(scale * mm));
+                    const double mm = (is_box(x, 40) ? 700 : 1000) + (y < 8 ? 3 * k : 0);
+                    const auto code =
+                        static_cast<std::uint16_t>(std::lround(k == filmed.blank ? 0 : scale * mm));
                     depth.samples.push_back(static_cast<std::uint8_t>(code % 256));
                     depth.samples.push_back(static_cast<std::uint8_t>(code / 256));
                     for (int c = 0; c < 3; ++c)
-                        colour.samples.push_back(is_box(x - right) == (c == 0) ? 200 : 30);
+                        colour.samples.push_back(
+                            is_box(x - filmed.right, filmed.colour_period) == (c == 0) ? 200 : 30);
                 }
             const std::string number = "000" + std::to_string(k) + ".png";
             EXPECT_TRUE(write_png(folder / ("depth_" + number), depth.view()).ok());
@@ -69,9 +80,9 @@ TEST_F(Verify, FindsNothingInAGoodClip) {
 }
 
 TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
-    const std::string clip = recording(6, 3, 0);
+    const std::string clip = recording({.right = 3});
     const auto json = verified({clip, "--depth-unit", "0.001", "--fov", "60", "--picture", at("where.png")});
-    EXPECT_EQ(names(json), std::set<std::string>{"registration"});
+    EXPECT_EQ(names(json), std::set<std::string>{"registration"}) << json;
     EXPECT_NEAR(json["measures"]["colour_edges"]["right"].get<double>(), 3, 0.01);
     const auto picture = read_image(at("where.png"));
     ASSERT_TRUE(picture.ok()) << picture.error().message;
@@ -84,8 +95,23 @@ TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
     EXPECT_EQ(again.code, 2) << again.err;
 }
 
+TEST_F(Verify, TellsOfColourThatIsOfSomethingElse) {
+    const auto json = verified({recording({.colour_period = 31}), "--depth-unit", "0.001", "--fov", "60"});
+    EXPECT_EQ(names(json), std::set<std::string>{"registration"}) << json;
+    const std::string what = json["findings"][0]["what"];
+    EXPECT_NE(what.find("agree on a place"), std::string::npos) << what;
+}
+
+TEST_F(Verify, TellsOfFramesWithoutDepth) {
+    const auto json = verified({recording({.blank = 3}), "--depth-unit", "0.001", "--fov", "60"});
+    EXPECT_EQ(names(json), std::set<std::string>{"blank"});
+    const std::string what = json["findings"][0]["what"];
+    EXPECT_NE(what.find("the first is 3"), std::string::npos) << what;
+}
+
 TEST_F(Verify, TellsOfDepthThatPulses) {
-    const auto json = verified({recording(9, 0, 0.01), "--depth-unit", "0.001", "--fov", "60"});
+    const auto json =
+        verified({recording({.frames = 9, .pulse = 0.01}), "--depth-unit", "0.001", "--fov", "60"});
     EXPECT_TRUE(names(json).contains("pumping")) << json;
 }
 

@@ -11,20 +11,25 @@
 namespace touchable::test {
 namespace {
 
-constexpr int width = 320, height = 240;
+constexpr int width = 640, height = 480;
 
 /// Boxes before a wall. Their colour is moved, and smaller or larger than they are.
 class ColourEdgesOf : public ::testing::Test {
 protected:
-    static bool in_box(int x, int y, int larger = 0) {
-        const int column = x % 80, row = y % 80;
-        return column >= 20 - larger && column < 50 + larger && row >= 20 - larger && row < 50 + larger;
+    /// `x`, `y`: 0 or more. `uneven_`: each is at another place of its square of 80 pixels, of
+    /// another size.
+    bool in_box(int x, int y, int larger = 0) const {
+        const int square = x / 80 + 10 * (y / 80);
+        const int column = x % 80 - (uneven_ ? 31 * square % 29 - 10 : 0);
+        const int row = y % 80 - (uneven_ ? 17 * square % 29 - 10 : 0);
+        const int end = (uneven_ ? 44 + 13 * square % 17 : 50) + larger;
+        return column >= 20 - larger && column < end && row >= 20 - larger && row < end;
     }
     ColourEdges::Fit fit(int right, int below, int colour_larger, bool with_shadow = false) {
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
-                const bool shadow = with_shadow && !in_box(x, y) && in_box(x + 7, y);
-                depth_.push_back(shadow ? invalid : in_box(x, y) ? 200 : 60);
+                const bool shadow = with_shadow && !in_box(x + 80, y + 80) && in_box(x + 87, y + 80);
+                depth_.push_back(shadow ? invalid : in_box(x + 80, y + 80) ? 200 : 60);
                 const bool is_red = in_box(x - right + 80, y - below + 80, colour_larger);
                 const int noise = (x * 7 + y * 13) % 11;
                 colour_.push_back(static_cast<std::uint8_t>((is_red ? 190 : 40) + noise));
@@ -47,6 +52,7 @@ protected:
     }
 
     static constexpr std::uint8_t invalid = 0;
+    bool uneven_ = false;
     std::vector<std::uint8_t> depth_, colour_, where;
 };
 
@@ -76,6 +82,17 @@ TEST_F(ColourEdgesOf, ColourBeyondTheSurfaceIsARimBelowZero) {
     const auto fitted = fit(0, 1, 2);
     EXPECT_NEAR(fitted.below.value_or(9), 1, 0.01);
     EXPECT_NEAR(fitted.rim, -2, 0.51);
+}
+
+TEST_F(ColourEdgesOf, ColourFarBesideDepthAgreesOnNoPlace) {
+    uneven_ = true;
+    EXPECT_TRUE(fit(3, -2, 0).agrees());
+    for (const auto& [right, below] : {std::pair{30, 0}, {-30, 0}, {0, -30}}) {
+        depth_.clear();
+        colour_.clear();
+        const auto fitted = fit(right, below, 0);
+        EXPECT_FALSE(fitted.agrees()) << right << ' ' << below << ": " << fitted.agreement;
+    }
 }
 
 TEST_F(ColourEdgesOf, ShadowWithoutDepthChangesNothing) {

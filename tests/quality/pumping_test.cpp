@@ -9,8 +9,9 @@
 namespace touchable::test {
 namespace {
 
-/// Of a slope whose depth is `scale(k)` times itself in frame k.
-std::optional<double> pumping_of(int frames, const std::function<double(int)>& scale) {
+/// Of a slope whose depth is `scale(k)` times itself in frame k, under an even colour where one is given.
+std::optional<double> pumping_of(int frames, const std::function<double(int)>& scale,
+                                 const std::function<int(int)>& brightness = {}) {
     constexpr int width = 64, height = 48;
     DepthCoding coding;
     coding.kind = DepthCodingKind::metric;
@@ -26,6 +27,11 @@ std::optional<double> pumping_of(int frames, const std::function<double(int)>& s
         RawFrame frame;
         frame.number = k;
         frame.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()), 2 * width, width, height, 2, 1};
+        std::vector<std::uint8_t> colour;
+        if (brightness) {
+            colour.assign(3 * width * height, static_cast<std::uint8_t>(brightness(k)));
+            frame.colour = {colour.data(), 3 * width, width, height, 1, 3};
+        }
         estimator.add(frame);
     }
     return estimator.share();
@@ -44,6 +50,13 @@ TEST(Pumping, IsThatOfScalesThatChangeByChance) {
 TEST(Pumping, IsNotWhatStandsStillOrMovesOn) {
     EXPECT_LT(pumping_of(30, [](int) { return 1.0; }).value_or(9), 1e-9);
     EXPECT_LT(pumping_of(30, [](int k) { return 1 - 0.01 * k; }).value_or(9), 1e-9);
+}
+
+/// A shot of one frame between two of another place.
+TEST(Pumping, IsNotWhatACutChanges) {
+    const auto scale = [](int k) { return k % 6 == 3 ? 1.4 : 1.0; };
+    EXPECT_LT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 200 : 60; }).value_or(9), 1e-9);
+    EXPECT_GT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 70 : 60; }).value_or(0), 0.05);
 }
 
 TEST(Pumping, IsNotKnownOfFewFrames) {

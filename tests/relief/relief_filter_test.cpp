@@ -32,7 +32,7 @@ protected:
         filter_ = std::make_unique<ReliefFilter>(settings, coding_);
         return filter_->apply(frame);
     }
-    static int even(int, int) { return 128; }
+    static int even(int, int) { return 120; }
     static int spot(int x, int y) { return std::abs(x - 48) <= 2 && std::abs(y - 32) <= 2 ? 160 : 110; }
 
     const DepthCoding coding_ = small_scene(width, height).depth;
@@ -68,6 +68,14 @@ TEST_F(ReliefOf, NothingIsFeltOfAColourThatChangesWithASurface) {
     const NumberField& one_surface = relief(half, even);
     EXPECT_GT(one_surface.row(32)[48], 16 * 10);
     for (const std::int32_t number : relief(half, step).numbers) EXPECT_LE(std::abs(number), 1);
+}
+
+/// Grey of 128 stands for it; any other grey is a colour.
+TEST_F(ReliefOf, WhatTheColourCameraDoesNotSeeHasNone) {
+    const auto half_seen = [](int x, int) { return x < 48 ? 128 : 90; };
+    const auto half_grey = [](int x, int) { return x < 48 ? 127 : 90; };
+    for (const std::int32_t number : relief(half_seen, even).numbers) EXPECT_EQ(number, 0);
+    EXPECT_GT(relief(half_grey, even).row(32)[47], 16 * 3);
 }
 
 TEST_F(ReliefOf, ShadowsHighlightsAndHolesHaveNone) {
