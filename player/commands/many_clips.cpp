@@ -13,11 +13,6 @@ namespace touchable {
 namespace {
 namespace fs = std::filesystem;
 
-/// A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
-bool is_folder(const fs::path& path) {
-    return !path.has_filename();
-}
-
 bool is_there(const fs::path& path) {
     std::error_code ignored;
     return fs::exists(fs::symlink_status(path, ignored));
@@ -64,10 +59,15 @@ CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
         ->expected(1, -1);
 }
 
+bool ManyClips::is_for_several() const {
+    return rest.size() > 1 || !rest.back().has_filename();
+}
+
 Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const One& one) const {
     const fs::path& out = rest.back();
-    if (rest.size() == 1 && !is_folder(out)) return one(first, out);
-    if (!is_folder(out))
+    if (!is_for_several()) return one(first, out);
+    // A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
+    if (out.has_filename())
         return usage_error("'" + printable(out.string()) +
                            "' is no folder, and several clips go into one; right would be FOLDER/");
     std::vector<fs::path> clips{first};

@@ -24,6 +24,10 @@ struct ManyClips {
     /// Adds the words after CLIP, and gives them back. `out`: what OUT is.
     CLI::Option* add_option(CLI::App& sub, const std::string& out);
 
+    /// Whether OUT is to be a folder. `rest` is not empty.
+    bool is_for_several() const;
+
+    /// Names `out` last: what fails before that leaves none.
     using One =
         std::function<Result<void>(const std::filesystem::path& clip, const std::filesystem::path& out)>;
     /// Does `one` for each of them. Of several, one that fails is told of at once, and the others are done;

@@ -161,8 +161,10 @@ Result<void> run_typed(const MaterialsTyped& typed) {
     if (first.empty())
         return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
     if (typed.many.rest.empty()) return run_one(typed, first, {});
-    if (typed.many.rest.size() > 1 && !typed.options.save.empty())
-        return usage_error("--save is one file, for one clip; there are several");
+    if (typed.many.is_for_several() && !typed.options.save.empty())
+        return usage_error(
+            "--save is one file, for one clip; FOLDER/ is for several: right would be CLIP "
+            "NAME.mkv");
     return typed.many.for_each(first, typed.options.existing, [&typed](const auto& clip, const auto& out) {
         return run_one(typed, clip, out);
     });

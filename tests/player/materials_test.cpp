@@ -94,6 +94,11 @@ TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
     const Outcome refused = run_touchable(saved);
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.err.find("--save is one file"), std::string::npos) << refused.err;
+    // One clip that is there already would be left out, and nothing saved.
+    const Outcome one =
+        run_touchable({"materials", at("wall.mkv"), at("out") + "/", "--save", at("names.json")});
+    EXPECT_EQ(one.code, 2);
+    EXPECT_NE(one.err.find("--save is one file"), std::string::npos) << one.err;
 }
 
 TEST_F(Materials, AreFeltByADraggedFinger) {
