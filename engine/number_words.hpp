@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -9,12 +10,16 @@
 
 namespace touchable {
 
-/// A number for a person to read: four digits that count.
-inline std::string short_number(double number) {
-    std::array<char, 32> digits{};
-    const auto end =
-        std::to_chars(digits.data(), digits.data() + digits.size(), number, std::chars_format::general, 4);
-    return {digits.data(), end.ptr};
+/// A finite number for a person to read: `count` digits that count, and all of a large one: 1235,
+/// not 1.235e+03. 0 has no sign.
+inline std::string short_number(double number, int count = 4) {
+    std::array<char, 400> digits{};
+    char *const first = digits.data(), *const last = first + digits.size();
+    if (number == 0) return "0";
+    auto end = std::to_chars(first, last, number, std::chars_format::general, count);
+    if (std::abs(number) > 1 && std::find(first, end.ptr, 'e') != end.ptr)
+        end = std::to_chars(first, last, number, std::chars_format::fixed, 0);
+    return {first, end.ptr};
 }
 
 /// A finite number, where the text is one and nothing else.

@@ -8,10 +8,10 @@
 #include "engine/clip/plane_role.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
 #include "engine/import/guess/material_pictures.hpp"
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/stored_clip.hpp"
 #include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/npy_stack.hpp"
 
 namespace touchable {

@@ -12,7 +12,7 @@
 #include "engine/clip/reader_around.hpp"
 #include "engine/import/colour_registration.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
-#include "engine/import/guess/number_words.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {

@@ -17,7 +17,7 @@ class ColourEdges {
 public:
     explicit ColourEdges(const Scene& scene);
 
-    /// Looks at a frame with colour. `where`: pixels of edges whose colour is two pixels or more away are set
+    /// Looks at a frame with colour. `where`: pixels of edges whose colour is two steps or more away are set
     /// to 1 there, row by row; nothing: nobody wants to know.
     void add(const RawFrame& frame, std::vector<std::uint8_t>* where = nullptr);
 

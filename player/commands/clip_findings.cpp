@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <sstream>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/filter_choice.hpp"
@@ -26,13 +25,16 @@ constexpr std::array<MarkColour, 6> mark_colours{{{"red", {255, 40, 40}},
                                                   {"orange", {255, 150, 0}}}};
 
 std::string number(double value) {
-    std::array<char, 32> words{};
-    std::snprintf(words.data(), words.size(), "%.3g", value);
-    return words.data();
+    return short_number(value, 3);
 }
 
 std::string per_cent(double share) {
     return number(100 * share) + " %";
+}
+
+/// "1 frame is", "2 frames are".
+std::string frames(std::int64_t count, const char* one, const char* several) {
+    return std::to_string(count) + (count == 1 ? " frame " : " frames ") + (count == 1 ? one : several);
 }
 
 class Findings {
@@ -55,17 +57,7 @@ private:
         found_.push_back({name, std::move(what), std::move(mend), where});
     }
     double mm(double scene_units) const { return scene_units * facts_.scene.metres_per_unit * 1000; }
-    /// As a shell takes it.
-    std::string clip() const {
-        const std::string name = printable(facts_.clip);
-        const bool is_plain =
-            name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-") ==
-            std::string::npos;
-        if (is_plain) return name;
-        std::string quoted = "'";
-        for (const char c : name) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        return quoted + "'";
-    }
+    std::string clip() const { return shell_word(facts_.clip); }
 
     void look_at_times();
     void look_at_pumping();
@@ -83,12 +75,13 @@ void Findings::look_at_times() {
     const FrameTimes& times = quality_.times;
     if (times.jumps > 0)
         add("times",
-            std::to_string(times.jumps) +
-                " frames follow the one before at once, or are dated before it: the surface jumps there",
-            "frames of a folder: times in its list, ascending (docs/scene_file.md)");
+            frames(times.jumps, "is", "are") +
+                " dated before the one before, at once with it, or within a quarter of the usual time after "
+                "it: the surface jumps there",
+            "times that ascend evenly: those of a folder are in its list of times (docs/scene_file.md)");
     if (times.missing > 0)
         add("missing",
-            std::to_string(times.missing) + " frames are missing: the surface stands still for up to " +
+            frames(times.missing, "is", "are") + " missing: the surface stands still for up to " +
                 number(times.longest_ms) + " ms (before frame " + std::to_string(times.longest_at) +
                 "), usual are " + number(times.usual_ms),
             "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
@@ -109,7 +102,7 @@ void Findings::look_at_times() {
 void Findings::look_at_pumping() {
     if (quality_.blank > 0)
         add("blank",
-            std::to_string(quality_.blank) + " frames have no depth at all, the first is " +
+            frames(quality_.blank, "has", "have") + " no depth at all, the first is " +
                 std::to_string(quality_.first_blank) + ": a finger falls through there",
             "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
     const double share = quality_.pumping.value_or(0);
@@ -232,12 +225,20 @@ void Findings::look_at_haptic() {
             &where.more_dynamic);
 }
 
-/// Of findings that have a place, one after the other.
+/// Whether it is anywhere in the first frame.
+bool is_marked(const Finding& finding) {
+    return finding.where != nullptr &&
+           std::find(finding.where->begin(), finding.where->end(), 1) != finding.where->end();
+}
+
+/// Of findings that are marked, one after the other. Those that are at the same places share a colour.
 std::size_t colour_index(const std::vector<Finding>& findings, std::size_t k) {
-    const auto end = findings.begin() + static_cast<std::ptrdiff_t>(k);
-    const auto before =
-        std::count_if(findings.begin(), end, [](const Finding& f) { return f.where != nullptr; });
-    return static_cast<std::size_t>(before) % mark_colours.size();
+    std::vector<const void*> places;
+    for (const Finding& finding : findings)
+        if (is_marked(finding) && std::find(places.begin(), places.end(), finding.where) == places.end())
+            places.push_back(finding.where);
+    const auto at = std::find(places.begin(), places.end(), findings[k].where) - places.begin();
+    return static_cast<std::size_t>(at) % mark_colours.size();
 }
 
 }  // namespace
@@ -247,14 +248,14 @@ std::vector<Finding> findings_of(const ClipFacts& facts, const ClipQuality& qual
 }
 
 std::string colour_of(const std::vector<Finding>& findings, std::size_t k) {
-    return findings[k].where == nullptr ? std::string() : mark_colours[colour_index(findings, k)].name;
+    return is_marked(findings[k]) ? mark_colours[colour_index(findings, k)].name : std::string();
 }
 
 Image picture_of(const std::vector<Finding>& findings, const Image& first_frame) {
     Image image = first_frame;
     for (std::uint8_t& value : image.samples) value = static_cast<std::uint8_t>(value / 2);
     for (std::size_t k = 0; k < findings.size(); ++k) {
-        if (findings[k].where == nullptr) continue;
+        if (!is_marked(findings[k])) continue;
         const auto& rgb = mark_colours[colour_index(findings, k)].rgb;
         for (std::size_t pixel = 0; pixel < findings[k].where->size(); ++pixel)
             if ((*findings[k].where)[pixel] != 0)

@@ -25,7 +25,7 @@ std::vector<Finding> findings_of(const ClipFacts& facts, const ClipQuality& qual
 
 /// The first frame, darkened, with the places of findings in their colours.
 Image picture_of(const std::vector<Finding>& findings, const Image& first_frame);
-/// "red": of the k-th finding; empty where it has no place.
+/// "red": of the k-th finding; empty where the first frame shows nothing of it.
 std::string colour_of(const std::vector<Finding>& findings, std::size_t k);
 
 }  // namespace touchable

@@ -1,9 +1,9 @@
 #include "player/commands/verify_run.hpp"
 
-#include <iomanip>
-#include <sstream>
+#include <algorithm>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/quality/clip_quality.hpp"
 #include "player/commands/clip_findings.hpp"
@@ -46,22 +46,19 @@ nlohmann::ordered_json measures_json(const ClipQuality& quality) {
     return json;
 }
 
-std::string measures_in_words(const ClipQuality& quality) {
-    std::ostringstream words;
-    words << std::setprecision(3) << quality.times.frames
-          << (quality.times.frames == 1 ? " frame" : " frames");
-    if (quality.pumping) words << "; depth goes to and fro by " << 100 * *quality.pumping << " %";
-    if (quality.colour) {
-        const ColourEdges::Fit& fit = *quality.colour;
-        words << "; colour against depth at " << fit.edges << " edges (" << 100 * fit.agreement
-              << " % agree):";
-        if (fit.right) words << ' ' << *fit.right << " pixels to the right,";
-        if (fit.below) words << ' ' << *fit.below << " below,";
-        words << " rims " << fit.rim << " wide";
-    } else {
-        words << "; too few edges to tell whether colour is where depth is";
-    }
-    return words.str();
+std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
+    const auto number = [](double value) { return short_number(value, 3); };
+    std::string words =
+        std::to_string(quality.times.frames) + (quality.times.frames == 1 ? " frame" : " frames");
+    if (quality.pumping) words += "; depth goes to and fro by " + number(100 * *quality.pumping) + " %";
+    if (!has_colour) return words + "; no colour, which could be beside depth";
+    if (!quality.colour) return words + "; too few edges to tell whether colour is where depth is";
+    const ColourEdges::Fit& fit = *quality.colour;
+    words += "; colour against depth at " + std::to_string(fit.edges) + " edges (" +
+             number(100 * fit.agreement) + " % agree):";
+    if (fit.right) words += ' ' + number(*fit.right) + " pixels to the right,";
+    if (fit.below) words += ' ' + number(*fit.below) + " below,";
+    return words + " rims " + number(fit.rim) + " wide";
 }
 
 }  // namespace
@@ -91,8 +88,9 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
     for (std::size_t k = 0; k < findings.size(); ++k)
         verified.findings.push_back({findings[k].name, findings[k].what, findings[k].mend,
                                      file ? colour_of(findings, k) : std::string()});
+    verified.drawn = file.has_value();
     verified.measures = measures_json(*quality);
-    verified.measures_in_words = measures_in_words(*quality);
+    verified.measures_in_words = measures_in_words(*quality, facts.has_track("colour"));
     return verified;
 }
 
@@ -104,14 +102,20 @@ std::string verified_in_words(const Verified& verified) {
                  (finding.colour.empty() ? std::string() : " (" + finding.colour + " in the picture)") + '\n';
         words += "  mended by    " + finding.mend + '\n';
     }
+    const bool is_marked = std::any_of(verified.findings.begin(), verified.findings.end(),
+                                       [](const NamedFinding& finding) { return !finding.colour.empty(); });
+    if (verified.drawn && !is_marked)
+        words += "  picture      has no marks: nothing of this has a place in the first frame\n";
     return words;
 }
 
 void add_verified(const Verified& verified, nlohmann::ordered_json& json) {
     json["measures"] = verified.measures;
     json["findings"] = nlohmann::ordered_json::array();
-    for (const NamedFinding& finding : verified.findings)
+    for (const NamedFinding& finding : verified.findings) {
         json["findings"].push_back({{"name", finding.name}, {"what", finding.what}, {"mend", finding.mend}});
+        if (!finding.colour.empty()) json["findings"].back()["colour"] = finding.colour;
+    }
 }
 
 }  // namespace touchable

@@ -22,12 +22,13 @@ struct VerifyPicture {
 /// A finding as it is told.
 struct NamedFinding {
     std::string name, what, mend;
-    std::string colour;  ///< of its places in the picture; empty: it has none there
+    std::string colour;  ///< of its marks in the picture; empty: it has none there
 };
 
 /// What was found, and the measures by which it was decided.
 struct Verified {
     std::vector<NamedFinding> findings;
+    bool drawn = false;  ///< into a picture
     nlohmann::ordered_json measures;
     std::string measures_in_words;
 };

@@ -7,8 +7,8 @@
 #include <system_error>
 
 #include "engine/import/guess/camera_file.hpp"
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/presets.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "player/options/number_option.hpp"
 

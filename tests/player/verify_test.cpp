@@ -20,6 +20,7 @@ protected:
     struct Filmed {
         int frames = 6;
         int right = 0;           ///< pixels by which colour is moved
+        int narrower = 0;        ///< boxes are in colour than in depth, by as many on each side
         double pulse = 0;        ///< depth is scaled by as much, frame by frame
         int blank = -1;          ///< this frame has no depth
         int colour_period = 40;  ///< pixels from one box to the next in colour; in depth it is 40
@@ -33,8 +34,11 @@ protected:
             const double scale = 1 + filmed.pulse * (k % 3 - 1);
             for (int y = 0; y < 120; ++y)
                 for (int x = 0; x < 160; ++x) {
-                    const auto is_box = [&](int column, int period) {
-                        return (column + 2 * period) % period >= 15 && y % period >= 15;
+                    const auto is_box = [&](int column, int period, int less = 0) {
+                        const auto is_in = [&](int place) {
+                            return place % period >= 15 + less && place % period < period - less;
+                        };
+                        return is_in(column + 2 * period) && is_in(y);
                     };
                     // Something moves, so that no frame repeats another.
                     const double mm = (is_box(x, 40) ? 700 : 1000) + (y < 8 ? 3 * k : 0);
@@ -44,7 +48,8 @@ protected:
                     depth.samples.push_back(static_cast<std::uint8_t>(code / 256));
                     for (int c = 0; c < 3; ++c)
                         colour.samples.push_back(
-                            is_box(x - filmed.right, filmed.colour_period) == (c == 0) ? 200 : 30);
+                            is_box(x - filmed.right, filmed.colour_period, filmed.narrower) == (c == 0) ? 200
+                                                                                                        : 30);
                 }
             const std::string number = "000" + std::to_string(k) + ".png";
             EXPECT_TRUE(write_png(folder / ("depth_" + number), depth.view()).ok());
@@ -93,6 +98,33 @@ TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
     // What is there already stays.
     const Outcome again = run_touchable({"info", clip, "--verify", "--picture", at("where.png")});
     EXPECT_EQ(again.code, 2) << again.err;
+}
+
+/// Boxes whose colour is narrower and moved: both findings are of the same edges.
+TEST_F(Verify, SaysTheColourOfItsMarksAndWhereThereAreNone) {
+    const std::vector<std::string> more{"--depth-unit", "0.001", "--fov", "60", "--picture"};
+    const auto with = [&](std::vector<std::string> words, const std::string& picture) {
+        words.insert(words.end(), more.begin(), more.end());
+        words.push_back(at(picture));
+        return words;
+    };
+    const auto json = verified(with({recording({.right = 3, .narrower = 2})}, "both.png"));
+    EXPECT_EQ(names(json), (std::set<std::string>{"registration", "rims"}));
+    for (const auto& finding : json["findings"]) EXPECT_EQ(finding.value("colour", ""), "red") << finding;
+    // Depth that pulses has no place.
+    std::vector<std::string> words{"info", "--verify"};
+    const auto pulses = with({recording({.frames = 9, .pulse = 0.01})}, "none.png");
+    words.insert(words.end(), pulses.begin(), pulses.end());
+    const Outcome run = run_touchable(words);
+    EXPECT_NE(run.out.find("wrong        pumping"), std::string::npos) << run.out << run.err;
+    EXPECT_NE(run.out.find("has no marks"), std::string::npos) << run.out;
+}
+
+TEST_F(Verify, OfAClipWithoutColourSaysSo) {
+    make_clip("bumps", at("grey.mkv"), {"--size", "96x64", "--frames", "4"});
+    const Outcome run = run_touchable({"info", at("grey.mkv"), "--verify"});
+    EXPECT_NE(run.out.find("; no colour"), std::string::npos) << run.out;
+    EXPECT_EQ(run.out.find("too few edges"), std::string::npos) << run.out;
 }
 
 TEST_F(Verify, TellsOfColourThatIsOfSomethingElse) {

@@ -1,10 +1,8 @@
 #include "engine/content/alignment/aligned_clip.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -15,6 +13,7 @@
 #include "engine/clip/reader_around.hpp"
 #include "engine/content/alignment/resting_pulse.hpp"
 #include "engine/content/alignment/shot_alignment.hpp"
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -28,12 +27,6 @@ constexpr int fraction_bits = 24;
 constexpr std::int64_t frames_in_a_row = 4, places = 8;
 /// Of the range of codes, from frame to frame; and of what no scale explains.
 constexpr double least_pumping = 1.0 / 1000, times_unexplained = 2;
-
-std::string in_words(double number) {
-    std::array<char, 32> words{};
-    std::snprintf(words.data(), words.size(), "%.3g", number);
-    return words.data();
-}
 
 /// Code = scale x stored + shift, in fixed point.
 struct CodeLine {
@@ -166,14 +159,15 @@ Scene aligned_scene(Scene scene, const Span& span) {
 }
 
 std::string pulse_words(const RestingPulse& pulse) {
-    return in_words(1000 * pulse.hand_metres) + " mm of the hand, " + in_words(pulse.newtons) + " N";
+    return short_number(1000 * pulse.hand_metres, 3) + " mm of the hand, " + short_number(pulse.newtons, 3) +
+           " N";
 }
 
 std::string aligned_note(const Looked& looked, const RestingPulse& before, const RestingPulse& after,
                          const Scene& scene) {
     const ShotAlignment& alignment = looked.alignment;
     std::string said = "depth is aligned, as each frame had a scale of its own: under a finger at rest, of " +
-                       in_words(scene.default_properties.stiffness / 1000) +
+                       short_number(scene.default_properties.stiffness / 1000, 3) +
                        " N/mm, what stands still moved from frame to frame by " + pulse_words(before) +
                        " (root mean square), and now by " + pulse_words(after);
     if (alignment.still_shots() < alignment.shots())

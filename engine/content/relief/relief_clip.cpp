@@ -1,8 +1,6 @@
 #include "engine/content/relief/relief_clip.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,16 +12,11 @@
 #include "engine/clip/reader_around.hpp"
 #include "engine/content/relief/relief_estimator.hpp"
 #include "engine/content/relief/relief_heights.hpp"
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
-
-std::string short_words(double number) {
-    std::array<char, 32> words{};
-    std::snprintf(words.data(), words.size(), "%.3g", number);
-    return words.data();
-}
 
 Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
     if (!frame.colour.empty()) return {};
@@ -89,8 +82,8 @@ void ReliefReader::add_flicker() {
     if (!flicker || has_told_flicker_) return;
     has_told_flicker_ = true;
     notes_.push_back("relief: where colour changes no more than by noise, heights change by " +
-                     short_words(flicker->mean) + " of 255 levels a frame, and " +
-                     short_words(100 * flicker->more_than_one) + " % of them by more than one");
+                     short_number(flicker->mean, 3) + " of 255 levels a frame, and " +
+                     short_number(100 * flicker->more_than_one, 3) + " % of them by more than one");
 }
 
 /// What the telling frames have of relief.
@@ -128,13 +121,13 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
     if (depth.kind == DepthCodingKind::metric && depth.near < 2 * max_height) {
         depth.near = 2 * max_height;
         derive_valid_range(depth);
-        notes.push_back("depths below " + short_words(depth.near * scene.metres_per_unit * 1000) +
+        notes.push_back("depths below " + short_number(depth.near * scene.metres_per_unit * 1000, 3) +
                         " mm are taken for none, so that heights have room before the camera");
     }
     const double room = depth.nearest_depth() / 2;
     if (max_height > room)
         notes.push_back("heights reach half of the nearest depth, " +
-                        short_words(room * scene.metres_per_unit * 1000) +
+                        short_number(room * scene.metres_per_unit * 1000, 3) +
                         " mm: more would leave no room before the camera");
     scene.height_coding = {std::min(max_height, room), HeightUnits::world, 255};
     return scene;
@@ -156,7 +149,7 @@ Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip
                                                 double max_height, std::vector<std::string> notes) {
     const Scene scene = with_heights(clip->scene(), max_height, notes);
     if (auto valid = validate(scene); !valid.ok()) return valid.error();
-    const auto levels = [](std::int32_t number) { return short_words(number / 16.0); };
+    const auto levels = [](std::int32_t number) { return short_number(number / 16.0, 3); };
     notes.push_back("relief: the largest height stands for details of " + levels(range.full) +
                     " of 255 levels of brightness" +
                     (range.noise ? "; noise from frame to frame is " + levels(*range.noise) : std::string()));

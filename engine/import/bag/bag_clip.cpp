@@ -6,10 +6,10 @@
 #include "engine/clip/plane_role.hpp"
 #include "engine/import/bag/bag_recording.hpp"
 #include "engine/import/guess/known_camera.hpp"
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/presets.hpp"
 #include "engine/import/guess/stored_clip.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/picture_groups.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {

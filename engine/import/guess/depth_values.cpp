@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/renderer_background.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {

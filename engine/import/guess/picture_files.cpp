@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "engine/given_file.hpp"
-#include "engine/import/guess/number_words.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {

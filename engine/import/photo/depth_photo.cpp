@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "engine/import/guess/known_camera.hpp"
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/stored_clip.hpp"
+#include "engine/number_words.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {

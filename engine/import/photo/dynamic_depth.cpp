@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/photo/jpeg_segments.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/photo/xmp.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {

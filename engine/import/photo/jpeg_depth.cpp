@@ -4,11 +4,11 @@
 #include <string>
 #include <utility>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/photo/depth_photo.hpp"
 #include "engine/import/photo/dynamic_depth.hpp"
 #include "engine/import/photo/exif.hpp"
 #include "engine/import/photo/xmp.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/coded_image.hpp"
 #include "engine/printable.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/import/guess/number_words.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/clip/resized_frame.hpp"
-#include "engine/import/guess/number_words.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/stored_image.hpp"
 
 namespace touchable {

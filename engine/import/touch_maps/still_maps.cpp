@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "engine/import/guess/number_words.hpp"
 #include "engine/import/touch_maps/gltf_material.hpp"
 #include "engine/import/touch_maps/haptic_layers.hpp"
 #include "engine/import/touch_maps/x3d_surface.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/video/codecs.hpp"
 

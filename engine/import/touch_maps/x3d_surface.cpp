@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/import/guess/number_words.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
