@@ -90,7 +90,13 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
                                           : Result<std::shared_ptr<ImageStack>>(nullptr);
     if (!stack) return stack.error();
     if (*stack) depth->frames = static_cast<std::size_t>((*stack)->count());
-    if (*stack && (*stack)->least_confidence())
+    const bool has_confidence = *stack && (*stack)->least_confidence();
+    if (pictures_->least_confidence() && !has_confidence)
+        return usage_error(
+            depth->files.front().string() +
+            ": has no confidence beside its depth, so none can be the least: must be a .npz with "
+            "an array conf");
+    if (has_confidence)
         clip.notes.push_back(
             "depth whose confidence is below " + short_number(*(*stack)->least_confidence()) +
             " is taken for none (half of the median of frame 0's where nobody says another)");

@@ -45,6 +45,7 @@ bool is_scene_file(const std::filesystem::path& path) {
 struct Wanted {
     Colour colour = Colour::wanted;
     DepthAlignment alignment = DepthAlignment::automatic;
+    std::optional<double> least_confidence{};  ///< of a .npz, whoever describes it
 };
 
 using Opened = Result<std::unique_ptr<ClipReader>>;
@@ -173,6 +174,7 @@ std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
 
 Opened open_picture(const Candidate& candidate) {
     const auto opened = std::make_shared<ReadPictures>(candidate.source);
+    opened->trust_from(candidate.wanted.least_confidence);
     if (candidate.described)
         return open_bare_picture(candidate.file, *candidate.described, {}, candidate.colour, opened,
                                  candidate.wanted.alignment);
@@ -181,7 +183,9 @@ Opened open_picture(const Candidate& candidate) {
                                              {"described by " + own->file.filename().string()},
                                              candidate.colour, opened, candidate.wanted.alignment),
                            {own->file});
-    auto guessed = guess_picture(candidate.source, candidate.known);
+    SourceDescription known = candidate.known;
+    known.least_confidence = candidate.wanted.least_confidence;
+    auto guessed = guess_picture(candidate.source, known);
     if (!guessed) return guessed.error();
     return with_inputs(open_bare_picture(candidate.file, *guessed, {}, candidate.colour, guessed->pictures,
                                          candidate.wanted.alignment),
@@ -283,8 +287,8 @@ Opened opened_as(const Format& format, const Candidate& candidate) {
     const bool aligns_itself =
         format.open == open_picture || format.open == open_video || format.open == open_jpeg;
     if (aligns_itself || candidate.wanted.alignment != DepthAlignment::on) return format.open(candidate);
-    auto reader = format.open(
-        {candidate.source, candidate.described, candidate.known, Wanted{Colour::wanted, DepthAlignment::on}});
+    auto reader = format.open({candidate.source, candidate.described, candidate.known,
+                               Wanted{Colour::wanted, DepthAlignment::on, {}}});
     if (!reader) return reader;
     reader = with_aligned_depth(std::move(*reader), DepthAlignment::on);
     if (reader && candidate.colour == Colour::left_out) (*reader)->leave_out_colour();
@@ -335,13 +339,17 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     if (!is_file && !video_source && !described->scene.folder)
         return input_error(scene_file.string() +
                            ": has no member \"folder\" or \"video\" that says which pictures to read");
+    if (!is_file && video_source && wanted.least_confidence)
+        return usage_error(scene_file.string() + ": describes a video, which has no least confidence");
+    const auto pictures = std::make_shared<ReadPictures>();
+    pictures->trust_from(wanted.least_confidence);
     const SourceFile video(path / (video_source ? video_source->depth : ""));
     const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
     auto reader = is_file        ? open_file(path, *described, {}, wanted)
                   : is_recording ? open_file(video, *described, {}, wanted)
                   : video_source
                       ? open_described_video(path, video, *described, wanted)
-                      : open_image_folder(path, *described, {}, wanted.colour, nullptr, wanted.alignment);
+                      : open_image_folder(path, *described, {}, wanted.colour, pictures, wanted.alignment);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
@@ -363,7 +371,7 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
         guessed->inputs);
 }
 
-/// With the pixels of depth and colour as they are stored.
+/// With the pixels of depth and colour as they are stored. `known` says no least confidence.
 Opened open_stored(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
                    const std::optional<SourceDescription>& known, const Wanted& wanted) {
     std::error_code failure;
@@ -375,7 +383,10 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     if (known && scene_file)
         return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
                            of_bare_pictures());
-    if (known && known->least_confidence && (is_folder || !is_npy_file(SourceFile(path))))
+    const bool is_described = is_folder
+                                  ? scene_file || std::filesystem::exists(path / own_scene_file, failure)
+                                  : is_scene_file(path);
+    if (wanted.least_confidence && !is_described && (is_folder || !is_npy_file(SourceFile(path))))
         return usage_error(path.string() +
                            ": is no .npz with an array conf, of which there could be a least confidence");
     if (!is_folder && is_scene_file(path)) {
@@ -487,7 +498,12 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<SourceDescription>& known, Colour colour,
                                               std::stop_token given_up, DepthAlignment alignment) {
     const WorkUntil until(std::move(given_up));
-    auto reader = open_stored(path, scene_file, known, {colour, alignment});
+    Wanted wanted{colour, alignment, known ? known->least_confidence : std::nullopt};
+    // Whoever says that alone leaves the rest to a scene file, or to guesses.
+    std::optional<SourceDescription> said = known;
+    if (said) said->least_confidence.reset();
+    if (said == SourceDescription()) said.reset();
+    auto reader = open_stored(path, scene_file, said, wanted);
     return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader), path);
 }
 

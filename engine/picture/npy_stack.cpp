@@ -20,18 +20,19 @@ Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& wher
                        ": must be one picture here");
 }
 
-/// What is no number is least.
-std::vector<double> numbers_of(const StoredImage& picture) {
-    const auto pixels =
-        static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
-    std::vector<double> numbers(pixels, std::numeric_limits<double>::lowest());
-    const PlaneView codes = picture.image.view();
-    for (std::size_t k = 0; k < pixels; ++k)
-        if (picture.values.empty())
-            numbers[k] = codes.sample(static_cast<int>(k) % codes.width, static_cast<int>(k) / codes.width);
-        else if (picture.values[k] == picture.values[k])
-            numbers[k] = picture.values[k];
-    return numbers;
+/// Of pixel k, row by row. What is no number is least.
+float number_at(const StoredImage& picture, std::size_t k) {
+    if (picture.values.empty()) {
+        const PlaneView codes = picture.image.view();
+        const int at = static_cast<int>(k);
+        return static_cast<float>(codes.sample(at % codes.width, at / codes.width));
+    }
+    const float value = picture.values[k];
+    return value == value ? value : std::numeric_limits<float>::lowest();
+}
+
+std::size_t pixels_of(const StoredImage& picture) {
+    return static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
 }
 
 }  // namespace
@@ -112,9 +113,8 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
     const auto confidence = confidence_->image(number);
     if (!confidence) return confidence.error();
     const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
-    const std::vector<double> trusted = numbers_of(*confidence);
-    for (std::size_t k = 0; k < trusted.size(); ++k) {
-        if (trusted[k] >= *least_confidence_) continue;
+    for (std::size_t k = 0; k < pixels_of(image); ++k) {
+        if (number_at(*confidence, k) >= *least_confidence_) continue;
         if (!image.values.empty())
             image.values[k] = std::numeric_limits<float>::quiet_NaN();
         else
@@ -133,10 +133,11 @@ Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> leas
     if (!least) {
         const auto first = confidence.image(0);
         if (!first) return first.error();
-        std::vector<double> numbers = numbers_of(*first);
+        std::vector<float> numbers(pixels_of(*first));
+        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(*first, k);
         const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
         std::nth_element(numbers.begin(), middle, numbers.end());
-        least = *middle / 2;
+        least = *middle / 2.0;
     }
     least_confidence_ = least;
     confidence_ = std::make_unique<ImageStack>(std::move(confidence));

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/npy_bytes.hpp"
 
 namespace touchable::test {
 namespace {
@@ -53,6 +56,49 @@ TEST(BarePicture, ACameraIsEnough) {
         EXPECT_TRUE(same_plane(frames->at(0).depth, plane));
         EXPECT_EQ((*reader)->inputs(), std::vector{folder / "my.png"});
     }
+}
+
+/// Whoever says a least confidence leaves all else to a scene file, beside the picture or named.
+TEST(BarePicture, LeastConfidenceGoesWithASceneFile) {
+    const TemporaryFolder folder;
+    const std::vector<float> depth(12, 2.0F);
+    std::vector<float> confidence(12, 5.0F);
+    confidence[3] = 1;
+    write_npz(folder / "my.npz",
+              {{"depth", npy_bytes("3, 4", depth)}, {"conf", npy_bytes("3, 4", confidence)}});
+    write_npz(folder / "none.npz", {{"depth", npy_bytes("3, 4", depth)}});
+    const auto scene_of = [&](const std::string& picture) {
+        std::ofstream(folder / (picture + ".json")) << R"({"touchable_scene": 1, "width": 4, "height": 3,
+            "camera": {"fx": 77, "fy": 77, "cx": 1.5, "cy": 1}, "metres_per_unit": 1,
+            "depth": {"coding": "metric", "scale": 1, "near": 0.5, "far": 8, "invalid": [0]},
+            "folder": {"depth": ")" << picture << R"(.npz"}})";
+        return folder / (picture + ".json");
+    };
+    SourceDescription known;
+    const auto expect = [&](const Result<std::unique_ptr<ClipReader>>& clip, int without_depth) {
+        ASSERT_EQ(message(clip), "");
+        EXPECT_EQ((*clip)->scene().camera.fx, 77);
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        int holes = 0;
+        for (int k = 0; k < 12; ++k) {
+            const std::uint16_t code = stored_code((*frame)->depth, (*clip)->scene().depth, k % 4, k / 4);
+            holes += (*clip)->scene().depth.is_valid(code) ? 0 : 1;
+        }
+        EXPECT_EQ(holes, without_depth);
+    };
+    const auto scene = scene_of("my");
+    for (const auto& [least, holes] : {std::pair{0.5, 0}, {2.0, 1}, {6.0, 12}}) {
+        known.least_confidence = least;
+        expect(open_clip(folder / "my.npz", std::nullopt, known), holes);
+        expect(open_clip(folder / "my.npz", scene, known), holes);
+        expect(open_clip(scene, std::nullopt, known), holes);
+    }
+    EXPECT_NE(message(open_clip(scene_of("none"), std::nullopt, known)).find("has no confidence"),
+              std::string::npos);
+    known.metres_per_code = 1;  // which the scene file says
+    EXPECT_NE(message(open_clip(folder / "my.npz", scene, known)).find("a scene file describes it"),
+              std::string::npos);
 }
 
 /// PFM of 32 bits, or NumPy's array of 16, of a ball from 4 to 6 before a background.

@@ -565,14 +565,6 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     pictures->trust_from(known.least_confidence);
     const auto stored = depth_in(file, *pictures);
     if (!stored) return stored.error();
-    if (known.least_confidence) {
-        const auto stack = pictures->stack_in(file);
-        if (!stack) return stack.error();
-        if (!*stack || !(*stack)->least_confidence())
-            return usage_error(file.string() +
-                               ": has no confidence beside its depth, so none can be the least: must be "
-                               "a .npz with an array conf");
-    }
     Guess guess(known, *preset);
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
         return error_at(file.string(), described.error());

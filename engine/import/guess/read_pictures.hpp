@@ -38,6 +38,7 @@ public:
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
     /// Of stacks that are opened from now on (ImageStack::trust).
     void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
+    std::optional<double> least_confidence() const { return least_confidence_; }
     /// Keeps one for `take`, with what is beside it.
     void keep(const std::filesystem::path& file, StoredImage picture);
     /// Forgets all but these.
