@@ -10,6 +10,7 @@
 #include "engine/byte_hash.hpp"
 #include "engine/content/alignment/shot_alignment.hpp"
 #include "engine/picture/png_bytes.hpp"
+#include "engine/scene/terraces.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 #include "tests/sanitizers.hpp"
 
@@ -337,6 +338,37 @@ TEST(AlignedClip, IsQuick) {
     const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     std::cout << "640x480: " << count / seconds << " frames a second of processor time\n";
     EXPECT_GE(count / seconds, least);
+}
+
+/// Codes of 13 bits become no more than leave room for finer ones where terraces are to be removed.
+TEST(DepthAlignmentOfCodes, ThatHadRoomForTerraceRemovalHaveItStill) {
+    for (const bool has_levels : {false, true}) {
+        auto clip = std::make_unique<MadeClip>(24, 2, [](std::int64_t n) {
+            RawFrame frame = guessed_frame({}, pumped(n), 2, true, n);
+            Image depth{columns, rows, 2, 1, {}};
+            for (int y = 0; y < rows; ++y)
+                for (int x = 0; x < columns; ++x) {
+                    const int code = frame.depth.sample(x, y) / 8;
+                    depth.samples.push_back(static_cast<std::uint8_t>(code & 255));
+                    depth.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+                }
+            frame.depth = {};
+            add_plane(frame, PlaneRole::depth, plane_from(std::move(depth), 16));
+            return frame;
+        });
+        Scene& scene = clip->scene();
+        scene.depth.code_max = 8191;
+        derive_valid_range(scene.depth);
+        scene.filter.terraces = TerraceRemoval::on;
+        if (has_levels)
+            scene.filter.levels.quadratic = 20 * (1 / scene.depth.near - 1 / scene.depth.far) / 8191;
+        ASSERT_EQ(message(validate(scene)), "");
+        const auto reader = aligned(std::move(clip), DepthAlignment::automatic);
+        EXPECT_EQ(reader->notes().size(), 1U);
+        EXPECT_TRUE(terrace_filter(reader->scene()));
+        EXPECT_GT(reader->scene().depth.code_max, 8191);
+        EXPECT_GT(reader->scene().filter.levels.quadratic, 0);
+    }
 }
 
 }  // namespace

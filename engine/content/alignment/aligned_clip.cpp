@@ -14,6 +14,7 @@
 #include "engine/content/alignment/resting_pulse.hpp"
 #include "engine/content/alignment/shot_alignment.hpp"
 #include "engine/number_words.hpp"
+#include "engine/scene/terraces.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -140,21 +141,28 @@ CodeLine fixed_point(const Line& line, std::uint16_t largest) {
             static_cast<std::int64_t>((line.shift / Cell::per_code + 0.5) * one), largest};
 }
 
-/// Near and far are those of the span. Where there were few codes, these are levels now.
+/// Near and far are those of the span. Where there were few codes, or terraces are to be removed, these are
+/// levels now, and the new codes leave room for finer ones.
 Scene aligned_scene(Scene scene, const Span& span) {
     DepthCoding& depth = scene.depth;
     const bool were_few = depth.code_max <= few_codes;
+    const bool need_room = scene.filter.terraces == TerraceRemoval::on;
+    const double codes = (span.most - span.least) / Cell::per_code;
+    if ((were_few || need_room) && scene.filter.levels == DepthLength{}) {
+        if (depth.kind == DepthCodingKind::inverse)
+            scene.filter.levels.quadratic = (1 / depth.near - 1 / depth.far) / codes;
+        else
+            scene.filter.levels.constant = (depth.far - depth.near) / codes;
+    }
     scene.depth_bits = 16;
-    depth.code_max = were_few ? codes_of_few : codes_of_many;
     depth.invalid_code_count = 0;
     depth.invalid_codes = {};
-    derive_valid_range(depth);
-    if (!were_few || scene.filter.levels != DepthLength{}) return scene;
-    const double codes = (span.most - span.least) / Cell::per_code;
-    if (depth.kind == DepthCodingKind::inverse)
-        scene.filter.levels.quadratic = (1 / depth.near - 1 / depth.far) / codes;
-    else
-        scene.filter.levels.constant = (depth.far - depth.near) / codes;
+    int code_max = were_few ? codes_of_few : need_room ? largest_code_with_terraces : codes_of_many;
+    do {
+        depth.code_max = static_cast<std::uint16_t>(code_max);
+        derive_valid_range(depth);
+        code_max -= 1024;
+    } while (need_room && !terrace_scale(scene) && code_max > few_codes);
     return scene;
 }
 
