@@ -83,7 +83,6 @@ protected:
     TemporaryFolder folder_;
 };
 
-/// Dragged over both, a finger slides with the friction of each: the force leans by it.
 TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
     fs::copy_file(at("wall.mkv"), at("other.mkv"));
     const Words several{"materials", at("wall.mkv"), at("other.mkv"), at("out") + "/"};
@@ -101,6 +100,29 @@ TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
     EXPECT_NE(one.err.find("--save is one file"), std::string::npos) << one.err;
 }
 
+/// A wall that is cut across, and of which two parts are one thing again.
+TEST_F(Materials, WhatIsCutAndJoinedIsSavedSo) {
+    std::ofstream(at("cut.json")) << R"({"touchable_segments": 1,
+        "cuts": [{"frame": 3, "stroke": [[4, 30], [40, 30]]}, {"frame": 0, "stroke": [[60, 40], [90, 40]]}],
+        "segments": [
+        {"name": "shelf", "material": "felt", "at": [[20, 50, 2], [80, 60]]},
+        {"name": "rest", "material": "glass", "at": [[20, 20], [80, 20]]}]})";
+    run("cut.mkv", {"--segments", at("cut.json"), "--save", at("saved.json")});
+    EXPECT_EQ(haptic_at("cut.mkv", 5, 60), haptic_at("cut.mkv", 90, 50));
+    EXPECT_EQ(haptic_at("cut.mkv", 20, 20), haptic_at("cut.mkv", 90, 30));
+    EXPECT_NE(haptic_at("cut.mkv", 5, 60), haptic_at("cut.mkv", 20, 20));
+    run("again.mkv", {"--segments", at("saved.json"), "--save", at("saved_again.json")});
+    EXPECT_EQ(bytes("again.mkv"), bytes("cut.mkv"));
+    EXPECT_EQ(bytes("saved_again.json"), bytes("saved.json"));
+    std::ofstream(at("beside.json")) << R"({"touchable_segments": 1, "segments": [],
+        "cuts": [{"frame": 0, "stroke": [[2, 2], [8, 8]]}]})";
+    const Outcome refused = run_touchable(words("no.mkv", {"--segments", at("beside.json")}));
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_NE(refused.err.find("beside.json: cuts[0]: the stroke crosses no segment"), std::string::npos)
+        << refused.err;
+}
+
+/// Dragged over both, a finger slides with the friction of each: the force leans by it.
 TEST_F(Materials, AreFeltByADraggedFinger) {
     run("felt.mkv", wood_and_foam);
     std::ofstream(at("hand.csv")) << "t_s,x,y,z\n0,-80,0,-950\n0.3,-80,0,-1004\n1.9,80,0,-1004\n";
@@ -297,7 +319,7 @@ TEST_F(Materials, RefuseWhatCannotBe) {
     expect({"--material", "a=wood", "--at", "20,40", "--material", "b=foam", "--at", "21,41"}, 2,
            "a segment is of one material");
     expect({"--otherwise", "gold"}, 2, "\"gold\" is no material");
-    expect({"--segments", at("bad.json")}, 3, "bad.json: \"gold\" is no material");
+    expect({"--segments", at("bad.json")}, 3, "bad.json: segments[0].material is \"gold\"");
     expect({"--segments", at("hole.json")}, 3, "hole.json: segments[0]: there is no surface");
     expect({"--segments", at("none.json")}, 3, "none.json");
     expect({"--map", at("wall/depth_0.png")}, 3, "must be a PNG of indices");
