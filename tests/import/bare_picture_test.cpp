@@ -101,6 +101,25 @@ TEST(BarePicture, LeastConfidenceGoesWithASceneFile) {
               std::string::npos);
 }
 
+TEST(BarePicture, AStackMayBeginBlank) {
+    const TemporaryFolder folder;
+    std::vector<float> depth(24, 0.0F);
+    SourceDescription known;
+    known.fov = 60;
+    write_npz(folder / "blank.npz", {{"depth", npy_bytes("2, 3, 4", depth)}});
+    EXPECT_NE(message(open_clip(folder / "blank.npz", std::nullopt, known)).find("has no depth"),
+              std::string::npos);
+    std::fill(depth.begin() + 12, depth.end(), 2.5F);
+    write_npz(folder / "my.npz", {{"depth", npy_bytes("2, 3, 4", depth)}});
+    const auto clip = open_clip(folder / "my.npz", std::nullopt, known);
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    const DepthCoding& coding = (*clip)->scene().depth;
+    EXPECT_FALSE(coding.is_valid(stored_code(frames->at(0).depth, coding, 1, 1)));
+    EXPECT_NEAR(coding.depth(stored_code(frames->at(1).depth, coding, 1, 1)), 2.5, 0.001);
+}
+
 /// PFM of 32 bits, or NumPy's array of 16, of a ball from 4 to 6 before a background.
 std::string ball_file(bool is_pfm, float background) {
     std::string bytes = is_pfm ? "Pf\n20 20\n-1\n" : "";

@@ -19,10 +19,11 @@ class Verify : public ::testing::Test {
 protected:
     struct Filmed {
         int frames = 6;
-        int right = 0;           ///< pixels by which colour is moved
-        int narrower = 0;        ///< boxes are in colour than in depth, by as many on each side
-        double pulse = 0;        ///< depth is scaled by as much, frame by frame
-        int blank = -1;          ///< this frame has no depth
+        int right = 0;     ///< pixels by which colour is moved
+        int narrower = 0;  ///< boxes are in colour than in depth, by as many on each side
+        double pulse = 0;  ///< depth is scaled by as much, frame by frame
+        int blank = -1;    ///< this frame has no depth, nor has any before `from`
+        int from = 0;
         int colour_period = 40;  ///< pixels from one box to the next in colour; in depth it is 40
     };
     /// Boxes before a wall, 160x120, in millimetres of 16 bits.
@@ -42,8 +43,8 @@ protected:
                     };
                     // Something moves, so that no frame repeats another.
                     const double mm = (is_box(x, 40) ? 700 : 1000) + (y < 8 ? 3 * k : 0);
-                    const auto code =
-                        static_cast<std::uint16_t>(std::lround(k == filmed.blank ? 0 : scale * mm));
+                    const auto code = static_cast<std::uint16_t>(
+                        std::lround(k == filmed.blank || k < filmed.from ? 0 : scale * mm));
                     depth.samples.push_back(static_cast<std::uint8_t>(code % 256));
                     depth.samples.push_back(static_cast<std::uint8_t>(code / 256));
                     for (int c = 0; c < 3; ++c)
@@ -139,6 +140,19 @@ TEST_F(Verify, TellsOfFramesWithoutDepth) {
     EXPECT_EQ(names(json), std::set<std::string>{"blank"});
     const std::string what = json["findings"][0]["what"];
     EXPECT_NE(what.find("the first is 3"), std::string::npos) << what;
+}
+
+/// What depth is, its unit too, is told from the first frames that have any.
+TEST_F(Verify, OpensAClipThatBeginsBlank) {
+    const std::string clip = recording({.from = 4});
+    const auto json = verified({clip, "--fov", "60"});
+    EXPECT_EQ(names(json), std::set<std::string>{"blank"});
+    EXPECT_NE(json["findings"][0]["what"].get<std::string>().find("4 frames have"), std::string::npos);
+    EXPECT_NE(json["notes"].dump().find("a code is 1 mm"), std::string::npos) << json["notes"];
+    EXPECT_EQ(run_touchable({"relief", clip, at("relief.mkv"), "--fov", "60"}).code, 0);
+    const Outcome none = run_touchable({"info", recording({.from = 6}), "--fov", "60"});
+    EXPECT_EQ(none.code, 3);
+    EXPECT_NE(none.err.find("has no depth: all values are 0"), std::string::npos) << none.err;
 }
 
 TEST_F(Verify, TellsOfDepthThatPulses) {

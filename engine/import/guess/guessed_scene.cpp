@@ -1,9 +1,11 @@
 #include "engine/import/guess/guessed_scene.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
+#include "engine/clip/far_plane.hpp"
 #include "engine/import/guess/camera_file.hpp"
 #include "engine/import/guess/guessed_cameras.hpp"
 #include "engine/import/guess/known_camera.hpp"
@@ -318,17 +320,40 @@ Result<const Preset*> known_preset(const SourceDescription& known) {
                        {{Setting::preset}});
 }
 
-/// Of a picture, or the first of a stack; colour that is grey everywhere as grey.
-Result<StoredImage> depth_in(const fs::path& file, ReadPictures& pictures) {
-    const auto looked = pictures.look(file);
-    if (!looked) return looked.error();
-    StoredImage stored = **looked;
+/// Colour that is grey everywhere as grey.
+Result<StoredImage> as_depth(StoredImage stored, const fs::path& file) {
     if (stored.values.empty() && stored.image.channels == 3)
         if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
     if (stored.values.empty() && stored.image.channels != 1)
         return input_error(file.string() +
                            ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
     return stored;
+}
+
+/// Of a picture, or the first of a stack.
+Result<StoredImage> depth_in(const fs::path& file, ReadPictures& pictures) {
+    const auto looked = pictures.look(file);
+    return looked ? as_depth(**looked, file) : Result<StoredImage>(looked.error());
+}
+
+/// Cameras may begin blank. The first of the telling frames that has depth, or else the first of all.
+/// `files`: of each frame, or the one that is a stack of them.
+Result<StoredImage> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures) {
+    auto first = depth_in(files.front(), pictures);
+    if (!first || estimate_values(*first).any) return first;
+    const auto stack = pictures.stack_in(files.front());
+    if (!stack) return stack.error();
+    const bool is_stack = files.size() == 1 && *stack;
+    for (const std::int64_t n : telling_frames(is_stack ? (*stack)->count() : std::ssize(files))) {
+        if (stop_requested()) break;
+        const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
+        auto stored = is_stack ? (*stack)->image(n) : depth_in(file, pictures);
+        if (stored && is_stack) stored = as_depth(std::move(*stored), file);
+        const bool is_alike = stored && stored->image.width == first->image.width &&
+                              stored->image.height == first->image.height;
+        if (is_alike && estimate_values(*stored).any) return stored;
+    }
+    return first;
 }
 
 /// How well a group goes as depth: 0 not at all.
@@ -499,7 +524,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     const PictureGroup* const depth = depths.front();
     const PictureGroup* const colour = colour_among(*groups, depths, *pictures);
     if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
-    const auto stored = depth_in(depth->first, *pictures);
+    FolderSource all;
+    all.depth = depth->pattern;
+    const auto files = depth_files(folder, all);
+    const auto stored = telling_depth(files ? files->files : std::vector{depth->first}, *pictures);
     if (!stored) return stored.error();
     std::optional<GuessedCameras> cameras;
     if (!known.intrinsics && !known.fov) {
@@ -563,7 +591,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
-    const auto stored = depth_in(file, *pictures);
+    const auto stored = telling_depth({file}, *pictures);
     if (!stored) return stored.error();
     Guess guess(known, *preset);
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
