@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "engine/byte_hash.hpp"
 #include "engine/clip/plane_role.hpp"
@@ -123,6 +124,37 @@ TEST_F(ReliefClip, LeavesRoomBeforeTheCamera) {
     auto relief = looked_at_and_with_relief(std::move(*clip), {}, 50);
     ASSERT_EQ(message(relief), "");
     EXPECT_NEAR((*relief)->scene().height_coding.max_height, 5, 0.1);  // the nearest depth is 10
+}
+
+/// Noise that is another in each frame, and an even colour.
+TEST_F(ReliefClip, SaysWhereItIsOnlyNoiseAndWhereThereIsNone) {
+    const auto note_of = [&](const std::string& name, const std::function<int(int, int, int)>& grey) {
+        auto writer = create_clip(folder_ / name, small_scene(columns, rows), exact_clip);
+        for (int n = 0; n < 5; ++n) {
+            RawFrame frame = test_frame(small_scene(columns, rows), n, {.noisy = false});
+            Image colour{columns, rows, 1, 3, {}};
+            for (int y = 0; y < rows; ++y)
+                for (int x = 0; x < columns; ++x)
+                    colour.samples.insert(colour.samples.end(), 3, static_cast<std::uint8_t>(grey(n, x, y)));
+            add_plane(frame, PlaneRole::colour, plane_from(std::move(colour)));
+            EXPECT_EQ(message((*writer)->write(frame)), "");
+        }
+        EXPECT_EQ(message((*writer)->finish()), "");
+        auto clip = open_clip(folder_ / name);
+        auto relief = looked_at_and_with_relief(std::move(*clip), {}, 2);
+        EXPECT_EQ(message(relief), "");
+        return (*relief)->notes().back();
+    };
+    Numbers numbers(3);
+    const auto noise = [&] { return static_cast<int>(numbers.next() % 9); };
+    const std::string noisy = note_of("noise.mkv", [&](int, int, int) { return 100 + noise(); });
+    EXPECT_NE(noisy.find("most of what is felt is noise"), std::string::npos) << noisy;
+    const std::string clear =
+        note_of("clear.mkv", [&](int, int x, int y) { return 100 + noise() + (x % 8 < 4 ? 60 : 0) + y; });
+    EXPECT_NE(clear.find("noise from frame to frame is"), std::string::npos) << clear;
+    EXPECT_EQ(clear.find("most of what is felt"), std::string::npos) << clear;
+    const std::string even = note_of("even.mkv", [](int, int, int) { return 100; });
+    EXPECT_NE(even.find("nothing of it can be felt"), std::string::npos) << even;
 }
 
 /// Of GCC, Clang, with and without optimisation.

@@ -133,6 +133,23 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
     return scene;
 }
 
+/// What a person should know of it: where it is mostly noise, and where there is none.
+std::string range_in_words(const ReliefRange& range) {
+    if (range.full <= 1)
+        return "relief: nothing of it can be felt: colour is even, in deep shadow, in highlights, or not "
+               "seen "
+               "by its camera";
+    const auto levels = [](std::int32_t number) { return short_number(number / 16.0, 3); };
+    std::string words = "relief: the largest height stands for details of " + levels(range.full) +
+                        " of 255 levels of brightness";
+    if (!range.noise) return words;
+    words += "; noise from frame to frame is " + levels(*range.noise);
+    // Of noise alone 99 % are within 2.6 deviations.
+    if (range.full < 4 * *range.noise)
+        words += ", so most of what is felt is noise: a smaller amount or height lessens it";
+    return words;
+}
+
 }  // namespace
 
 Result<LookedAt> look_at_relief(std::unique_ptr<ClipReader> clip, const ReliefSettings& settings) {
@@ -149,10 +166,7 @@ Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip
                                                 double max_height, std::vector<std::string> notes) {
     const Scene scene = with_heights(clip->scene(), max_height, notes);
     if (auto valid = validate(scene); !valid.ok()) return valid.error();
-    const auto levels = [](std::int32_t number) { return short_number(number / 16.0, 3); };
-    notes.push_back("relief: the largest height stands for details of " + levels(range.full) +
-                    " of 255 levels of brightness" +
-                    (range.noise ? "; noise from frame to frame is " + levels(*range.noise) : std::string()));
+    notes.push_back(range_in_words(range));
     return std::unique_ptr<ClipReader>(
         std::make_unique<ReliefReader>(std::move(clip), scene, settings, range, std::move(notes)));
 }
