@@ -17,9 +17,21 @@ constexpr double opening_is_quick_s = 0.2;  // nobody needs to be told of it
 // From one try to renew a session to the next; many fewer commands come in that time than it still takes.
 constexpr std::chrono::seconds renew_pause(20);
 
+/// All but those of the relief, which is made of a clip's colour: of a camera, or where a run is recorded,
+/// there is none.
+SessionSettings without_relief(const SessionSettings& settings) {
+    SessionSettings rest;
+    for (const SessionSetting& setting : session_settings())
+        if (const auto value = settings.values().find(setting.name);
+            value != settings.values().end() && !setting.of_relief)
+            (void)rest.set(setting.name, value->second);
+    return rest;
+}
+
 }  // namespace
 
-/// Settings that do not go with the clip are not in effect then; they stay kept for another one.
+/// Settings that do not go with the clip are not in effect then; they stay kept for another one. Those of the
+/// relief are the first to go.
 void WindowLoop::ask_for_clip(ClipChoice choice) {
     choice.share_clip();
     std::string name = choice.file.filename().string();
@@ -28,14 +40,22 @@ void WindowLoop::ask_for_clip(ClipChoice choice) {
                  [this, choice, kept = settings_.kept](const std::stop_token& given_up) -> Result<Ready> {
                      auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
                      if (opened.ok()) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
-                     if (kept.now() == SessionSettings{} || given_up.stop_requested()) return opened.error();
-                     auto plain = OpenedClip::open(options_, choice, {}, *sound_, given_up);
-                     if (!plain.ok()) return plain.error();
-                     TwoSettings in_effect = kept;
-                     (kept.b_is_on ? *in_effect.b : in_effect.a) = {};
-                     return Ready{.clip = std::move(*plain),
-                                  .settings = {kept, in_effect},
-                                  .remark = "felt as the clip says: " + opened.error().message};
+                     const std::string why = opened.error().message;
+                     TwoSettings tried = kept;
+                     for (const bool all : {false, true}) {
+                         TwoSettings in_effect = kept;
+                         (kept.b_is_on ? *in_effect.b : in_effect.a) =
+                             all ? SessionSettings{} : without_relief(kept.now());
+                         if (in_effect == tried || given_up.stop_requested()) continue;
+                         tried = in_effect;
+                         opened = OpenedClip::open(options_, choice, in_effect.now(), *sound_, given_up);
+                         if (!opened.ok()) continue;
+                         return Ready{
+                             .clip = std::move(*opened),
+                             .settings = {kept, in_effect},
+                             .remark = (all ? "felt as the clip says: " : "felt without relief: ") + why};
+                     }
+                     return opened.error();
                  });
 }
 

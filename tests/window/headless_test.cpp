@@ -216,6 +216,27 @@ TEST(HeadlessWindow, SettingsThatDoNotGoWithTheClipStayKeptWhateverIsChanged) {
         EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
 }
 
+TEST(HeadlessWindow, ReliefThatDoesNotGoWithTheClipTakesNoOtherSettingWithIt) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string(), record = (folder / "hand.touch").string();
+    std::ofstream(settings) << R"({"a": {"relief": 100, "relief-height": 1, "max-force": 0.4}})";
+    const Shot recorded = shot_of(globe(), "", "0.3", {"--record", record, "--settings", settings});
+    EXPECT_NE(recorded.outcome.err.find("felt without relief: relief that is tried is not recorded"),
+              std::string::npos)
+        << recorded.outcome.err;
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    EXPECT_EQ(recording->front().facts.at("guard").at("max_force"), 0.4);
+    const std::string grey = (folder / "grey.mkv").string();
+    ASSERT_EQ(run_touchable({"make", "bumps", grey, "--size", "64x48", "--frames", "1"}).code, 0);
+    const Shot without_colour = shot_of(grey, "", "0.3", {"--settings", settings});
+    EXPECT_NE(without_colour.outcome.err.find("felt without relief: "), std::string::npos)
+        << without_colour.outcome.err;
+    const std::string kept = file_contents(settings);
+    for (const char* words : {"\"relief\": 100", "\"relief-height\": 1", "\"max-force\": 0.4"})
+        EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
+}
+
 TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();
