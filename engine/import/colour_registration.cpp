@@ -128,7 +128,8 @@ ColourRegistration::Sight ColourRegistration::sight_of(const Place& place) const
     return nearest == nothing_there || place.depth <= nearest * margin_ ? Sight::seen : Sight::hidden;
 }
 
-void ColourRegistration::fill_unseen(Image& picture) const {
+void ColourRegistration::fill_unseen(Image& picture) {
+    std::size_t grey = 0;
     std::uint8_t* const to = picture.samples.data();
     const auto width = static_cast<std::size_t>(width_);
     for (std::size_t begin = 0; begin < sights_.size(); begin += width)
@@ -145,9 +146,10 @@ void ColourRegistration::fill_unseen(Image& picture) const {
                 if (sights_[k] == Sight::hidden && (has_left || has_right))
                     std::memcpy(to + 3 * k, to + 3 * from, 3);
                 else
-                    std::memset(to + 3 * k, unseen_colour, 3);
+                    std::memset(to + 3 * k, unseen_colour, 3), ++grey;
             }
         }
+    grey_share_ = static_cast<double>(grey) / static_cast<double>(sights_.size());
 }
 
 Image ColourRegistration::registered(const PlaneView& depth, const PlaneView& colour) {

@@ -27,6 +27,8 @@ public:
     Image registered(const PlaneView& depth, const PlaneView& colour);
     /// Of the last picture's pixels with depth, those that the colour camera does not see: 0 to 1.
     double unseen_share() const { return unseen_share_; }
+    /// Of all of its pixels, with depth or without, those that are grey.
+    double grey_share() const { return grey_share_; }
 
 private:
     /// Where a pixel's point is in the colour picture.
@@ -40,7 +42,7 @@ private:
     void find_nearest();
     enum class Sight : std::uint8_t { seen, hidden, outside };
     Sight sight_of(const Place& place) const;
-    void fill_unseen(Image& picture) const;
+    void fill_unseen(Image& picture);
 
     const int width_, height_;
     const Camera camera_;
@@ -53,7 +55,7 @@ private:
     std::vector<float> depth_;  // planar; of pixels without depth what they are taken for; 0: nothing
     std::vector<Place> places_;
     std::vector<Sight> sights_;
-    double unseen_share_ = 0;
+    double unseen_share_ = 0, grey_share_ = 0;
     // What is nearest to the colour camera, in cells as wide as depth's pixels appear to it.
     const double cell_;   // colour pixels
     const float scale_;   // cells in a colour pixel

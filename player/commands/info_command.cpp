@@ -280,7 +280,7 @@ void tell_touch(const ClipFacts& facts, Lines& lines) {
                              << (scene.height_coding.units == HeightUnits::levels ? " levels = "
                                                                                   : " scene units = ")
                              << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
-                             << " mm\n";
+                             << " mm of the scene\n";
 }
 
 Json to_json(const ClipFacts& facts) {

@@ -44,7 +44,8 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
         case Overlay::dynamic_friction:
             return {Scalar::dynamic_friction, "dynamic friction", "", 1};
         case Overlay::height:
-            return {Scalar::height, "height", length, metres};
+            // Not of the hand, by whose millimetres a relief is asked for.
+            return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene", metres};
         default:
             return {Scalar::depth, "depth", length, metres};
     }

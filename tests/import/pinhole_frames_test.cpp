@@ -84,6 +84,12 @@ TEST(ColourRegistration, WhatIsHiddenHasTheColourOfWhatLiesBehind) {
             }
         }
     EXPECT_NEAR(registration.unseen_share(), (5 + 5) / 60., 1.5 / 60) << "at the picture's edge, and hidden";
+    EXPECT_NEAR(registration.grey_share(), 5 / 60., 1e-9);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < 5; ++x) set_word(depth, x, y, 0);
+    (void)registration.registered(depth.view(), colour.view());
+    EXPECT_NEAR(registration.unseen_share(), 5 / 55., 1.5 / 55) << "of those with depth only what is hidden";
+    EXPECT_NEAR(registration.grey_share(), 5 / 60., 1e-9) << "without depth as well";
 }
 
 TEST(ColourRegistration, TakesNoMemoryForPicturesThatASceneFileClaims) {

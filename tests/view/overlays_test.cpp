@@ -155,6 +155,9 @@ TEST(Overlays, AColourIsItsValuesPlaceOnTheScale) {
     for (const auto& [kind, scalar, per_unit] : kinds) {
         const OverlayPicture& picture = overlays.paint(kind, field, pair);
         EXPECT_GT(picture.scale.range.greatest, picture.scale.range.least);
+        if (kind == Overlay::height) {
+            EXPECT_EQ(picture.scale.unit, "mm of the scene");
+        }
         for (int y = 0; y < field.height(); ++y)
             for (int x = 0; x < field.width(); ++x) {
                 const PixelValues plain = values_at(field, pair, x, y);
