@@ -139,7 +139,8 @@ private:
     const MaterialsOptions& options_;
     const std::shared_ptr<MaterialReport> report_ = std::make_shared<MaterialReport>();
     std::unique_ptr<NewFile> saved_;
-    Scene scene_;  // as it was read
+    Scene scene_;              // as it was read
+    bool had_haptic_ = false;  // likewise
 };
 
 Result<void> MaterialsRun::check_places(const ClipReader& clip) {
@@ -165,10 +166,15 @@ Result<void> MaterialsRun::write_clip() {
     convert.content = [this](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
         if (auto free = check_places(*clip); !free.ok()) return free.error();
         scene_ = clip->scene();
+        for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
         return with_materials(std::move(clip), options_.materials, begin_segments, report_);
     };
     if (auto written = run_convert(convert); !written.ok()) return written;
     std::cout << report_in_words(*report_, scene_);
+    if (options_.materials.scale_relief && had_haptic_)
+        std::cout
+            << "  note: CLIP has haptic pictures already: where --scale-relief made them with its heights, "
+               "these are scaled twice now\n";
     return {};
 }
 

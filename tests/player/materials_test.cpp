@@ -122,6 +122,17 @@ TEST_F(Materials, WhatIsCutAndJoinedIsSavedSo) {
         << refused.err;
 }
 
+TEST_F(Materials, SayWhereHeightsMayBeScaledTwice) {
+    ASSERT_EQ(run_touchable({"relief", at("wall.mkv"), at("rough.mkv")}).code, 0);
+    const auto scaled = [&](const std::string& clip, const std::string& out) {
+        const Outcome done = run_touchable({"materials", at(clip), at(out), "--scale-relief"});
+        EXPECT_EQ(done.code, 0) << done.err;
+        return done.out.find("are scaled twice") != std::string::npos;
+    };
+    EXPECT_FALSE(scaled("rough.mkv", "once.mkv"));
+    EXPECT_TRUE(scaled("once.mkv", "twice.mkv"));
+}
+
 /// Dragged over both, a finger slides with the friction of each: the force leans by it.
 TEST_F(Materials, AreFeltByADraggedFinger) {
     run("felt.mkv", wood_and_foam);
