@@ -10,8 +10,11 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/content/materials/segment_names.hpp"
+#include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 #include "player/control/kept_settings.hpp"
+#include "player/control/own_folder.hpp"
 #include "player/options/builder_options.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/device_options.hpp"
@@ -65,6 +68,10 @@ Result<void> check_files(PlayOptions& options, const std::optional<std::filesyst
     // Settings are there from the last time; they may stand in place of nothing else.
     Outputs kept{outputs.files, Existing::replace};
     if (options.settings_file) kept.files.push_back({"--settings", *options.settings_file});
+    for (const ScriptedInput& input : options.script)
+        if (const auto* command = std::get_if<WindowCommand>(&input.what))
+            if (command->verb == WindowVerb::save_materials && !command->word.empty())
+                kept.files.push_back({"what --script saves", command->word});
     if (kept.files.empty()) return {};
     std::vector<NamedFile> inputs;
     for (const ScriptedInput& input : options.script) {
@@ -88,6 +95,15 @@ Result<void> check_files(PlayOptions& options, const std::optional<std::filesyst
     }
     if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);
+}
+
+/// Of --segments; whether they go with the clip is known once its segments are read.
+Result<void> check_segments(const std::filesystem::path& file) {
+    const auto text = read_given_file(file, "--segments " + file.string(),
+                                      "a file of segments (JSON, docs/content.md)", largest_segment_names);
+    if (!text.ok()) return text.error();
+    const auto names = parse_segment_names(*text, file.string());
+    return names.ok() ? Result<void>() : names.error();
 }
 
 /// A WAV file is written, so that its name says so.
@@ -183,6 +199,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
             "says "
             "when it ends");
     if (auto free = check_files(options, words.script); !free.ok()) return free.error();
+    if (options.segments)
+        if (auto read = check_segments(*options.segments); !read.ok()) return read.error();
     return options;
 }
 
@@ -214,6 +232,16 @@ void print_film(const PlayFigures& figures) {
                     static_cast<long long>(figures.film_left_out));
 }
 
+/// What a brush paints is still there after a crash, where the window is one.
+void find_brush_history(PlayOptions& options) {
+    if (options.brush_history || options.headless || options.kiosk) return;
+    auto own = own_folder("XDG_STATE_HOME", ".local/state");
+    if (own.ok())
+        options.brush_history = std::move(*own);
+    else
+        std::cerr << "touchable: warning: changes by the brush are not kept: " << own.error().message << '\n';
+}
+
 /// Settings of this person, where the window is one: what nobody sees is the same for everybody.
 void find_settings(PlayOptions& options) {
     if (options.settings_file || options.headless || options.kiosk) return;
@@ -224,11 +252,21 @@ void find_settings(PlayOptions& options) {
         std::cerr << "touchable: warning: settings are not kept: " << own.error().message << '\n';
 }
 
+std::string tell_saved(const std::string& clip, const std::string& file) {
+    return "saved as " + file + "; touchable materials " + clip + " OUT.mkv --segments " + file +
+           " writes the clip with it";
+}
+
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
-    options.names = {"--record",          "--sound",
-                     "--video",           "--screenshot",
-                     remark_with_options, [](const Error& error) { return message_with_options(error); }};
+    find_brush_history(options);
+    options.names = {"--record",
+                     "--sound",
+                     "--video",
+                     "--screenshot",
+                     remark_with_options,
+                     tell_saved,
+                     [](const Error& error) { return message_with_options(error); }};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();
@@ -268,6 +306,12 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
+    add_file_option(sub, "--segments", o.segments,
+                    "what segments are, NAME.json: they feel so once they are read (docs/content.md)");
+    sub.add_option("--brush-history", o.brush_history,
+                   "where changes by the brush of materials last from window to window, instead of this "
+                   "person's own folder")
+        ->type_name("FOLDER");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
     add_file_option(sub, "--video", o.video,
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
@@ -276,7 +320,9 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                                "for a place where nobody watches over it: full screen, again and again, an "
                                "invitation to touch, and nothing that ends it (docs/play.md)")
                       ->excludes("--record")
-                      ->excludes("--settings");
+                      ->excludes("--settings")
+                      ->excludes("--brush-history");
+    sub.get_option("--segments")->excludes("--record")->excludes("--camera");
     add_number_option(sub, "--idle", words.idle,
                       "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
                       "it begins anew; 20 60 where they are left out",
@@ -291,15 +337,16 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {{"The clip",
-                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
-                    "--align", "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
-                  {"The window",
-                   {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-                    "--record", "--sound", "--video", "--settings", "--overwrite"}},
-                  {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
-                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {
+        {"The clip",
+         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
+          "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
+        {"The window",
+         {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
+          "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+        {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
+        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }

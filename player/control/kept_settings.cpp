@@ -1,7 +1,6 @@
 #include "player/control/kept_settings.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -10,6 +9,7 @@
 #include "engine/given_file.hpp"
 #include "engine/new_file.hpp"
 #include "engine/printable.hpp"
+#include "player/control/own_folder.hpp"
 #include "player/control/pointer_fingers.hpp"
 
 namespace touchable {
@@ -22,7 +22,8 @@ constexpr std::size_t most_settings_bytes = 1 << 20;
 Json to_json(const SessionSettings& settings) {
     Json json = Json::object();
     for (const auto& [name, value] : settings.values())
-        json[name] = number_of(value) ? Json::parse(value) : Json(value);
+        if (!session_setting(name)->of_brush)
+            json[name] = number_of(value) ? Json::parse(value) : Json(value);
     return json;
 }
 
@@ -51,13 +52,14 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
     // "filters" is before those that differ from it.
     for (const SessionSetting& setting : session_settings()) {
         const auto member = json.find(setting.name);
-        if (member == json.end()) continue;
+        if (setting.of_brush || member == json.end()) continue;
         std::string value = member->is_string() ? member->get<std::string>() : "";
         if (member->is_number()) value = member->dump();
         if (const auto set = settings.set(setting.name, value); !set.ok()) complain(set.error().message);
     }
     for (const auto& [name, value] : json.items())
-        if (!session_setting(name)) complain("'" + printable(name) + "' is unknown");
+        if (const auto* const known = session_setting(name); !known || known->of_brush)
+            complain("'" + printable(name) + "' is unknown");
     return wrong;
 }
 
@@ -152,16 +154,9 @@ Result<void> SettingsFile::write(const KeptSettings& settings) const {
 }
 
 Result<std::filesystem::path> own_settings_file() {
-    const auto folder = [](const char* variable) {
-        const char* const value = std::getenv(variable);
-        return std::filesystem::path(value ? value : "");
-    };
-    // What is not absolute counts as not set.
-    if (const auto config = folder("XDG_CONFIG_HOME"); config.is_absolute())
-        return config / "touchable" / "play.json";
-    if (const auto home = folder("HOME"); home.is_absolute())
-        return home / ".config" / "touchable" / "play.json";
-    return usage_error("neither HOME nor XDG_CONFIG_HOME says where settings are kept");
+    const auto folder = own_folder("XDG_CONFIG_HOME", ".config");
+    if (!folder.ok()) return folder.error();
+    return *folder / "play.json";
 }
 
 }  // namespace touchable

@@ -255,10 +255,23 @@ std::vector<SessionSetting> relief_settings() {
              [](const TouchSetup& s) { return word_for(off_and_on, relief_in(s).settings.invert); }}};
 }
 
+SessionSetting brush_setting() {
+    return {.name = "materials",
+            .what = "Segments feel as they are painted, or the clip as it does by itself.",
+            .words = words_of(off_and_on),
+            .of_brush = true,
+            .apply =
+                [](const std::string& value, Options& o) {
+                    if (!value_of(off_and_on, value)) o.clip.painted.reset();
+                },
+            .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.clip.painted != nullptr); }};
+}
+
 std::vector<SessionSetting> all_settings() {
     std::vector<SessionSetting> all = force_settings();
     for (SessionSetting& filter : filter_settings()) all.push_back(std::move(filter));
     for (SessionSetting& relief : relief_settings()) all.push_back(std::move(relief));
+    all.push_back(brush_setting());
     return all;
 }
 

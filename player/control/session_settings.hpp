@@ -22,6 +22,7 @@ struct SessionSetting {
     const char* unit = "";           ///< of the number
     bool filter = false;             ///< one of those that `filters` sets together
     bool of_relief = false;          ///< one of those of the relief that is made of colour
+    bool of_brush = false;           ///< of what a brush paints in this window; never kept
     bool of_device = false;          ///< it has an effect only where a device is held
     bool by_ratio = false;           ///< the number's slider is logarithmic
     /// Sets a legal value in the options of a run.

@@ -5,13 +5,14 @@
 #include <cstdio>
 #include <optional>
 
+#include "player/control/brush_words.hpp"
 #include "player/control/session_settings.hpp"
 #include "player/overlay/overlays.hpp"
 
 namespace touchable {
 namespace {
 
-enum class Takes { nothing, number, word, perhaps_a_word, on_or_off, size };
+enum class Takes { nothing, number, word, perhaps_a_word, on_or_off, size, of_brush };
 
 struct NamedVerb {
     const char* name;
@@ -48,6 +49,15 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"open", WindowVerb::open, Takes::word},
                                      {"settings", WindowVerb::settings, Takes::perhaps_a_word},
                                      {"reset", WindowVerb::reset, Takes::nothing},
+                                     {"tool", WindowVerb::tool, Takes::of_brush},
+                                     {"material", WindowVerb::material, Takes::of_brush},
+                                     {"paint", WindowVerb::paint, Takes::of_brush},
+                                     {"join", WindowVerb::join, Takes::of_brush},
+                                     {"cut", WindowVerb::cut, Takes::of_brush},
+                                     {"otherwise", WindowVerb::otherwise, Takes::of_brush},
+                                     {"undo", WindowVerb::undo, Takes::nothing},
+                                     {"redo", WindowVerb::redo, Takes::nothing},
+                                     {"save-materials", WindowVerb::save_materials, Takes::of_brush},
                                      {"quit", WindowVerb::quit, Takes::nothing}};
 
 std::string in_words(double number) {
@@ -90,6 +100,11 @@ std::span<const KeyBinding> key_bindings() {
         {"m", false, mute, 0, "sound off, or on again"},
         {"o", false, overlay, 0, "what the surface is coloured by"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
+        {"p", false, tool, 0, "the brush of materials in hand, or away; left button: paint, join, cut"},
+        {"z", false, undo, 0, "undo what was painted, or redo it (Y, or Shift and Z)", true},
+        {"z", true, redo, 0, nullptr, true},
+        {"y", false, redo, 0, nullptr, true},
+        {"s", false, save_materials, 0, "save what was painted", true},
         {"left", false, turn, -5, "turn the view", true},
         {"right", false, turn, 5, nullptr, true},
         {"up", false, tilt, 5, nullptr, true},
@@ -124,6 +139,8 @@ bool goes_by_steps(WindowVerb verb) {
         case WindowVerb::point_right:
         case WindowVerb::point_down:
         case WindowVerb::nearer:
+        case WindowVerb::undo:
+        case WindowVerb::redo:
             return true;
         default:
             return false;
@@ -155,6 +172,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         return usage_error("'" + name + "' is no command of the window; there are " + known);
     }
     WindowCommand command{named->verb, 0, ""};
+    if (named->takes == Takes::of_brush) return read_brush_words(named->verb, name, rest);
     if (named->takes == Takes::nothing) {
         if (!rest.empty()) return usage_error("'" + name + "' takes nothing, and not '" + rest + "'");
         return command;

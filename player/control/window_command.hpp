@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/content/materials/segment_names.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -40,6 +41,15 @@ enum class WindowVerb {
     feel,         ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
     settings,     ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
     reset,        ///< everything that is kept from one window to the next
+    tool,         ///< `word`: paint, join, cut, or none; empty: away, or the last one again
+    material,     ///< `word`: the material in hand
+    paint,        ///< `places`: a pixel of the segment that gets the material in hand
+    join,         ///< `places`: pixels of two segments that are one from now on
+    cut,          ///< `places`: a stroke over a segment that is two from now on
+    otherwise,    ///< `word`: material of all segments that nobody painted; empty: a guess for each
+    undo,
+    redo,
+    save_materials,  ///< `word`: the file; empty: the clip's own
     quit
 };
 
@@ -48,6 +58,7 @@ struct WindowCommand {
     double number = 0;
     std::string word{};
     int width = 0, height = 0;
+    std::vector<PixelOfFrame> places{};  ///< of the depth plane; frame -1: the one that is shown
 };
 
 /// A key and what it does.

@@ -87,8 +87,8 @@ constexpr double longest_step_s = 0.1;
 
 }  // namespace
 
-double ScriptClock::at(double now_s) {
-    time_s_ += std::min(now_s - seen_s_, longest_step_s);
+double ScriptClock::at(double now_s, bool stands) {
+    if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
     seen_s_ = now_s;
     return time_s_;
 }

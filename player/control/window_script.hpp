@@ -20,8 +20,9 @@ struct ScriptedInput {
 /// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
 class ScriptClock {
 public:
-    /// At this moment of the window's own clock, seconds; moments do not go backward.
-    double at(double now_s);
+    /// At this moment of the window's own clock, seconds; moments do not go backward. `stands`: nothing of
+    /// the time since the last one counts.
+    double at(double now_s, bool stands = false);
 
 private:
     double seen_s_ = 0, time_s_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "player/control/finger_halos.hpp"
 #include "player/control/hand_state.hpp"
 #include "player/overlay/overlays.hpp"
+#include "player/panel/materials_panel.hpp"
 #include "player/panel/settings_panel.hpp"
 
 namespace touchable {
@@ -15,6 +17,7 @@ namespace touchable {
 /// Under the pointer, in words; empty where there is nothing to say.
 struct PlaceFacts {
     std::vector<std::string> lines;
+    std::optional<glm::ivec2> pixel{};  ///< of the clip; nothing: no surface
 };
 
 /// What the window's own words, bars and curves show.
@@ -36,6 +39,7 @@ struct PanelFacts {
     std::vector<FingerHalo> halos;
     PlaceFacts place;
     SettingsFacts settings;
+    BrushFacts brush;
     std::vector<std::string> figures;  ///< of the machine, a line each
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened

@@ -111,9 +111,11 @@ void SettingsPanel::draw(const SettingsFacts& facts, float scale, std::vector<Wi
     if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
         asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
     explain_row(
-        "Two sets of settings, to feel the difference. The key B switches; B begins without filters.");
+        "Two sets of settings, to feel the difference. The key B switches; B begins without filters, or "
+        "where materials are painted, without those.");
     for (const SessionSetting& setting : session_settings())
-        if (!is_of_filters(setting) && !setting.of_relief && (facts.has_device || !setting.of_device))
+        if (!is_of_filters(setting) && !setting.of_relief && !setting.of_brush &&
+            (facts.has_device || !setting.of_device))
             draw_row(setting, facts, asked);
 }
 

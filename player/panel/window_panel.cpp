@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/invitation.hpp"
@@ -129,6 +130,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
+    draw_brush_line(facts.brush, scale_);
     draw_finger_halos(facts.halos, scale_);
     if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
     if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
@@ -268,6 +270,10 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, roomy, scale, asked);
+    // Whoever takes a tool wants to see what else there is.
+    const bool is_held = facts.brush.tool != BrushTool::none;
+    if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
+    if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
     if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
     if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
     if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);

@@ -63,6 +63,7 @@ private:
 
     float scale_;
     std::vector<Box> boxes_;  // of what can be pressed
+    bool tool_was_held_ = false;
     float state_bottom_ = 0;  // 0: nothing is said of a device
     PlaybackBar bar_;
     SettingsPanel settings_;

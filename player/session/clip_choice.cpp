@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/content/materials/painted_clip.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -71,6 +72,12 @@ void ClipChoice::share_clip() {
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
+    auto reader = open_relief(colour);
+    return painted && reader.ok() ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
+}
+
+/// As it feels by itself.
+Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
     return reader.ok() ? with_chosen_relief(std::move(*reader), *relief, relief_memory.get())

@@ -10,6 +10,7 @@
 #include "engine/camera/v4l2_camera.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/replay_camera.hpp"
+#include "engine/content/materials/material_brush.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/import/touch_maps/still_maps.hpp"
 #include "engine/result.hpp"
@@ -46,7 +47,9 @@ struct ClipChoice {
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
-    std::optional<ReliefChoice> relief;       ///< made of its colour, in place of the heights that it has
+    std::optional<ReliefChoice> relief;  ///< made of its colour, in place of the heights that it has
+    /// What its segments feel like, in place of what it says itself; null: as it says.
+    std::shared_ptr<const PaintedSegments> painted;
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
@@ -65,6 +68,7 @@ struct ClipChoice {
     Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
 
 private:
+    Result<std::unique_ptr<ClipReader>> open_relief(Colour colour) const;
     Result<std::unique_ptr<ClipReader>> open_stored(Colour colour) const;
     Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };

@@ -48,6 +48,10 @@ Result<void> validate(const SessionOptions& options) {
         return usage_error(
             "relief that is tried is not recorded: touchable relief CLIP OUT.mkv writes a clip that has it, "
             "and a run over that can be");
+    if (options.recorded && options.clip.painted)
+        return usage_error(
+            "materials that are tried are not recorded: touchable materials writes a clip that has them, and "
+            "a run over that can be");
     if (options.start_buried && !options.live)
         return usage_error(
             "a hand that starts buried needs a live run: in another no finger waits to be free",

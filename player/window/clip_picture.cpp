@@ -21,12 +21,13 @@ void ClipPicture::forget() {
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field) {
     const FramePair& pair = moment.held.pair;
     const PlaneView colour = moment.colour ? moment.colour->plane : PlaneView{};
-    const Shown now{pair.epoch, pair.prev.number, pair.next.number, pair.blend, colour.data};
+    const Shown now{pair.epoch, pair.prev.number, pair.next.number, pair.blend, colour.data, tinted_};
     if (shown_ == now) return {};
     shown_.reset();
     Result<void> shown;
     if (overlay_ == Overlay::colour) {
-        shown = graphics_->show(field, pair, colour, Lighting::lit);
+        const PlaneView seen = tinted_ ? tint_.paint(*tinted_, pair.prev.number, colour) : colour;
+        shown = graphics_->show(field, pair, seen, Lighting::lit);
     } else {
         const OverlayPicture& picture = overlays_->paint(overlay_, field, pair);
         scale_ = picture.scale;

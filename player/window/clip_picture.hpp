@@ -11,6 +11,7 @@
 #include "player/overlay/overlays.hpp"
 #include "player/screen/window_graphics.hpp"
 #include "player/session/watched_session.hpp"
+#include "player/window/segment_tint.hpp"
 
 namespace touchable {
 
@@ -34,6 +35,8 @@ public:
     int drawn_height() const { return drawn_height_; }
     Overlay overlay() const { return overlay_; }
     void set_overlay(Overlay overlay);
+    /// Segments in place of the clip's own colours; null: those.
+    void set_tint(std::shared_ptr<const PaintedSegments> painted) { tinted_ = std::move(painted); }
     /// What the overlay's colours mean; null where they are the clip's.
     const OverlayScale* scale() const { return overlay_ == Overlay::colour ? nullptr : &scale_; }
     /// Another clip: nothing of the last one serves.
@@ -47,9 +50,12 @@ private:
         std::int64_t prev = -1, next = -1;
         double blend = 0;
         const void* colour = nullptr;
+        std::shared_ptr<const PaintedSegments> tinted;
         bool operator==(const Shown&) const = default;
     };
     std::unique_ptr<WindowGraphics> graphics_;
+    std::shared_ptr<const PaintedSegments> tinted_;
+    SegmentTint tint_;
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
     int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;

@@ -61,9 +61,11 @@ Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options,
     return made;
 }
 
-SessionOptions OpenedClip::session_options(const SessionSettings& settings) const {
+SessionOptions OpenedClip::session_options(const SessionSettings& settings,
+                                           std::shared_ptr<const PaintedSegments> painted) const {
     SessionOptions session = options_.session;
     session.clip = clip_;
+    session.clip.painted = std::move(painted);
     if (!clip_.is_camera()) session.camera.reset();  // of another clip, which was there before
     session.live = session.watched = true;
     session.fingers = fingers_of_hand();
@@ -102,7 +104,7 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
 Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::stop_token& given_up) {
     if (options_.hand)
         if (auto opened = options_.hand->open(); !opened.ok()) return opened;
-    SessionOptions session = session_options(settings);
+    SessionOptions session = session_options(settings, clip_.painted);
     session.given_up = given_up;
     auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
@@ -215,12 +217,14 @@ std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64
 }
 
 Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
+                                               std::shared_ptr<const PaintedSegments> painted,
                                                const std::stop_token& given_up) const {
     using Clock = std::chrono::steady_clock;
     Change change;
     change.settings = settings;
+    change.painted = painted;
     Clock::time_point chosen_at;
-    SessionOptions session = session_options(settings);
+    SessionOptions session = session_options(settings, std::move(painted));
     session.given_up = given_up;
     session.workspace = workspace_;
     // A camera's time only goes on, and begins with each of its runs.
@@ -291,6 +295,7 @@ Result<void> OpenedClip::take(Change change) {
     constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
     take_over(session_->setup(), change.settings);
+    clip_.painted = change.painted;
     sizes_ = sizes_for(session_->setup().settings.guard.max_force);
     trails_ = FingerTrails();
     if (!clip_.is_camera() && !goes_on_to(change, now)) lead_from(change, now);

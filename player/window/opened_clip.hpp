@@ -40,9 +40,10 @@ public:
     /// Once no other clip is heard any more.
     void begin_sound();
 
-    /// The same clip by other settings, ready to be changed to.
+    /// The same clip by other settings, or with other materials, ready to be changed to.
     struct Change {
         SessionSettings settings;
+        std::shared_ptr<const PaintedSegments> painted;
         std::unique_ptr<TouchSetup> setup;
         PlaybackState state;          // that the clip was in when its begin was chosen
         std::int64_t begin_ns = 0;    // of the clip, where it begins
@@ -50,7 +51,9 @@ public:
     };
     /// Takes long; on any thread, while the session goes on and is not changed. Refused mostly
     /// (ErrorKind::usage) where the clip does not go with the settings.
-    Result<Change> prepare(const SessionSettings& settings, const std::stop_token& given_up = {}) const;
+    Result<Change> prepare(const SessionSettings& settings, std::shared_ptr<const PaintedSegments> painted,
+                           const std::stop_token& given_up = {}) const;
+    Result<Change> prepare(const SessionSettings& settings) const { return prepare(settings, clip_.painted); }
     /// Whether the clip, as it plays, has come to where the change begins, or will not.
     bool has_come_to(const Change& change) const;
     /// Ends the session, and begins another one by those settings at the moment, speed and loop of now.
@@ -84,6 +87,9 @@ public:
     /// Those that it was opened with or changed to; what they make of the clip; and its filters, each with
     /// the reason.
     const SessionSettings& settings() const { return settings_; }
+    /// What its segments feel like where these settings do not say otherwise; null: as the clip says.
+    const std::shared_ptr<const PaintedSegments>& painted() const { return clip_.painted; }
+    const ClipChoice& choice() const { return clip_; }
     const std::map<std::string, std::string>& in_effect() const { return in_effect_; }
     const std::string& filters() const { return filters_; }
     /// Why this builder makes the surface; empty: it was asked for.
@@ -109,7 +115,8 @@ public:
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
-    SessionOptions session_options(const SessionSettings& settings) const;
+    SessionOptions session_options(const SessionSettings& settings,
+                                   std::shared_ptr<const PaintedSegments> painted) const;
     Result<void> make_ready(const SessionSettings& settings, const std::stop_token& given_up);
     bool goes_on_to(const Change& change, const PlaybackState& now) const;
     std::vector<PlaybackCommand> choose_begin(Change& change, std::int64_t reading_ns) const;

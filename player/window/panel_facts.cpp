@@ -19,23 +19,24 @@ std::string words_of(const char* format, Values... values) {
 }
 
 /// What is under the pointer, to be read at a glance.
-std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment& moment,
-                                     const HeightField& field, const ViewCamera& camera) {
+PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, const HeightField& field,
+                       const ViewCamera& camera) {
     const auto& pointer = clip.fingers().pointer();
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
-    if (!met->drawn) return {"no depth here:", "nothing to touch"};
+    if (!met->drawn) return {{"no depth here:", "nothing to touch"}};
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
-    std::vector<std::string> lines{words_of("pixel %d, %d", x, y)};
-    if (!values.valid) return lines;
+    PlaceFacts place{{words_of("pixel %d, %d", x, y)}, glm::ivec2(x, y)};
+    if (!values.valid) return place;
+    std::vector<std::string>& lines = place.lines;
     lines.push_back(words_of("depth %.1f mm", values.depth_mm));
     lines.push_back(words_of("stiffness %.2g N/mm", values.properties.stiffness / 1000));
     lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
                              values.properties.dynamic_friction));
     if (values.height_mm != 0) lines.push_back(words_of("height %.2f mm", values.height_mm));
-    return lines;
+    return place;
 }
 
 /// How well the machine keeps up.
@@ -94,7 +95,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
                  static_cast<std::size_t>(clip.hand() ? clip.shown() : clip.fingers().count()));
     for (std::size_t k = 0; k < fingers; ++k)
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
-    facts.place.lines = place_words(clip, moment, field, camera);
+    facts.place = place_facts(clip, moment, field, camera);
     facts.settings = {clip.settings().values(), clip.in_effect(), clip.filters()};
     facts.settings.has_device = clip.hand() != nullptr;
     facts.figures = figure_words(clip, picture, moment);

@@ -22,6 +22,9 @@ namespace touchable {
 struct PlayNames {
     std::string record = "the recording", sound = "the sound", video = "the film", screenshot = "the picture";
     std::string (*remark)(const Remark&) = remark_in_words;
+    /// That a clip's materials are in `file` now, and what makes a clip of both.
+    std::string (*saved)(const std::string& clip, const std::string& file) =
+        [](const std::string&, const std::string& file) { return "saved as " + file; };
     std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
@@ -45,6 +48,9 @@ struct PlayOptions {
     Existing existing = Existing::keep;
     PlayNames names{};
     std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
+    std::optional<std::filesystem::path> segments;       ///< what the clip's segments are like, at first
+    /// Folder in which changes by a brush last from window to window (BrushFiles); nothing: nowhere.
+    std::optional<std::filesystem::path> brush_history;
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
     bool filters_are_stated = false;  ///< likewise by `session.clip`: kept sets A and B stay as they are
 };

@@ -78,6 +78,7 @@ Result<PlayFigures> WindowLoop::run() {
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     power_hand_off();
+    finish_brush();
     Result<void> kept;
     const bool is_kept = ended.ok() && options_.screenshot && !interrupted();
     if (is_kept) {
@@ -97,6 +98,10 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
+    brush_files_.finish();
+    for (const auto& [file, written] : brush_files_.take())
+        if (!written.ok())
+            std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
     // Last: their disk may be another one, and not answer.
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {
@@ -144,11 +149,12 @@ Result<void> WindowLoop::turn() {
     const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
-    const double script_s = script_clock_.at(now_s());
+    const double script_s = script_clock_.at(now_s(), brush_is_at_work());
     if (begun_) take_script(script_s);
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on());
+    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !tool_.is_held());
+    go_on_brush();
     go_on_opening();
     note_sound();
     note_files();
@@ -209,7 +215,9 @@ void WindowLoop::count_session() {
 }
 
 void WindowLoop::take_script(double now_s) {
-    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s) {
+    // What a brush is asked for is done before what comes after it.
+    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s &&
+           !brush_is_at_work()) {
         const auto& what = options_.script[scripted_++].what;
         if (const auto* event = std::get_if<InputEvent>(&what))
             take(*event);
@@ -231,6 +239,8 @@ void WindowLoop::take(const InputEvent& event) {
         panel_->help_shown = false;
         return;
     }
+    if (event.kind == Kind::key && event.word == "escape" && tool_.is_held())
+        return take(WindowCommand{.verb = WindowVerb::tool, .word = "none"});
     if (event.kind == Kind::key) {
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (binding && (!event.repeated || goes_by_steps(binding->verb)))
@@ -247,6 +257,7 @@ void WindowLoop::take(const InputEvent& event) {
     const bool is_of_panel =
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    if (take_with_tool(event, is_of_panel)) return;
     const ScreenSize size = screen_->size();
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     if (!is_of_panel || event.kind == Kind::released)

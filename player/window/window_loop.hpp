@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +12,8 @@
 #include <vector>
 
 #include "player/audio/window_sound.hpp"
+#include "player/control/brush_tool.hpp"
+#include "player/control/kept_brush.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
 #include "player/control/pointer_input.hpp"
@@ -23,6 +28,7 @@
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/screenshots.hpp"
+#include "player/window/text_files.hpp"
 #include "player/window/window_film.hpp"
 
 namespace touchable {
@@ -61,11 +67,14 @@ private:
     void set_overlay(const std::string& name);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
-    /// A and B as they are kept, and as they are in effect: without what the clip would not go with.
+    /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
+    /// what a brush painted.
     struct WindowSettings {
         TwoSettings kept, in_effect;
+        std::shared_ptr<const PaintedSegments> painted{};
         bool operator==(const WindowSettings&) const = default;
     };
+    static std::string in_words(const WindowSettings& settings);
     void feel(const WindowCommand& command);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
     struct Ready {
@@ -84,6 +93,24 @@ private:
     void tell_guesses();
     std::string words_of_opening() const;
     void reset();
+    void take_of_brush(WindowCommand command);
+    std::string why_no_brush() const;
+    void begin_brush();
+    bool brush_is_at_work() const { return brush_work_.is_busy() || !for_brush_.empty(); }
+    void do_next_with_brush();
+    void go_on_brush();
+    void want_painted();
+    void compare_with_before();
+    bool take_with_tool(const InputEvent& event, bool is_of_panel);
+    HeldBrush::Place place_at(const glm::dvec2& at);
+    void hold_still(bool still);
+    void keep_history();
+    void save_materials(const std::filesystem::path& file);
+    void forget_brush();
+    void finish_brush();
+    std::string words_of_brush() const;
+    BrushFacts brush_facts() const;
+    std::string segment_words(const WatchedMoment& moment, int x, int y) const;
     void watch_over();
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
@@ -145,6 +172,14 @@ private:
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
+    HeldBrush tool_;
+    bool tool_is_pressed_ = false, tool_holds_clip_ = false;  // the clip waits for a stroke
+    std::shared_ptr<KeptBrush> brush_;                        // null: none yet, or it works
+    std::shared_ptr<const PaintedSegments> painted_;          // by it, as shown
+    BrushFacts brush_state_;                                  // what of the brush is shown
+    std::deque<WindowCommand> for_brush_;                     // that wait for it
+    std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
+    TextFiles brush_files_;
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
@@ -165,6 +200,13 @@ private:
     PictureGovernor governor_;
     ForceScale force_scale_;
     PlayFigures figures_;
+    /// What became of a command of the brush, or of beginning with it.
+    struct BrushWork {
+        std::shared_ptr<KeptBrush> brush;
+        Result<std::string> said;
+        bool is_begun = false;
+    };
+    ClipOpening<BrushWork> brush_work_;
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     ClipOpening<Ready> opening_;  // ends before what it works on
 };

@@ -39,6 +39,16 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::feel:
         case WindowVerb::settings:
             return feel(command);
+        case WindowVerb::tool:
+        case WindowVerb::material:
+        case WindowVerb::paint:
+        case WindowVerb::join:
+        case WindowVerb::cut:
+        case WindowVerb::otherwise:
+        case WindowVerb::undo:
+        case WindowVerb::redo:
+        case WindowVerb::save_materials:
+            return take_of_brush(command);
         default:
             return take_of_window(command);
     }
@@ -133,8 +143,11 @@ void WindowLoop::feel(const WindowCommand& command) {
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of_device && !options_.hand)
         return say(std::string(setting->name) + " is of a device that is held; there is none", true);
+    if (setting && setting->of_brush && !wanted.painted)
+        return say("nothing is painted yet; P takes the brush of materials", true);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
+        if (setting && setting->of_brush && settings == &wanted.kept) continue;
         if (command.verb == WindowVerb::settings) {
             settings->turn_to(to_b);
         } else if (auto set = settings->set(command.word.substr(0, space), command.word.substr(space + 1));
@@ -146,7 +159,9 @@ void WindowLoop::feel(const WindowCommand& command) {
 }
 
 void WindowLoop::reset() {
-    wanted_settings_.emplace();
+    const auto painted = wanted_settings_.value_or(settings_).painted;
+    wanted_settings_.emplace().painted = painted;
+    if (painted) compare_with_before();
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);

@@ -71,9 +71,9 @@ void WindowLoop::open_other(const std::string& file) {
 }
 
 void WindowLoop::ask_for_change(const WindowSettings& wanted) {
-    opening_.ask("changing to " + wanted.in_effect.in_words(),
+    opening_.ask("changing to " + in_words(wanted),
                  [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
-                     auto change = clip->prepare(wanted.in_effect.now(), given_up);
+                     auto change = clip->prepare(wanted.in_effect.now(), wanted.painted, given_up);
                      if (!change.ok()) return change.error();
                      return Ready{.clip = nullptr, .change = std::move(*change), .settings = wanted};
                  });
@@ -102,9 +102,12 @@ void WindowLoop::go_on_opening() {
         return ask_for_change(settings_);
     }
     if (!wanted_settings_ || !was_seen || ready_ || opening_.is_busy()) return;
-    if (wanted_settings_->in_effect.now() == clip_->settings()) {
-        settings_ = *std::exchange(wanted_settings_, std::nullopt);
-        return say(settings_.in_effect.in_words());
+    if (wanted_settings_->in_effect.now() == clip_->settings() &&
+        wanted_settings_->painted == clip_->painted()) {
+        const WindowSettings before = std::exchange(settings_, *wanted_settings_);
+        wanted_settings_.reset();
+        return before.in_effect.in_words() == settings_.in_effect.in_words() ? void()
+                                                                             : say(in_words(settings_));
     }
     asked_settings_ = wanted_settings_;
     ask_for_change(*wanted_settings_);
@@ -112,7 +115,7 @@ void WindowLoop::go_on_opening() {
 
 Result<void> WindowLoop::take(Ready& ready) {
     changed_at_ = figures_.pictures;
-    const bool is_another = !(settings_ == ready.settings);
+    const bool is_another = settings_.in_effect.in_words() != ready.settings.in_effect.in_words();
     settings_ = ready.settings;
     if (ready.clip) {
         if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
@@ -126,7 +129,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     if (!changed.ok()) return changed;
     picture_.forget();
     frames_shown_.forget();
-    if (is_another && !has_failed) say(settings_.in_effect.in_words());
+    if (is_another && !has_failed) say(in_words(settings_));
     return {};
 }
 
@@ -141,6 +144,7 @@ bool WindowLoop::note_failure() {
 /// In place of the one that is there, if one is.
 Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     if (clip_) {
+        finish_brush();
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
         note_failure();
         clip->fingers().set_count(clip_->fingers().count());
@@ -160,6 +164,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
     tell_guesses();
+    forget_brush();
     return {};
 }
 
@@ -200,6 +205,17 @@ Result<void> WindowLoop::wait_for_clip() {
         if (auto taken = take(**made); !taken.ok()) return taken;
     }
     return {};
+}
+
+/// The set of settings that is in effect, for a person.
+std::string WindowLoop::in_words(const WindowSettings& settings) {
+    const SessionSettings& now = settings.in_effect.now();
+    const auto materials = now.values().find("materials");
+    const bool is_painted =
+        settings.painted && (materials == now.values().end() || materials->second == "on");
+    if (!is_painted) return settings.in_effect.in_words();
+    if (now == SessionSettings{}) return settings.in_effect.b_is_on ? "B: as painted" : "A: as painted";
+    return settings.in_effect.in_words() + ", as painted";
 }
 
 std::string WindowLoop::words_of_opening() const {

@@ -125,6 +125,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const auto marks = clip_->trails().marks(felt, clip_->shown(), field,
                                              options_.hand ? nearest_of_hand : nearest_of_pointer);
     const auto marked = Clock::now();
+    picture_.set_tint(tool_.is_held() ? painted_ : nullptr);
     if (auto drawn =
             picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
         !drawn.ok())
@@ -157,6 +158,11 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.settings.b_is_on = settings_.in_effect.b_is_on;
+    facts.brush = brush_facts();
+    if (facts.place.pixel)
+        if (const auto words = segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
+            !words.empty())
+            facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
@@ -172,6 +178,10 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         return facts;
     }
     if (!message_.empty()) return facts;
+    if (facts.message = words_of_brush(); !facts.message.empty()) {
+        facts.message_is_bad = false;
+        return facts;
+    }
     facts.message_is_bad = failure.has_value();
     const std::vector<std::string> remarks = clip_->remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+
+#include "engine/content/materials/segment_store.hpp"
+#include "engine/result.hpp"
+#include "player/session/clip_choice.hpp"
+
+namespace touchable {
+
+/// The segments of all frames of a clip, by a reader of its own, so that a run over it is not led to and
+/// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long; once it was
+/// `given_up`, an error of kind interrupted.
+Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
+                                          const std::function<void(std::int64_t frame)>& progress,
+                                          const std::stop_token& given_up);
+
+}  // namespace touchable

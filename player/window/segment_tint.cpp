@@ -1,0 +1,56 @@
+#include "player/window/segment_tint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "engine/content/segments/pixel_features.hpp"
+#include "player/control/material_colours.hpp"
+
+namespace touchable {
+namespace {
+
+using TintRgb = std::array<std::uint8_t, 3>;
+
+constexpr TintRgb tint_of_holes{24, 24, 28}, tint_of_borders{12, 12, 16};
+constexpr int grey_brightness = 160;               // where the clip has no colour
+constexpr int darkest = 104, of_brightness = 152;  // of 256: how bright black is, and white besides
+
+int brightness_at(const PlaneView& colour, int x, int y, int width, int height) {
+    if (colour.empty() || colour.channels < 3 || colour.bytes_per_sample != 1) return grey_brightness;
+    const std::uint8_t* const rgb = colour_at(colour, x, y, width, height);
+    return (77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2]) >> 8;
+}
+
+}  // namespace
+
+PlaneView SegmentTint::paint(const PaintedSegments& painted, std::int64_t frame, const PlaneView& colour) {
+    const SegmentStore& segments = *painted.segments;
+    const int width = segments.width(), height = segments.height();
+    segments.read_labels(std::clamp<std::int64_t>(frame, 0, segments.frames() - 1), labels_);
+    std::vector<TintRgb> colours(65536, material_colour(""));
+    for (const auto& [label, paint] : painted.by_label) colours[label] = material_colour(paint.material);
+    const auto label_at = [&](int x, int y) {
+        return labels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                       static_cast<std::size_t>(x)];
+    };
+    const int line = std::max(1, width / 480);
+    rgb_.resize(labels_.size() * 3);
+    std::uint8_t* to = rgb_.data();
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x, to += 3) {
+            const std::uint16_t label = label_at(x, y);
+            const bool is_border = label_at(std::min(x + line, width - 1), y) != label ||
+                                   label_at(x, std::min(y + line, height - 1)) != label;
+            if (label == 0 || is_border) {
+                std::ranges::copy(is_border ? tint_of_borders : tint_of_holes, to);
+                continue;
+            }
+            const int share = darkest + of_brightness * brightness_at(colour, x, y, width, height) / 255;
+            for (std::size_t c = 0; c < 3; ++c)
+                to[c] = static_cast<std::uint8_t>(colours[label][c] * share >> 8);
+        }
+    return {rgb_.data(), std::ptrdiff_t{3} * width, width, height, 1, 3};
+}
+
+}  // namespace touchable
