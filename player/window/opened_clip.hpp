@@ -81,6 +81,7 @@ public:
     bool force_is_on() const { return control_ ? control_->force_is_asked() : device_->force_is_on(); }
     FingerTrails& trails() { return trails_; }
     WindowView& view() { return *view_; }
+    const WindowView& view() const { return *view_; }
     const Scene& scene() const { return *scene_; }
     const MarkSizes& sizes() const { return sizes_; }
     const std::string& name() const { return name_; }

@@ -96,13 +96,16 @@ private:
     void take_of_brush(WindowCommand command);
     std::string why_no_brush() const;
     void begin_brush();
-    bool brush_is_at_work() const { return brush_work_.is_busy() || !for_brush_.empty(); }
+    bool brush_is_at_work() const {
+        return brush_work_.is_busy() || !for_brush_.empty() || !for_tool_.empty();
+    }
     void do_next_with_brush();
     void go_on_brush();
     void want_painted();
     void compare_with_before();
     bool take_with_tool(const InputEvent& event, bool is_of_panel);
-    HeldBrush::Place place_at(const glm::dvec2& at);
+    void do_with_tool();
+    HeldBrush::Place place_at(const glm::dvec2& at, const WatchedMoment& moment) const;
     void hold_still(bool still);
     void keep_history();
     void save_materials(const std::filesystem::path& file);
@@ -173,6 +176,11 @@ private:
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
     HeldBrush tool_;
+    struct ToolInput {
+        InputEvent::Kind kind;
+        glm::dvec2 at;  // window
+    };
+    std::vector<ToolInput> for_tool_;                         // that waits until something is shown
     bool tool_is_pressed_ = false, tool_holds_clip_ = false;  // the clip waits for a stroke
     std::shared_ptr<KeptBrush> brush_;                        // null: none yet, or it works
     std::shared_ptr<const PaintedSegments> painted_;          // by it, as shown

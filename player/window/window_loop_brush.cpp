@@ -90,9 +90,10 @@ void WindowLoop::take_of_brush(WindowCommand command) {
     if (for_brush_.size() == most_for_brush)
         return say("the brush is still at work on what it was asked for before", true);
     if (command.verb == WindowVerb::paint) command.word = tool_.material();
-    const WatchedMoment* const moment = clip_->session().look();
+    const std::int64_t last = std::max<std::int64_t>(clip_->frames() - 1, 0),
+                       now = clip_->scene().rate.frame_at(clip_->session().playback().moment.time_ns);
     for (PixelOfFrame& place : command.places)
-        if (place.frame < 0) place.frame = moment ? shown_frame(*moment) : 0;
+        if (place.frame < 0) place.frame = std::clamp<std::int64_t>(now, 0, last);
     for_brush_.push_back(std::move(command));
 }
 
@@ -139,6 +140,7 @@ void WindowLoop::do_next_with_brush() {
 
 /// Once a turn of the window.
 void WindowLoop::go_on_brush() {
+    do_with_tool();
     for (const auto& [file, written] : brush_files_.take()) {
         const bool is_saved = brush_ && file != brush_->files().history();
         if (!written.ok() && file_faults_.insert(written.error().message).second)
@@ -191,41 +193,51 @@ void WindowLoop::compare_with_before() {
     wanted_settings_ = std::move(wanted);
 }
 
-HeldBrush::Place WindowLoop::place_at(const glm::dvec2& at) {
-    const WatchedMoment* const moment = clip_->session().look();
-    if (!moment) return {at};
+HeldBrush::Place WindowLoop::place_at(const glm::dvec2& at, const WatchedMoment& moment) const {
     const ScreenSize size = screen_->size();
-    const HeightField field(clip_->scene(), moment->held.pair);
+    const HeightField field(clip_->scene(), moment.held.pair);
     const auto met = pick(field, clip_->view().camera(size.width, size.height), at.x, at.y);
     if (!met || !met->drawn) return {at};
     return {at, PixelOfFrame{static_cast<int>(std::lround(met->x)), static_cast<int>(std::lround(met->y)),
-                             shown_frame(*moment)}};
+                             shown_frame(moment)}};
 }
 
 /// Whether the tool in hand has it, and not the finger.
 bool WindowLoop::take_with_tool(const InputEvent& event, bool is_of_panel) {
     using Kind = InputEvent::Kind;
     const bool is_left = event.word == "left";
-    if (event.kind == Kind::left_window || (event.kind == Kind::released && tool_is_pressed_ && is_left)) {
-        const bool was_pressed = std::exchange(tool_is_pressed_, false), was_drawn = tool_.is_drawing();
-        const auto asked = event.kind == Kind::released ? tool_.release() : std::nullopt;
-        if (was_drawn) tool_.let_go();
-        if (asked)
-            take(*asked);
-        else if (was_drawn)
-            say("a cut is a stroke: drag it across a segment");
-        hold_still(false);
-        return was_pressed && event.kind == Kind::released;
+    const bool presses =
+        event.kind == Kind::pressed && tool_.is_held() && is_left && !event.control && !is_of_panel;
+    const bool releases = event.kind == Kind::released && tool_is_pressed_ && is_left;
+    const bool moves = event.kind == Kind::moved && tool_.is_held() && !is_of_panel;
+    if (presses || releases) tool_is_pressed_ = presses;
+    if (event.kind == Kind::left_window) tool_is_pressed_ = false;
+    if (presses || releases || event.kind == Kind::left_window ||
+        (moves && for_tool_.size() < most_for_brush))
+        for_tool_.push_back({event.kind, pointer_at_});
+    do_with_tool();
+    return presses || releases;
+}
+
+/// A session that has just begun shows nothing yet: what was clicked is seen once it does.
+void WindowLoop::do_with_tool() {
+    using Kind = InputEvent::Kind;
+    if (for_tool_.empty()) return;
+    const WatchedMoment* const moment = clip_->session().look();
+    if (!moment) return;
+    for (const auto& [kind, at] : std::exchange(for_tool_, {})) {
+        const bool was_drawn = tool_.is_drawing();
+        std::optional<WindowCommand> asked;
+        const HeldBrush::Place place = place_at(at, *moment);
+        if (kind == Kind::pressed) asked = tool_.press(place);
+        if (kind == Kind::moved) tool_.move(place);
+        if (kind == Kind::released) asked = tool_.release();
+        if (kind == Kind::left_window && was_drawn) tool_.let_go();
+        if (kind == Kind::pressed && !place.pixel && !tool_.is_drawing()) say("there is no surface here");
+        if (kind == Kind::released && was_drawn && !asked) say("a cut is a stroke: drag it across a segment");
+        if (asked) take(*asked);
+        hold_still(tool_.is_drawing());
     }
-    if (!tool_.is_held()) return false;
-    if (event.kind == Kind::moved && !is_of_panel) tool_.move(place_at(pointer_at_));
-    if (event.kind != Kind::pressed || !is_left || event.control || is_of_panel) return false;
-    tool_is_pressed_ = true;
-    const HeldBrush::Place place = place_at(pointer_at_);
-    if (const auto asked = tool_.press(place)) take(*asked);
-    if (!place.pixel && !tool_.is_drawing()) say("there is no surface here");
-    if (tool_.is_drawing()) hold_still(true);
-    return true;
 }
 
 /// While a stroke is drawn a clip that plays waits.
@@ -265,6 +277,7 @@ void WindowLoop::forget_brush() {
     for_brush_.clear();
     brush_state_ = {};
     tool_.take(BrushTool::none);
+    for_tool_.clear();
     tool_is_pressed_ = tool_holds_clip_ = false;
     if (wanted_settings_) wanted_settings_->painted.reset();
     const bool is_first = clip_->choice().file == options_.session.clip.file;

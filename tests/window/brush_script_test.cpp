@@ -92,10 +92,10 @@ TEST_F(BrushScript, AToolInTheHandTintsThePicture) {
 TEST_F(BrushScript, ClicksAndStrokesDoWhatCommandsDo) {
     const std::string large = "0 size 960x640\n", click = "0 press left\n0 release left\n",
                       on_left = "0 move 240 320\n" + click, on_right = "0 move 560 320\n" + click;
-    ASSERT_EQ(
-        run(large + "0 material felt\n" + on_left + "0 tool join\n" + on_left + on_right + save() + quit_)
-            .code,
-        0);
+    const Outcome done =
+        run(large + "0 material felt\n" + on_left + "0 tool join\n" + on_left + on_right + save() + quit_);
+    ASSERT_EQ(done.code, 0);
+    EXPECT_EQ(done.err, "");
     const auto joined = parse_segment_names(saved(), "saved");
     ASSERT_TRUE(joined.ok()) << joined.error().message;
     ASSERT_EQ(joined->segments.size(), 1U);
