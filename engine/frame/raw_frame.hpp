@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "engine/frame/plane_view.hpp"
 
@@ -20,6 +21,9 @@ struct RawFrame {
     /// Of the clip's clock (MediaMoment); 0 as a reader gives it. Frames of two epochs are not each other's
     /// neighbours, whatever their numbers.
     std::uint64_t epoch = 0;
+    /// Pixels to which other frames of the clip gave their depth (with_filled_holes), as the bits of
+    /// SurfaceFrame::validity; null: there are none. It shows where depth was not measured, no more.
+    std::shared_ptr<const std::vector<std::uint32_t>> filled;
 };
 
 /// Which frame it was, for whoever remembers one. Between two of an epoch frames may have been left out.

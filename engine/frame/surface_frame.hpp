@@ -49,6 +49,8 @@ struct SurfaceFrame {
     std::vector<std::uint8_t> haptic;    ///< width x height x 3, never filtered; empty: the scene's defaults
     std::vector<std::uint16_t> heights;  ///< width x height codes, never filtered; empty: no height
     RawFrame raw;                        ///< what it was built from, where the vertices still read it (lazy)
+    /// RawFrame::filled of what it was built from
+    std::shared_ptr<const std::vector<std::uint32_t>> filled;
     std::unique_ptr<VertexSource> vertices;  ///< how the solver reads this frame; set by the builder
 
     int validity_words_per_row() const { return (width + 31) / 32; }

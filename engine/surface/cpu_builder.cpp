@@ -77,6 +77,7 @@ public:
         else
             build_all(raw, out);
         if (!changes_ || !changes_->same_touch_planes(held)) copy_touch_planes(raw, out);
+        out.filled = raw.filled;
         vertices.build = newest;
         return {};
     }

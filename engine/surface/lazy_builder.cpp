@@ -24,6 +24,7 @@ public:
         out.validity.clear();
         out.tiles.clear();
         copy_touch_planes(raw, out);
+        out.filled = raw.filled;
         out.raw = raw;
         auto* vertices = dynamic_cast<LazyVertices*>(out.vertices.get());
         if (vertices != nullptr && vertices->serves(plan_))

@@ -218,6 +218,7 @@ public:
                            planned.filter);
         store(picture, out);
         copy_touch_planes(raw, out);
+        out.filled = raw.filled;
         return {};
     }
 

@@ -59,6 +59,7 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     list_.done();
     show(**slot, out);
     if (!list_.same_touch_planes(held)) copy_touch_planes(raw, out);
+    out.filled = raw.filled;
     (*slot)->build = newest;
     return {};
 }

@@ -368,12 +368,13 @@ Result<void> Conversion::compare(ClipReader& written) {
     return {};
 }
 
-/// What stays as it is stored: not planes that are made anew, not depth that is aligned, nor those in whose
-/// place a map lies.
+/// What stays as it is stored: not planes that are made anew, not depth that is aligned or filled, nor those
+/// in whose place a map lies.
 CopiedTracks tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
     const StillMaps& maps = options.clip.maps;
     const auto is_other = [&](PlaneRole role) {
-        return (role == PlaneRole::depth && options.clip.alignment == DepthAlignment::on) ||
+        return (role == PlaneRole::depth &&
+                (options.clip.alignment == DepthAlignment::on || options.clip.fill_from_motion)) ||
                (role == PlaneRole::haptic && maps.haptic) || (role == PlaneRole::height && maps.height) ||
                std::find(options.made.begin(), options.made.end(), role) != options.made.end();
     };

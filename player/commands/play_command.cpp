@@ -340,7 +340,7 @@ void group_window_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
         {"The window",
          {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
           "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},

@@ -183,7 +183,7 @@ void group_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--least-confidence", "--camera", "--start", "--rate", "--loop", "--play"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--start", "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
           "--world-from-camera", "--max-force", "--max-stiffness"}},
@@ -208,7 +208,8 @@ void add_touch_command(CLI::App& app, Command& command) {
     TouchOptions& o = words->options;
     // In the order in which the help names their groups.
     words->clip_word = add_clip_options(*sub, words->clip);
-    words->fix_by_recording({sub->get_option("--align"), sub->get_option("--least-confidence")});
+    words->fix_by_recording({sub->get_option("--align"), sub->get_option("--fill-from-motion"),
+                             sub->get_option("--least-confidence")});
     words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
     words->fix_by_recording(add_playback_options(*sub, words->playback));
     words->fix_by_recording(add_hand_options(*sub, o.session));

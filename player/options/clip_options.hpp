@@ -18,8 +18,8 @@ struct ClipTyped {
     std::optional<std::string> filters, temporal;
 };
 
-/// CLIP, which is given back, --scene, --haptic, --height, --align and --least-confidence. For a single depth
-/// picture add_camera_options goes with them.
+/// CLIP, which is given back, --scene, --haptic, --height, --align, --fill-from-motion and
+/// --least-confidence. For a single depth picture add_camera_options goes with them.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// --filters, --median, --fill-holes, --terraces and --temporal.

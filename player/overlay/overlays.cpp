@@ -17,7 +17,7 @@ namespace {
 // Of classes: told apart by those who do not tell red from green (Okabe and Ito 2008).
 constexpr PackedColour whole_colour = pack_colour(0, 114, 178), mixed_colour = pack_colour(230, 159, 0),
                        valid_colour = pack_colour(86, 180, 233), rim_colour = pack_colour(213, 94, 0),
-                       once_colour = pack_colour(240, 228, 66);
+                       once_colour = pack_colour(240, 228, 66), filled_colour = pack_colour(204, 121, 167);
 
 void put(PackedColour colour, std::uint8_t* rgb) {
     rgb[0] = static_cast<std::uint8_t>(colour);
@@ -212,6 +212,7 @@ void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
     picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
     rows_.begin(Scalar::depth, field, pair);
     if (rows_.is_between()) picture_.scale.classes.push_back({once_colour, "has depth in one of two frames"});
+    if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
     const int width = field.width(), height = field.height();
     const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
     // Of three rows what read_validity says; beyond the picture there is no hole.
@@ -235,7 +236,10 @@ void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
         for (int x = 0; x < width; ++x, rgb += 3) {
             const std::uint8_t* beside = open.data() + x;
             const bool rim = (beside[0] | beside[1] | beside[2]) != 0;
-            const PackedColour colour = state[x] == 2 ? once_colour : rim ? rim_colour : valid_colour;
+            const PackedColour colour = state[x] == 3   ? filled_colour
+                                        : state[x] == 2 ? once_colour
+                                        : rim           ? rim_colour
+                                                        : valid_colour;
             put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
         }
     }

@@ -24,7 +24,7 @@ enum class Overlay {
     height,
     normals,
     tiles,    ///< which tiles are drawn whole, in part, not at all
-    validity  ///< where there is no depth, and what is next to that
+    validity  ///< where there is no depth, what is next to that, and what other frames gave depth to
 };
 
 /// As options and scripts call it.

@@ -178,18 +178,30 @@ void ScalarRows::read_moment(Scalar scalar, int y, float* values) {
     for (int x = 0; x < field_->width(); ++x) values[x] = valid[x] != 0 ? of_prev[x] : no_value;
 }
 
+void ScalarRows::mark_filled(const Frame& frame, int y, std::uint8_t* states) const {
+    if (!frame.frame->filled) return;
+    const int words = frame.frame->validity_words_per_row();
+    const std::uint32_t* bits = frame.frame->filled->data() + std::ptrdiff_t{y} * words;
+    for (int x = 0; x < field_->width(); ++x)
+        if (states[x] != 0 && frame.valid[static_cast<std::size_t>(x)] != 0 &&
+            (bits[x >> 5] >> (x & 31) & 1U) != 0)
+            states[x] = 3;
+}
+
 void ScalarRows::read_validity(int y, std::uint8_t* states) {
     read_validity(prev_, y);
     const std::uint8_t* before = prev_.valid.data();
     const int width = field_->width();
     if (!next_.frame) {
         std::copy_n(before, width, states);
-        return;
+        return mark_filled(prev_, y, states);
     }
     read_validity(next_, y);
     const std::uint8_t *after = next_.valid.data(), *now = blend_ >= 0.5F ? after : before;
     for (int x = 0; x < width; ++x)
         states[x] = static_cast<std::uint8_t>(now[x] + (now[x] & (before[x] ^ after[x])));
+    mark_filled(prev_, y, states);
+    mark_filled(next_, y, states);
 }
 
 void ScalarRows::read(int y, float* values) {

@@ -22,8 +22,12 @@ public:
     /// scene units. Stiffness N/m.
     void read(int y, float* values);
     /// Of each pixel of row y: 0 where the surface has no depth, 1 where both frames have it, 2 where one
-    /// has.
+    /// has, 3 where one of those that have it was given it by another frame of the clip.
     void read_validity(int y, std::uint8_t* states);
+    /// Whether a frame was given any by others.
+    bool has_filled() const {
+        return prev_.frame->filled != nullptr || (next_.frame != nullptr && next_.frame->filled != nullptr);
+    }
     /// Whether there are two frames between which the field is.
     bool is_between() const { return next_.frame != nullptr; }
 
@@ -42,6 +46,7 @@ private:
     void begin_frame(Frame& frame, const SurfaceFrame* of);
     void make_properties(Frame& frame) const;
     void read_validity(Frame& frame, int y) const;
+    void mark_filled(const Frame& frame, int y, std::uint8_t* states) const;
     void read_frame(Frame& frame, int y) const;
     void read_depths(Frame& frame, int y) const;
     void read_heights(Frame& frame, int y) const;

@@ -143,7 +143,8 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
         newest_.reset();
     }
     if (frame.shown && eye_ != SurfaceTimeline::Eye::none) colours_.put(raw);
-    const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
+    const bool unchanged =
+        !settles_ && newest_ && same_touch_planes(*newest_, raw) && newest_->filled == raw.filled;
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
     if (!done.ok() || !*done) return done;
     const double took_ms = milliseconds_since(start);

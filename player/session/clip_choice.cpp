@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/content/background/filled_clip.hpp"
 #include "engine/content/materials/painted_clip.hpp"
 #include "engine/stop_request.hpp"
 
@@ -91,9 +92,16 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_stored(Colour colour) const
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
-    auto opened = !plugged        ? open_clip(file, scene_file, camera, colour, {}, alignment)
+    if (fill_from_motion && is_camera())
+        return usage_error(
+            file.string() +
+            ": is touched as a camera, of which no later frame can tell what is behind a hole: "
+            "leave filling from motion off");
+    const Colour read = fill_from_motion ? Colour::wanted : colour;  // which tells what is behind
+    auto opened = !plugged        ? open_clip(file, scene_file, camera, read, {}, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
                                   : open_v4l2_camera(*plugged, camera, scene_file);
+    if (fill_from_motion && opened.ok()) opened = with_filled_holes(std::move(*opened));
     auto reader = with_still_maps(std::move(opened), maps);
     if (!reader.ok()) return reader;
     if (colour == Colour::left_out) (*reader)->leave_out_colour();

@@ -47,6 +47,7 @@ struct ClipChoice {
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
+    bool fill_from_motion = false;                         ///< holes, from frames that saw what is behind
     std::optional<ReliefChoice> relief;  ///< made of its colour, in place of the heights that it has
     /// What its segments feel like, in place of what it says itself; null: as it says.
     std::shared_ptr<const PaintedSegments> painted;

@@ -45,6 +45,7 @@ Json recorded_facts(const TouchSetup& setup) {
     if (clip.maps.height && !says_itself) facts["height"] = clip.maps.height->string();
     if (clip.alignment != DepthAlignment::automatic && !says_itself)
         facts["align"] = clip.alignment == DepthAlignment::on;
+    if (clip.fill_from_motion) facts["fill_from_motion"] = true;
     if (const auto& camera = clip.camera; camera && !says_itself) {
         if (const auto& lens = camera->intrinsics) {
             facts["intrinsics"] = {lens->fx, lens->fy};
@@ -245,6 +246,8 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     if (facts.contains("align"))
         setup.clip.alignment =
             member<bool>(facts, "align", "true or false") ? DepthAlignment::on : DepthAlignment::off;
+    if (facts.contains("fill_from_motion"))
+        setup.clip.fill_from_motion = member<bool>(facts, "fill_from_motion", "true or false");
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
     if (facts.contains("camera")) read_recorded_camera(facts, setup);

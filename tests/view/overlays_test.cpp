@@ -280,6 +280,33 @@ TEST(Overlays, ValidityTellsHolesTheirRimsAndWhatIsInOneFrameAlone) {
     }
 }
 
+/// At the moment of a frame, and between it and one that was given none.
+TEST(Overlays, ValidityTellsDepthOfOtherFrames) {
+    Painted painted(DepthCodingKind::linear);
+    auto bits = std::make_shared<std::vector<std::uint32_t>>(std::size_t{3} * 41);
+    const auto is_given = [](int x, int y) { return (x + 3 * y) % 7 == 0; };
+    for (int y = 0; y < 41; ++y)
+        for (int x = 0; x < 77; ++x)
+            if (is_given(x, y)) (*bits)[static_cast<std::size_t>(3 * y + x / 32)] |= 1U << (x % 32);
+    painted.prev.filled = bits;
+    for (const double blend : {0.0, 0.3, 0.7}) {
+        const FramePair pair = painted.pair(blend);
+        const HeightField field(painted.scene, pair);
+        Overlays overlays;
+        const OverlayPicture& picture = overlays.paint(Overlay::validity, field, pair);
+        const auto& last = picture.scale.classes.back();
+        EXPECT_EQ(last.words, "depth of another frame");
+        int given = 0;
+        for (int y = 0; y < 41; ++y)
+            for (int x = 0; x < 77; ++x) {
+                const bool right = field.vertex(x, y).valid && is_given(x, y) && painted.prev.is_valid(x, y);
+                ASSERT_EQ(colour_at(picture, x, y) == channels(last.colour), right) << x << ", " << y;
+                given += right;
+            }
+        EXPECT_GT(given, 100);
+    }
+}
+
 TEST(SteadyRange, WidensAtOnceAndNarrowsInSeconds) {
     const Painted painted(DepthCodingKind::linear);
     const auto field_at = [&](double seconds, std::uint64_t epoch) {

@@ -1,0 +1,202 @@
+#include "engine/content/background/filled_clip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/clip/reader_around.hpp"
+#include "engine/content/background/camera_rest.hpp"
+#include "engine/content/background/hole_filling.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t{512} << 20;  // of all that is kept
+constexpr std::int64_t measured_frames = 32, least_frames = Rest::least_between_cuts;
+constexpr long pixels_per_thread = 20'000;
+
+/// What is behind while the camera rests.
+struct KnownRest {
+    std::int64_t first = 0, end = 0;  // frames
+    Background background;
+};
+
+/// What reading all frames tells.
+struct Known {
+    explicit Known(const DepthCoding& coding) : depth(coding) {}
+    CodedDepth depth;
+    std::vector<KnownRest> rests;  // in the order of their frames
+    std::int64_t frames = 0;       // that could be read
+    std::int64_t moving = 0;       // frames in which the camera moves
+    std::int64_t forgotten = 0;    // frames of rests for which there was no memory
+};
+
+class Learning {
+public:
+    Learning(const Scene& scene, Known& known)
+        : known_(known),
+          rest_(known.depth),
+          model_(known.depth, scene.width, scene.height),
+          bands_(threads_for(long{scene.width} * scene.height, pixels_per_thread)) {}
+
+    void add(const RawFrame& frame) {
+        RawFrame coded;  // as cells know depth: one channel
+        coded.depth = known_.depth.codes_of(frame, hue_codes_);
+        known_.depth.remember(frame, coded.depth);
+        if (frame.colour.width == coded.depth.width && frame.colour.height == coded.depth.height)
+            coded.colour = frame.colour;
+        if (rest_.ends_with(cell_picture(coded, known_.depth.coding()))) keep(rest_.ended());
+        has_colour_ = has_colour_ && !coded.colour.empty();
+        model_.add(coded.depth, coded.colour, bands_);
+        ++known_.frames;
+    }
+    void finish() {
+        if (known_.frames > 0) keep(rest_.current());
+    }
+
+private:
+    void keep(const Rest& rest) {
+        const std::size_t bytes =
+            known_.rests.empty() ? 0 : known_.rests.front().background.size() * sizeof(BackgroundPixel);
+        const bool has_memory = (known_.rests.size() + 1) * bytes <= most_bytes;
+        if (rest.is_long_enough() && has_memory) {
+            known_.rests.push_back({rest.first, rest.first + rest.count, model_.finish(has_colour_)});
+        } else {
+            (rest.is_long_enough() ? known_.forgotten : known_.moving) += rest.count;
+            model_.begin();
+        }
+        has_colour_ = true;
+    }
+
+    Known& known_;
+    CameraRest rest_;
+    BackgroundModel model_;
+    RowBands bands_;
+    std::vector<std::uint16_t> hue_codes_;
+    bool has_colour_ = true;  // of all frames of the rest
+};
+
+class FilledReader final : public ReaderAround {
+public:
+    FilledReader(std::unique_ptr<ClipReader> clip, Known known)
+        : ReaderAround(std::move(clip)),
+          known_(std::move(known)),
+          filling_(known_.depth),
+          notes_(inner().notes()) {}
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = ReaderAround::next();
+        if (!frame || !*frame) return frame;
+        const std::int64_t number = (*frame)->number;
+        for (const KnownRest& rest : known_.rests)
+            if (rest.first <= number && number < rest.end) filling_.fill(**frame, rest.background);
+        return frame;
+    }
+    /// It tells what is behind.
+    void leave_out_colour() override {
+        if (known_.rests.empty()) ReaderAround::leave_out_colour();
+    }
+    /// In some frames at places all over the clip, and says so.
+    Result<void> measure();
+
+private:
+    std::string in_words() const;
+
+    const Known known_;
+    HoleFilling filling_;
+    std::vector<std::string> notes_;
+    std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
+};
+
+Result<void> FilledReader::measure() {
+    const std::int64_t count = std::min(measured_frames, known_.rests.empty() ? 0 : known_.frames);
+    for (std::int64_t k = 0; k < count; ++k) {
+        const std::int64_t number = k * known_.frames / count;
+        if (auto there = seek(number); !there) return there;
+        const auto frame = next();
+        if (!frame) return frame.error();
+        const bool is_known = std::any_of(known_.rests.begin(), known_.rests.end(), [&](const auto& rest) {
+            return rest.first <= number && number < rest.end;
+        });
+        if (!is_known) continue;
+        ++measured_;
+        holes_ += filling_.holes();
+        filled_ += filling_.filled();
+    }
+    notes_.push_back(in_words());
+    return {};
+}
+
+std::string percent_of(double share) {
+    std::array<char, 32> words{};
+    std::snprintf(words.data(), words.size(), "%.3g %%", 100 * share);
+    return words.data();
+}
+
+std::string FilledReader::in_words() const {
+    const std::string why = "no hole is filled from motion, because ";
+    const auto frames = [](std::int64_t count) {
+        return std::to_string(count) + (count == 1 ? " frame" : " frames");
+    };
+    if (known_.frames < least_frames)
+        return why + "it takes " + frames(least_frames) + " to tell that a camera stands still";
+    if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";
+    std::string said;
+    if (measured_ == 0 || holes_ == 0) {
+        said = why + "depth has none in " + frames(measured_) + " that were measured";
+    } else {
+        const auto pixels = static_cast<double>(measured_) * scene().width * scene().height;
+        said = "holes are filled from frames that saw what is behind: " +
+               percent_of(static_cast<double>(holes_) / pixels) + " of depth was holes, " +
+               percent_of(static_cast<double>(holes_ - filled_) / pixels) + " is; " +
+               std::to_string(filled_ / measured_) + " pixels a frame were filled (of " + frames(measured_) +
+               ")";
+    }
+    if (known_.moving > 0)
+        said += "; " + frames(known_.moving) + " of " + std::to_string(known_.frames) +
+                ", in which the camera moves, are left as they are";
+    if (known_.forgotten > 0)
+        said +=
+            "; " + frames(known_.forgotten) + " are left as they are, as there is no memory for more shots";
+    return said;
+}
+
+/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
+Result<void> learn(ClipReader& clip, Known& known) {
+    Learning learning(clip.scene(), known);
+    while (true) {
+        if (stop_requested())
+            return Error{
+                ErrorKind::interrupted,
+                clip.inputs().front().string() + ": interrupted while what is behind its holes was searched"};
+        const auto frame = clip.next();
+        if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
+        if (!frame || !*frame) break;
+        learning.add(**frame);
+    }
+    learning.finish();
+    return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> with_filled_holes(std::unique_ptr<ClipReader> clip) {
+    if (clip->is_live())
+        return usage_error(clip->inputs().front().string() +
+                           ": is a live camera, of which no later frame can tell what is behind a hole");
+    Known known(clip->scene().depth);
+    if (auto learned = learn(*clip, known); !learned) return learned.error();
+    if (auto back = clip->rewind(); !back) return back.error();
+    auto filled = std::make_unique<FilledReader>(std::move(clip), std::move(known));
+    if (auto measured = filled->measure(); !measured) return measured.error();
+    if (auto back = filled->rewind(); !back) return back.error();
+    return std::unique_ptr<ClipReader>(std::move(filled));
+}
+
+}  // namespace touchable

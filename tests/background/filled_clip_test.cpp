@@ -1,0 +1,309 @@
+// Holes get the depth that is behind them where other frames saw it, and nothing else does.
+#include "engine/content/background/filled_clip.hpp"
+
+#include <gtest/gtest.h>
+
+#include <ctime>
+#include <functional>
+#include <iostream>
+
+#include "engine/byte_hash.hpp"
+#include "engine/frame/stored_code.hpp"
+#include "engine/import/open_clip.hpp"
+#include "tests/background/still_scene.hpp"
+#include "tests/real_data.hpp"
+#include "tests/sanitizers.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr std::int64_t frames = 64;
+using Thing = StillScene::Thing;
+
+struct Figures {
+    std::int64_t pixels = 0, holes = 0, filled = 0;
+    std::int64_t shadows = 0, filled_shadows = 0;  // beside the hand
+    std::int64_t in_hand = 0, filled_in_hand = 0;  // holes
+    std::int64_t filled_rim = 0;                   // holes at the hand's rim
+    std::int64_t sum = 0, worst = 0;               // of the error of what was filled, codes
+
+    double share(std::int64_t part, std::int64_t of) const {
+        return static_cast<double>(part) / static_cast<double>(of);
+    }
+};
+
+/// And that everything else is as it was.
+Figures figures_of(ClipReader& clip, const StillScene& scene) {
+    Figures figures;
+    const auto read = read_all(clip);
+    EXPECT_EQ(message(read), "");
+    for (const RawFrame& frame : *read) {
+        const RawFrame was = scene.frame(frame.number);
+        for (int y = 0; y < scene.rows; ++y)
+            for (int x = 0; x < scene.columns; ++x) {
+                const StillScene::Seen seen = scene.at(x, y, frame.number);
+                const int code = frame.depth.sample(x, y);
+                const bool is_filled = seen.is_hole && code != 0;
+                EXPECT_EQ(is_filled, is_marked(frame, x, y));
+                if (!is_filled) {
+                    EXPECT_EQ(code, was.depth.sample(x, y));
+                }
+                const bool in_hand = seen.thing == Thing::hand && seen.is_hole;
+                const bool is_deep = scene.is_hand(x, y, frame.number, scene.radius - 3);
+                if (in_hand && is_filled && !is_deep) ++figures.filled_rim;
+                ++figures.pixels;
+                figures.holes += seen.is_hole;
+                figures.filled += is_filled;
+                figures.shadows += seen.is_shadow;
+                figures.filled_shadows += seen.is_shadow && is_filled;
+                figures.in_hand += in_hand && is_deep;
+                figures.filled_in_hand += in_hand && is_deep && is_filled;
+                if (!is_filled || in_hand) continue;
+                const std::int64_t error = std::abs(code - seen.depth);
+                figures.sum += error;
+                figures.worst = std::max(figures.worst, error);
+            }
+    }
+    return figures;
+}
+
+void print(const char* what, const Figures& f) {
+    std::cout << what << ": holes " << 100 * f.share(f.holes, f.pixels) << " %, then "
+              << 100 * f.share(f.holes - f.filled, f.pixels) << " %; of shadows "
+              << 100 * f.share(f.filled_shadows, f.shadows) << " % filled; error " << f.share(f.sum, f.filled)
+              << " codes, at most " << f.worst << "; of the hand's holes " << f.filled_in_hand << " of "
+              << f.in_hand << " filled, at its rim " << f.filled_rim << "\n";
+}
+
+TEST(FilledClip, GivesShadowsTheDepthOfTheTable) {
+    const StillScene scene;
+    const auto clip = filled(clip_of(scene, frames));
+    const Figures f = figures_of(*clip, scene);
+    print("with colour", f);
+    EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
+    EXPECT_LE(f.worst, 3);
+    EXPECT_EQ(f.filled_in_hand, 0);
+    EXPECT_NE(clip->notes().back().find("holes are filled from frames that saw what is behind"),
+              std::string::npos)
+        << clip->notes().back();
+}
+
+/// At the hand's rim nothing tells a drop-out from a shadow, and some of those are filled.
+TEST(FilledClip, DoesSoWithoutColour) {
+    StillScene scene;
+    scene.has_colour = false;
+    const Figures f = figures_of(*filled(clip_of(scene, frames)), scene);
+    print("without colour", f);
+    EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
+    EXPECT_LE(f.worst, 3);
+    EXPECT_EQ(f.filled_in_hand, 0);
+    EXPECT_LE(f.filled_rim, 2 * frames);
+}
+
+/// What is around a hole tells then.
+TEST(FilledClip, LeavesTheHolesOfAHandThatLooksLikeTheTable) {
+    StillScene scene;
+    scene.hand_has_colour_of_table = true;
+    const Figures f = figures_of(*filled(clip_of(scene, frames)), scene);
+    print("a hand like the table", f);
+    EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
+    EXPECT_LE(f.worst, 3);
+    EXPECT_EQ(f.filled_in_hand, 0);
+}
+
+/// It is nearly as deep, and there for long.
+TEST(FilledClip, IsNotDrawnToAHandThatRestsOnTheTable) {
+    StillScene scene;
+    scene.rests_from = 40;
+    const Figures f = figures_of(*filled(clip_of(scene, frames)), scene);
+    print("a hand that rests", f);
+    EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
+    EXPECT_LE(f.worst, 3);
+}
+
+TEST(FilledClip, KnowsEachShotByItself) {
+    for (const bool has_colour : {true, false}) {
+        StillScene before, after;
+        before.has_colour = after.has_colour = has_colour;
+        after.table = 1;
+        const auto of = [=](std::int64_t n) { return n < frames / 2 ? before : after; };
+        const auto clip = filled(clip_of(frames, [=](std::int64_t n) { return of(n).frame(n); }));
+        const auto read = read_all(*clip);
+        ASSERT_EQ(message(read), "");
+        std::int64_t shadows = 0, right = 0;
+        for (const RawFrame& frame : *read)
+            for (int y = 0; y < StillScene::rows; ++y)
+                for (int x = 0; x < StillScene::columns; ++x) {
+                    const auto seen = of(frame.number).at(x, y, frame.number);
+                    if (!seen.is_shadow) continue;
+                    ++shadows;
+                    const int code = frame.depth.sample(x, y);
+                    EXPECT_LE(code == 0 ? 0 : std::abs(code - seen.depth), 3);
+                    right += code != 0;
+                }
+        EXPECT_GT(static_cast<double>(right), 0.8 * static_cast<double>(shadows)) << has_colour;
+    }
+}
+
+std::uint64_t hash_of(const RawFrame& frame) {
+    ByteHash hash;
+    const auto row_bytes =
+        static_cast<std::size_t>(frame.depth.width * frame.depth.channels * frame.depth.bytes_per_sample);
+    for (int y = 0; y < frame.depth.height; ++y) hash.add(frame.depth.row(y), row_bytes);
+    if (frame.filled) hash.add(frame.filled->data(), 4 * frame.filled->size());
+    return hash.value();
+}
+
+TEST(FilledClip, GivesAFrameTheSameBytesWhereverOneComesFrom) {
+    const auto clip = filled(clip_of(StillScene{}, frames));
+    std::vector<std::uint64_t> played;
+    ByteHash all;
+    while (auto frame = std::move(*clip->next())) {
+        played.push_back(hash_of(*frame));
+        all.add(&played.back(), 8);
+    }
+    ASSERT_EQ(played.size(), static_cast<std::size_t>(frames));
+    EXPECT_EQ(all.value(), 10233008938834327891U);
+    for (const std::int64_t number : {50, 3, 63, 0, 17, 18, 4}) {
+        ASSERT_EQ(message(clip->seek(number)), "");
+        EXPECT_EQ(hash_of(**clip->next()), played[static_cast<std::size_t>(number)]) << number;
+    }
+    clip->leave_out_colour();  // it tells what is behind, whoever looks at it
+    ASSERT_EQ(message(clip->rewind()), "");
+    EXPECT_EQ(hash_of(**clip->next()), played.front());
+}
+
+/// Hues of full saturation, 255 to a sector, half a millimetre each.
+std::array<std::uint8_t, 3> hue_of(int millimetres) {
+    const int place = 2 * (millimetres - 600), sector = place / 255;
+    const auto up = static_cast<std::uint8_t>(place % 255), down = static_cast<std::uint8_t>(255 - up);
+    const std::array<std::uint8_t, 3> hues[] = {{255, up, 0},   {down, 255, 0}, {0, 255, up},
+                                                {0, down, 255}, {up, 0, 255},   {255, 0, down}};
+    return hues[sector];
+}
+
+struct Coded {
+    const char* what;
+    int channels;
+    DepthCoding coding;
+    std::function<std::array<std::uint8_t, 3>(int)> of;  ///< millimetres; none: 0
+};
+
+/// In hue, and in 8 bits that are less the farther away.
+TEST(FilledClip, CopiesCodesOfEveryKind) {
+    DepthCoding hue;
+    hue.kind = DepthCodingKind::hue;
+    hue.near = 600;
+    hue.far = 1368;
+    hue.near_is_high = false;
+    hue.code_max = DepthCoding::hue_circle - 1;
+    hue.least_sum = 77;
+    derive_valid_range(hue);
+    DepthCoding grey;
+    grey.kind = DepthCodingKind::inverse;
+    grey.near = 600;
+    grey.far = 1368;
+    grey.invalid_code_count = 1;
+    derive_valid_range(grey);
+    const auto hue_pixel = [](int mm) { return mm == 0 ? std::array<std::uint8_t, 3>{} : hue_of(mm); };
+    const auto grey_pixel = [&](int mm) {
+        return std::array{static_cast<std::uint8_t>(mm == 0 ? 0 : grey.code(mm)), std::uint8_t{},
+                          std::uint8_t{}};
+    };
+    for (const Coded& coded : {Coded{"hue", 3, hue, hue_pixel}, Coded{"grey", 1, grey, grey_pixel}}) {
+        const StillScene scene;
+        auto made = clip_of(frames, [=](std::int64_t n) {
+            RawFrame frame = scene.frame(n);
+            Image image{StillScene::columns, StillScene::rows, 1, coded.channels, {}};
+            for (int y = 0; y < image.height; ++y)
+                for (int x = 0; x < image.width; ++x) {
+                    const auto pixel = coded.of(frame.depth.sample(x, y));
+                    image.samples.insert(image.samples.end(), pixel.begin(), pixel.begin() + coded.channels);
+                }
+            add_plane(frame, PlaneRole::depth, plane_from(std::move(image), 8));
+            return frame;
+        });
+        made->scene().depth = coded.coding;
+        made->scene().depth_bits = 8;
+        const auto clip = filled(std::move(made));
+        const auto read = read_all(*clip);
+        ASSERT_EQ(message(read), "");
+        std::int64_t shadows = 0, filled_shadows = 0;
+        for (const RawFrame& frame : *read)
+            for (int y = 0; y < StillScene::rows; ++y)
+                for (int x = 0; x < StillScene::columns; ++x) {
+                    const auto seen = scene.at(x, y, frame.number);
+                    const std::uint16_t code = stored_code(frame.depth, coded.coding, x, y);
+                    const bool has_depth = coded.coding.is_valid(code);
+                    EXPECT_TRUE(seen.is_hole || has_depth);
+                    shadows += seen.is_shadow;
+                    filled_shadows += seen.is_shadow && has_depth;
+                    if (!seen.is_shadow || !has_depth) continue;
+                    EXPECT_NEAR(coded.coding.depth(code), seen.depth, 6) << coded.what;
+                }
+        EXPECT_GT(static_cast<double>(filled_shadows), 0.9 * static_cast<double>(shadows)) << coded.what;
+    }
+}
+
+/// A person who types, before a camera whose room lies beyond its range.
+TEST(FilledClip, FillsHolesOfARealRecording) {
+    const auto file = real_data("depthkit_typing/Test.mov");
+    TOUCHABLE_NEEDS_DATA(file);
+    auto opened = open_clip(file);
+    ASSERT_EQ(message(opened), "");
+    const auto clip = filled(std::move(*opened));
+    std::cout << clip->notes().back() << "\n";
+    EXPECT_NE(
+        clip->notes().back().find("holes are filled from frames that saw what is behind: 67.8 % of depth was "
+                                  "holes, 67.3 % is"),
+        std::string::npos);
+}
+
+/// Printed, as 640x480 pixels are usual: processor time of both passes.
+TEST(FilledClip, IsFastEnoughToBePlayed) {
+    const StillScene scene;
+    const auto large = [&](std::int64_t n) {
+        const RawFrame small = scene.frame(n);
+        RawFrame frame;
+        frame.number = n;
+        const auto enlarged = [](const PlaneView& plane) {
+            const auto bytes = static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
+            Image image{4 * plane.width, 4 * plane.height, plane.bytes_per_sample, plane.channels, {}};
+            for (int y = 0; y < image.height; ++y)
+                for (int x = 0; x < image.width; ++x) {
+                    const std::uint8_t* pixel = plane.row(y / 4) + static_cast<std::size_t>(x / 4) * bytes;
+                    image.samples.insert(image.samples.end(), pixel, pixel + bytes);
+                }
+            return plane_from(std::move(image));
+        };
+        add_plane(frame, PlaneRole::depth, enlarged(small.depth));
+        add_plane(frame, PlaneRole::colour, enlarged(small.colour));
+        return frame;
+    };
+    std::vector<RawFrame> made;
+    for (std::int64_t n = 0; n < 28; ++n) made.push_back(large(n));
+#ifdef TOUCHABLE_SANITIZED
+    constexpr std::int64_t count = 8;
+#else
+    constexpr std::int64_t count = 56;
+#endif
+    const auto seconds = [begin = std::clock()] {
+        return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    };
+    const double before = seconds();
+    const auto clip = filled(clip_of(count, [&](std::int64_t n) {
+        RawFrame frame = made[static_cast<std::size_t>(n % 28)];
+        frame.number = n;
+        return frame;
+    }));
+    const double learned = seconds();
+    std::int64_t read = 0;
+    while (const auto frame = std::move(*clip->next())) ++read;
+    EXPECT_EQ(read, count);
+    std::cout << "640x480: " << 1000 * (learned - before) / static_cast<double>(count)
+              << " ms a frame before (with 32 that are measured), "
+              << 1000 * (seconds() - learned) / static_cast<double>(count) << " ms when it is read\n";
+}
+
+}  // namespace
+}  // namespace touchable::test
