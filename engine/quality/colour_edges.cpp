@@ -71,24 +71,25 @@ void ColourEdges::add(const RawFrame& frame, std::vector<std::uint8_t>* where) {
     }
 }
 
-/// The last pixel of a surface is at `at`.
-void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std::uint8_t>* where) {
-    const int out = facing == to_right || facing == down ? step_ : -step_;
-    if (!line.has(at - reach * out) || !line.has(at + (reach + 1) * out)) return;
+/// Whether a surface that is even as far as is looked ends at `at`, `out` being the step away from it, before
+/// another one that is even, too. That may begin beyond a shadow without depth.
+bool ColourEdges::is_silhouette(const Line& line, int at, int out) {
     const float near = line.depth(at);
     for (int k = 1; k <= reach; ++k)
-        if (std::abs(line.depth(at - k * out) - near) > near * same_surface) return;
-    // What is behind it may begin beyond a shadow without depth, and is one surface as far as is looked.
+        if (std::abs(line.depth(at - k * out) - near) > near * same_surface) return false;
     float far = 0;
     for (int k = 1; k <= widest_shadow && line.has(at + k * out); ++k) {
         const float depth = line.depth(at + k * out);
         if (depth == 0.0F) continue;
         if (far == 0.0F) far = depth;
-        if (far <= near * (1 + silhouette)) return;
-        if (k <= reach + 1 && std::abs(depth - far) > far * same_surface) return;
+        if (far <= near * (1 + silhouette)) return false;
+        if (k <= reach + 1 && std::abs(depth - far) > far * same_surface) return false;
     }
-    if (far == 0.0F) return;
+    return far != 0.0F;
+}
 
+/// How many steps beyond `at` the surface's colour ends; nothing: it cannot be told.
+std::optional<int> ColourEdges::offset_of_colour(const Line& line, int at, int out) {
     const auto mean = [&](int first, int last) {
         Rgb sum{};
         for (int k = first; k <= last; ++k) {
@@ -104,7 +105,7 @@ void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std:
         contrast += std::abs(outside[c] - inside[c]);
         square += (outside[c] - inside[c]) * (outside[c] - inside[c]);
     }
-    if (contrast < least_contrast) return;
+    if (contrast < least_contrast) return std::nullopt;
     // Pixels that are more of the near colour than of the far one; they must be on one side.
     int near_pixels = 0, changes = 0;
     bool was_near = true;
@@ -118,9 +119,19 @@ void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std:
         was_near = is_near;
     }
     const int offset = near_pixels - (reach + 1);  // 0: the last near pixel is the surface's last
-    if (changes != 1 || offset < -reach || offset > reach) return;
-    ++counts_[facing][static_cast<std::size_t>(offset + reach)];
-    if (where != nullptr && std::abs(offset) >= 2) (*where)[line.index(at)] = 1;
+    if (changes != 1 || offset < -reach || offset > reach) return std::nullopt;
+    return offset;
+}
+
+/// The last pixel of a surface is at `at`.
+void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std::uint8_t>* where) {
+    const int out = facing == to_right || facing == down ? step_ : -step_;
+    if (!line.has(at - reach * out) || !line.has(at + (reach + 1) * out)) return;
+    if (!is_silhouette(line, at, out)) return;
+    const auto offset = offset_of_colour(line, at, out);
+    if (!offset) return;
+    ++counts_[facing][static_cast<std::size_t>(*offset + reach)];
+    if (where != nullptr && std::abs(*offset) >= 2) (*where)[line.index(at)] = 1;
 }
 
 std::int64_t ColourEdges::count(Facing facing) const {

@@ -45,6 +45,8 @@ private:
     static constexpr int offsets = 2 * reach + 1;
 
     struct Line;
+    static bool is_silhouette(const Line& line, int at, int out);
+    static std::optional<int> offset_of_colour(const Line& line, int at, int out);
     void look(const Line& line, int at, Facing facing, std::vector<std::uint8_t>* where);
     std::int64_t count(Facing facing) const;
     double median(Facing facing) const;

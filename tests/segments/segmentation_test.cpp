@@ -124,9 +124,7 @@ public:
         for (const int n : {0, 1, 2, 3, 9, 10}) frames_.push_back(generate(table_, n));
     }
     std::uint64_t hash(int threads) const {
-        SegmentSettings settings;
-        settings.threads = threads;
-        Segmenter segmenter(table_.scene(), settings);
+        Segmenter segmenter(table_.scene(), threads);
         ByteHash hash;
         for (std::size_t n = 0; n < frames_.size(); ++n) {
             const bool follows = n != 0 && n != 4;

@@ -56,9 +56,6 @@ public:
             fit.line = refined(fit.line, fit.noise);
         }
         fit.noise = noise_of(fit.line);
-        std::size_t near = 0;
-        for (const LinePoint& point : points_) near += distance(fit.line, point) <= 3 * fit.noise;
-        fit.supported = static_cast<double>(near) / static_cast<double>(points_.size());
         return fit;
     }
 

@@ -21,8 +21,7 @@ struct LinePoint {
 
 struct LineFit {
     Line line;
-    double noise = 0;      ///< robust standard deviation of `to`
-    double supported = 0;  ///< share of the points that lie within three of these (of `least_noise` at least)
+    double noise = 0;  ///< robust standard deviation of `to`
 };
 /// The line on which most points lie, however far the others are away: least median of squares over fixed
 /// pairs, then weights that fall with the distance. Where `from` is nearly the same everywhere the scale

@@ -1,7 +1,6 @@
 #include "engine/content/segments/region_cleaning.hpp"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 namespace touchable {
@@ -15,8 +14,8 @@ std::uint32_t RegionCleaning::island_of(std::uint32_t run) {
     return run;
 }
 
-void RegionCleaning::clean(std::vector<std::uint16_t>& regions, int width, int height,
-                           std::int32_t smallest) {
+/// Of one region, row by row.
+void RegionCleaning::find_runs(const std::vector<std::uint16_t>& regions, int width, int height) {
     runs_.clear();
     row_begins_.clear();
     for (int y = 0; y < height; ++y) {
@@ -30,26 +29,32 @@ void RegionCleaning::clean(std::vector<std::uint16_t>& regions, int width, int h
             }
     }
     row_begins_.push_back(static_cast<std::uint32_t>(runs_.size()));
-    /// Calls `touch(run above, run below, pixels)` where two of them meet.
-    const auto for_each_contact = [&](auto&& touch) {
-        for (int y = 1; y < height; ++y)
-            for (std::uint32_t above = row_begins_[static_cast<std::size_t>(y) - 1],
-                               below = row_begins_[static_cast<std::size_t>(y)];
-                 above < row_begins_[static_cast<std::size_t>(y)] &&
-                 below < row_begins_[static_cast<std::size_t>(y) + 1];) {
-                const Run &a = runs_[above], &b = runs_[below];
-                const std::int32_t pixels = std::min(a.last, b.last) - std::max(a.first, b.first) + 1;
-                if (pixels > 0) touch(above, below, pixels);
-                const bool above_ends = a.last <= b.last, below_ends = b.last <= a.last;
-                above += above_ends ? 1 : 0;
-                below += below_ends ? 1 : 0;
-            }
-    };
+}
+
+/// Calls `touch(run above, run below, pixels)` where two of them meet.
+template <class Touch>
+void RegionCleaning::for_each_contact(Touch&& touch) const {
+    for (std::size_t y = 1; y + 1 < row_begins_.size(); ++y)
+        for (std::uint32_t above = row_begins_[y - 1], below = row_begins_[y];
+             above < row_begins_[y] && below < row_begins_[y + 1];) {
+            const Run &a = runs_[above], &b = runs_[below];
+            const std::int32_t pixels = std::min(a.last, b.last) - std::max(a.first, b.first) + 1;
+            if (pixels > 0) touch(above, below, pixels);
+            const bool above_ends = a.last <= b.last, below_ends = b.last <= a.last;
+            above += above_ends ? 1 : 0;
+            below += below_ends ? 1 : 0;
+        }
+}
+
+void RegionCleaning::find_islands() {
     for_each_contact([&](std::uint32_t above, std::uint32_t below, std::int32_t) {
         if (runs_[above].region != runs_[below].region) return;
         const std::uint32_t a = island_of(above), b = island_of(below);
         runs_[std::max(a, b)].island = std::min(a, b);
     });
+}
+
+RegionCleaning::Contacts RegionCleaning::contacts_of_small(std::int32_t smallest) {
     std::vector<std::int32_t> island_pixels(runs_.size()), of_region(std::size_t{none} + 1);
     for (std::uint32_t k = 0; k < runs_.size(); ++k) {
         const std::int32_t pixels = runs_[k].last - runs_[k].first + 1;
@@ -61,7 +66,7 @@ void RegionCleaning::clean(std::vector<std::uint16_t>& regions, int width, int h
         return region != none && island_pixels[island] < smallest &&
                island_pixels[island] < of_region[region];
     };
-    std::map<std::uint32_t, std::map<std::uint16_t, std::int32_t>> contacts;
+    Contacts contacts;
     const auto touch = [&](std::uint32_t a, std::uint32_t b, std::int32_t pixels) {
         a = island_of(a);
         b = island_of(b);
@@ -73,6 +78,14 @@ void RegionCleaning::clean(std::vector<std::uint16_t>& regions, int width, int h
     for_each_contact(touch);
     for (std::uint32_t k = 1; k < runs_.size(); ++k)
         if (runs_[k].row == runs_[k - 1].row) touch(k - 1, k, 1);
+    return contacts;
+}
+
+void RegionCleaning::clean(std::vector<std::uint16_t>& regions, int width, int height,
+                           std::int32_t smallest) {
+    find_runs(regions, width, height);
+    find_islands();
+    const Contacts contacts = contacts_of_small(smallest);
     for (std::uint32_t k = 0; k < runs_.size(); ++k) {
         const auto found = contacts.find(island_of(k));
         if (found == contacts.end()) continue;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <tuple>
 #include <utility>
 
 namespace touchable {
@@ -10,6 +9,8 @@ namespace {
 
 /// Neighbours that differ by so much are two surfaces.
 constexpr std::int64_t apart = 1024;
+/// Beyond so many regions that touch each other those that differ least are merged.
+constexpr std::ptrdiff_t most_regions = 40;
 /// Each of these alone is that much: 16 levels of colour; a step of 1.5 % of the depth; a concave crease of
 /// 20 degrees, where one thing stands on another, or a convex one of 100, since a box's edge is the same
 /// thing on both sides. Creases are chords in 1024ths of a unit normal.
@@ -157,7 +158,7 @@ std::int64_t RegionMerging::difference(std::size_t a, std::size_t b, const Borde
                        apart * squared(border.step / border.length) / squared(step_apart) +
                        apart * squared(crease) / squared(crease > 0 ? concave_apart : convex_apart);
     const std::int64_t smaller = std::min(one.pixels, other.pixels);
-    sum = sum * smaller / (smaller + small_times * settings_.smallest);
+    sum = sum * smaller / (smaller + small_times * smallest_);
     if (one.label != 0 && other.label != 0)
         sum = one.label == other.label ? sum / hysteresis : sum * hysteresis;
     return sum;
@@ -169,9 +170,7 @@ void RegionMerging::offer(std::size_t region) {
         const auto a = static_cast<std::uint16_t>(std::min<std::size_t>(region, other)),
                    b = static_cast<std::uint16_t>(std::max<std::size_t>(region, other));
         queue_.push_back({difference(a, b, border), a, b, regions_[a].version, regions_[b].version});
-        std::push_heap(queue_.begin(), queue_.end(), [](const Candidate& c, const Candidate& d) {
-            return std::tie(c.difference, c.a, c.b) > std::tie(d.difference, d.a, d.b);
-        });
+        std::push_heap(queue_.begin(), queue_.end());
     }
 }
 
@@ -206,11 +205,9 @@ void RegionMerging::join(std::size_t into, std::size_t from) {
     ++gone.version;
 }
 
-const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superpixels,
-                                                       const std::vector<std::uint16_t>& labels) {
+/// One of each superpixel.
+void RegionMerging::make_regions(const Superpixels& superpixels, const std::vector<std::uint16_t>& labels) {
     const std::vector<Superpixel>& all = superpixels.all();
-    find_borders(superpixels);
-    find_normals(superpixels);
     regions_.assign(all.size(), {});
     region_of_.resize(all.size());
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -223,30 +220,35 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
         regions_[k].yellow_blue = n * one.yellow_blue;
         regions_[k].label = labels[k];
     }
-    for (std::size_t k = 0; k < all.size(); ++k)
+}
+
+/// Each border belongs to the regions on both of its sides.
+void RegionMerging::share_borders(const Superpixels& superpixels) {
+    for (std::size_t k = 0; k < regions_.size(); ++k)
         for (std::size_t slot = 0; slot < reach_slots; ++slot) {
             Border border = table_[k * reach_slots + slot];
             if (border.length == 0) continue;
             const std::size_t other = k +
                                       slot / reach_side * static_cast<std::size_t>(superpixels.columns()) +
                                       slot % reach_side - reach;
-            measure(all, k, other, border);
+            measure(superpixels.all(), k, other, border);
             regions_[k].borders.emplace_back(static_cast<std::uint16_t>(other), border);
             border.step = -border.step;
             regions_[other].borders.emplace_back(static_cast<std::uint16_t>(k), border);
         }
-    queue_.clear();
     for (Region& region : regions_)
         std::sort(region.borders.begin(), region.borders.end(),
                   [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t k = 0; k < all.size(); ++k) offer(k);
+}
+
+/// Those first that differ least, and beyond that what is too small, or too many.
+void RegionMerging::join_alike() {
+    queue_.clear();
+    for (std::size_t k = 0; k < regions_.size(); ++k) offer(k);
     auto left = std::count_if(regions_.begin(), regions_.end(),
                               [](const Region& region) { return !region.borders.empty(); });
-    const std::int64_t enough = apart * settings_.difference / 100;
     while (!queue_.empty()) {
-        std::pop_heap(queue_.begin(), queue_.end(), [](const Candidate& c, const Candidate& d) {
-            return std::tie(c.difference, c.a, c.b) > std::tie(d.difference, d.a, d.b);
-        });
+        std::pop_heap(queue_.begin(), queue_.end());
         const Candidate next = queue_.back();
         queue_.pop_back();
         const Region &one = regions_[next.a], &other = regions_[next.b];
@@ -254,8 +256,8 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
         const Region& smaller = one.pixels <= other.pixels ? one : other;
         // One that was there in the last frame may get smaller before it goes.
         const bool stays = smaller.label != 0 && one.label != other.label;
-        const bool is_crumb = smaller.pixels * (stays ? 2 : 1) < settings_.smallest;
-        if (next.difference >= enough && !is_crumb && left <= settings_.most) continue;
+        const bool is_crumb = smaller.pixels * (stays ? 2 : 1) < smallest_;
+        if (next.difference >= apart && !is_crumb && left <= most_regions) continue;
         --left;
         const bool into_first = one.borders.size() >= other.borders.size();
         const std::uint16_t into = into_first ? next.a : next.b, from = into_first ? next.b : next.a;
@@ -263,7 +265,16 @@ const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superp
         region_of_[from] = into;
         offer(into);
     }
-    for (std::size_t k = 0; k < all.size(); ++k) {
+}
+
+const std::vector<std::uint16_t>& RegionMerging::merge(const Superpixels& superpixels,
+                                                       const std::vector<std::uint16_t>& labels) {
+    find_borders(superpixels);
+    find_normals(superpixels);
+    make_regions(superpixels, labels);
+    share_borders(superpixels);
+    join_alike();
+    for (std::size_t k = 0; k < region_of_.size(); ++k) {
         std::uint16_t root = static_cast<std::uint16_t>(k);
         while (region_of_[root] != root) root = region_of_[root];
         region_of_[k] = root;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -9,20 +10,13 @@
 
 namespace touchable {
 
-/// What of neighbours makes them one region.
-struct MergeSettings {
-    int difference = 100;       ///< SegmentSettings
-    int most = 40;              ///< SegmentSettings
-    std::int32_t smallest = 1;  ///< pixels
-};
-
 /// Merges neighbouring superpixels to regions, those first that differ least: by the step of depth between
 /// their planes, by the crease between them, where concave ones count more, as one thing standing on another
 /// makes them, and by colour.
 class RegionMerging {
 public:
-    RegionMerging(const Camera& camera, const MergeSettings& settings)
-        : camera_(camera), settings_(settings) {}
+    /// `smallest`: pixels of the smallest region that stays one.
+    RegionMerging(const Camera& camera, std::int32_t smallest) : camera_(camera), smallest_(smallest) {}
 
     /// The region of each superpixel, which is the number of one of its superpixels. Superpixels that had
     /// one label (`labels`, by superpixel; 0: not known) stay together unless they differ clearly, and those
@@ -48,6 +42,10 @@ private:
         std::int64_t difference;
         std::uint16_t a, b;
         std::uint32_t version_a, version_b;
+        /// For a heap whose top differs least.
+        bool operator<(const Candidate& other) const {
+            return std::tie(difference, a, b) > std::tie(other.difference, other.a, other.b);
+        }
     };
     struct Normal {
         std::int64_t x = 0, y = 0, z = 0, doubt = 0;
@@ -58,11 +56,14 @@ private:
     void find_normals(const Superpixels& superpixels);
     void measure(const std::vector<Superpixel>& all, std::size_t a, std::size_t b, Border& border) const;
     std::int64_t difference(std::size_t a, std::size_t b, const Border& border) const;
+    void make_regions(const Superpixels& superpixels, const std::vector<std::uint16_t>& labels);
+    void share_borders(const Superpixels& superpixels);
     void offer(std::size_t region);
     void join(std::size_t into, std::size_t from);
+    void join_alike();
 
     const Camera camera_;
-    const MergeSettings settings_;
+    const std::int32_t smallest_;
     std::vector<Border> table_;
     std::vector<Normal> normals_;
     std::vector<Region> regions_;

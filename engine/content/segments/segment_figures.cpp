@@ -18,10 +18,22 @@ constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 struct FigureSums {
     std::int64_t pixels = 0, x = 0, y = 0, deviation = 0, textured = 0;
-    std::int64_t nearest = std::numeric_limits<std::int64_t>::max();
     std::array<std::int64_t, 3> colour{};
-    std::int32_t nearest_x = 0, nearest_y = 0;
 };
+
+std::uint16_t label_at(const Segmentation& of, int x, int y) {
+    return of.labels[static_cast<std::size_t>(y) * static_cast<std::size_t>(of.width) +
+                     static_cast<std::size_t>(x)];
+}
+
+/// All the square around it, as its corners and the middles of its sides tell, is of the same segment.
+bool is_within(const Segmentation& of, int x, int y, int reach) {
+    if (x < reach || y < reach || x >= of.width - reach || y >= of.height - reach) return false;
+    for (int dy = -reach; dy <= reach; dy += reach)
+        for (int dx = -reach; dx <= reach; dx += reach)
+            if (label_at(of, x + dx, y + dy) != label_at(of, x, y)) return false;
+    return true;
+}
 
 }  // namespace
 
@@ -60,10 +72,8 @@ void SegmentFigures::find_deviations(const PlaneView& colour, int width, int hei
     });
 }
 
-void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
-    const int width = of.width, height = of.height;
-    const bool has_colour = !frame.colour.empty();
-    if (has_colour) find_deviations(frame.colour, width, height, bands);
+/// By label; `place_of_` leads to each.
+void SegmentFigures::list_segments(Segmentation& of) {
     place_of_.resize(std::size_t{1} << 16, nowhere);
     of.segments.clear();
     for (const std::uint16_t label : of.labels) {
@@ -75,31 +85,24 @@ void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& ban
               [](const Segment& a, const Segment& b) { return a.label < b.label; });
     for (std::size_t k = 0; k < of.segments.size(); ++k)
         place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
+}
+
+/// All figures, with the mean place.
+void SegmentFigures::find_means(const PlaneView& colour, Segmentation& of) const {
+    const int width = of.width, height = of.height;
     std::vector<FigureSums> all(of.segments.size());
-    const auto label_at = [&](int x, int y) {
-        return of.labels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                         static_cast<std::size_t>(x)];
-    };
-    /// All the square around it, as its corners and the middles of its sides tell, is of the same segment.
-    const auto is_within = [&](int x, int y, int reach) {
-        if (x < reach || y < reach || x >= width - reach || y >= height - reach) return false;
-        for (int dy = -reach; dy <= reach; dy += reach)
-            for (int dx = -reach; dx <= reach; dx += reach)
-                if (label_at(x + dx, y + dy) != label_at(x, y)) return false;
-        return true;
-    };
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const std::uint16_t label = label_at(x, y);
+            const std::uint16_t label = label_at(of, x, y);
             if (label == 0) continue;
             FigureSums& sums = all[place_of_[label]];
             ++sums.pixels;
             sums.x += x;
             sums.y += y;
-            if (!has_colour) continue;
-            const std::uint8_t* rgb = colour_at(frame.colour, x, y, width, height);
+            if (colour.empty()) continue;
+            const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
             for (std::size_t c = 0; c < 3; ++c) sums.colour[c] += rgb[c];
-            if (!is_within(x, y, blur_reach)) continue;
+            if (!is_within(of, x, y, blur_reach)) continue;
             ++sums.textured;
             sums.deviation += deviations_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                           static_cast<std::size_t>(x)];
@@ -116,25 +119,37 @@ void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& ban
             segment.contrast =
                 static_cast<std::int32_t>((sums.deviation + sums.textured / 2) / sums.textured);
     }
-    // The pixel next to the mean place, one inside if there is one.
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const std::uint16_t label = label_at(x, y);
+}
+
+/// In place of the mean place the pixel next to it, one inside if there is one.
+void SegmentFigures::find_middles(Segmentation& of) const {
+    struct Nearest {
+        std::int64_t rank = std::numeric_limits<std::int64_t>::max();
+        std::int32_t x = 0, y = 0;
+    };
+    std::vector<Nearest> all(of.segments.size());
+    for (int y = 0; y < of.height; ++y)
+        for (int x = 0; x < of.width; ++x) {
+            const std::uint16_t label = label_at(of, x, y);
             if (label == 0) continue;
-            FigureSums& sums = all[place_of_[label]];
+            Nearest& nearest = all[place_of_[label]];
             const Segment& segment = of.segments[place_of_[label]];
             const std::int64_t dx = x - segment.x, dy = y - segment.y, away = dx * dx + dy * dy;
-            if (away >= sums.nearest) continue;
-            const std::int64_t rank = away + (is_within(x, y, inside) ? 0 : outside);
-            if (rank >= sums.nearest) continue;
-            sums.nearest = rank;
-            sums.nearest_x = x;
-            sums.nearest_y = y;
+            if (away >= nearest.rank) continue;
+            const std::int64_t rank = away + (is_within(of, x, y, inside) ? 0 : outside);
+            if (rank < nearest.rank) nearest = {rank, x, y};
         }
     for (std::size_t k = 0; k < all.size(); ++k) {
-        of.segments[k].x = all[k].nearest_x;
-        of.segments[k].y = all[k].nearest_y;
+        of.segments[k].x = all[k].x;
+        of.segments[k].y = all[k].y;
     }
+}
+
+void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
+    if (!frame.colour.empty()) find_deviations(frame.colour, of.width, of.height, bands);
+    list_segments(of);
+    find_means(frame.colour, of);
+    find_middles(of);
     for (const Segment& segment : of.segments) place_of_[segment.label] = nowhere;
 }
 

@@ -12,6 +12,9 @@ public:
 
 private:
     void find_deviations(const PlaneView& colour, int width, int height, RowBands& bands);
+    void list_segments(Segmentation& of);
+    void find_means(const PlaneView& colour, Segmentation& of) const;
+    void find_middles(Segmentation& of) const;
 
     std::vector<std::uint16_t> brightness_, deviations_;
     std::vector<std::uint32_t> place_of_;

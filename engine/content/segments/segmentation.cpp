@@ -13,8 +13,9 @@
 namespace touchable {
 namespace {
 
-constexpr long usual_superpixels = 1500, most_superpixels = 16000;
+constexpr long usual_superpixels = 1500;
 constexpr int smallest_side = 4;
+constexpr std::int64_t smallest_permille = 2;  // of the picture's pixels: a segment
 constexpr long pixels_per_thread = 20000;
 /// A pixel of which colour changed by more than 12 levels, or depth by 2 %, shows something else.
 constexpr std::int32_t same_colour = 48, same_depth = 118;
@@ -26,28 +27,25 @@ int side_for(long pixels, long superpixels) {
     return side;
 }
 
-int superpixel_side(const Scene& scene, const SegmentSettings& settings) {
-    const long pixels = long{scene.width} * scene.height;
-    const int wanted = settings.superpixel > 0 ? settings.superpixel : side_for(pixels, usual_superpixels);
-    return std::max({wanted, smallest_side, side_for(pixels, most_superpixels)});
+int superpixel_side(const Scene& scene) {
+    return std::max(side_for(long{scene.width} * scene.height, usual_superpixels), smallest_side);
 }
 
-std::int32_t smallest_segment(const Scene& scene, const SegmentSettings& settings) {
+std::int32_t smallest_segment(const Scene& scene) {
     return static_cast<std::int32_t>(
-        std::max<std::int64_t>(1, std::int64_t{scene.width} * scene.height * settings.smallest / 1000));
+        std::max<std::int64_t>(1, std::int64_t{scene.width} * scene.height * smallest_permille / 1000));
 }
 
 }  // namespace
 
 struct Segmenter::State {
-    State(const Scene& scene, const SegmentSettings& settings)
-        : bands(settings.threads > 0 ? settings.threads
-                                     : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
+    State(const Scene& scene, int threads)
+        : bands(threads > 0 ? threads : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
           reader(scene),
-          superpixels(scene.width, scene.height, superpixel_side(scene, settings)),
-          merging(scene.camera, {settings.difference, settings.most, smallest_segment(scene, settings)}),
+          superpixels(scene.width, scene.height, superpixel_side(scene)),
+          merging(scene.camera, smallest_segment(scene)),
           memory(scene.width, scene.height),
-          smallest(smallest_segment(scene, settings)) {
+          smallest(smallest_segment(scene)) {
         out.width = scene.width;
         out.height = scene.height;
         out.labels.assign(superpixels.of_pixels().size(), 0);
@@ -169,8 +167,7 @@ void Segmenter::State::label(bool follows) {
     }
 }
 
-Segmenter::Segmenter(const Scene& scene, SegmentSettings settings)
-    : state_(std::make_unique<State>(scene, settings)) {}
+Segmenter::Segmenter(const Scene& scene, int threads) : state_(std::make_unique<State>(scene, threads)) {}
 Segmenter::~Segmenter() = default;
 Segmenter::Segmenter(Segmenter&&) noexcept = default;
 Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;

@@ -27,19 +27,11 @@ struct Segmentation {
     std::vector<Segment> segments;      ///< by label, ascending; only those in this frame
 };
 
-struct SegmentSettings {
-    int superpixel = 0;    ///< side in pixels, 4 and up; 0: so that there are some 1,500 in a picture
-    int difference = 100;  ///< by how much surfaces differ that are told apart, per cent of what is usual
-    int smallest = 2;      ///< pixels of the smallest segment, thousandths of the picture
-    int most = 40;         ///< segments that touch each other: beyond, those that differ least are merged
-    int threads = 0;       ///< 0: as many as pay; the result is the same with any number
-    bool operator==(const SegmentSettings&) const = default;
-};
-
 /// Follows segments through a clip. Feed it frames in order.
 class Segmenter {
 public:
-    explicit Segmenter(const Scene& scene, SegmentSettings settings = {});
+    /// `threads`: 0: as many as pay; the result is the same with any number.
+    explicit Segmenter(const Scene& scene, int threads = 0);
     ~Segmenter();
     Segmenter(Segmenter&&) noexcept;
     Segmenter& operator=(Segmenter&&) noexcept;
