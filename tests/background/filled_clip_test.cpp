@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ctime>
 #include <functional>
 #include <iostream>
@@ -24,8 +25,9 @@ struct Figures {
     std::int64_t pixels = 0, holes = 0, filled = 0;
     std::int64_t shadows = 0, filled_shadows = 0;  // beside the hand
     std::int64_t in_hand = 0, filled_in_hand = 0;  // holes
-    std::int64_t filled_rim = 0;                   // holes at the hand's rim
-    std::int64_t sum = 0, worst = 0;               // of the error of what was filled, codes
+    std::int64_t wrongly_marked = 0, changed = 0;
+    std::int64_t filled_rim = 0;      // holes at the hand's rim
+    std::int64_t sum = 0, worst = 0;  // of the error of what was filled, codes
 
     double share(std::int64_t part, std::int64_t of) const {
         return static_cast<double>(part) / static_cast<double>(of);
@@ -35,19 +37,18 @@ struct Figures {
 /// And that everything else is as it was.
 Figures figures_of(ClipReader& clip, const StillScene& scene) {
     Figures figures;
+    const auto made = frames_of([scene](std::int64_t) { return scene; });
     const auto read = read_all(clip);
     EXPECT_EQ(message(read), "");
     for (const RawFrame& frame : *read) {
-        const RawFrame was = scene.frame(frame.number);
+        const RawFrame was = made(frame.number);
         for (int y = 0; y < scene.rows; ++y)
             for (int x = 0; x < scene.columns; ++x) {
                 const StillScene::Seen seen = scene.at(x, y, frame.number);
                 const int code = frame.depth.sample(x, y);
                 const bool is_filled = seen.is_hole && code != 0;
-                EXPECT_EQ(is_filled, is_marked(frame, x, y));
-                if (!is_filled) {
-                    EXPECT_EQ(code, was.depth.sample(x, y));
-                }
+                figures.wrongly_marked += is_filled != is_marked(frame, x, y);
+                figures.changed += !is_filled && code != was.depth.sample(x, y);
                 const bool in_hand = seen.thing == Thing::hand && seen.is_hole;
                 const bool is_deep = scene.is_hand(x, y, frame.number, scene.radius - 3);
                 if (in_hand && is_filled && !is_deep) ++figures.filled_rim;
@@ -64,6 +65,8 @@ Figures figures_of(ClipReader& clip, const StillScene& scene) {
                 figures.worst = std::max(figures.worst, error);
             }
     }
+    EXPECT_EQ(figures.wrongly_marked, 0);
+    EXPECT_EQ(figures.changed, 0);
     return figures;
 }
 
@@ -127,7 +130,7 @@ TEST(FilledClip, KnowsEachShotByItself) {
         before.has_colour = after.has_colour = has_colour;
         after.table = 1;
         const auto of = [=](std::int64_t n) { return n < frames / 2 ? before : after; };
-        const auto clip = filled(clip_of(frames, [=](std::int64_t n) { return of(n).frame(n); }));
+        const auto clip = filled(clip_of(frames, frames_of(of)));
         const auto read = read_all(*clip);
         ASSERT_EQ(message(read), "");
         std::int64_t shadows = 0, right = 0;
@@ -212,8 +215,9 @@ TEST(FilledClip, CopiesCodesOfEveryKind) {
     };
     for (const Coded& coded : {Coded{"hue", 3, hue, hue_pixel}, Coded{"grey", 1, grey, grey_pixel}}) {
         const StillScene scene;
-        auto made = clip_of(frames, [=](std::int64_t n) {
-            RawFrame frame = scene.frame(n);
+        auto made = clip_of(frames / 2, [=, grey_frames = frames_of([=](std::int64_t) { return scene; })](
+                                            std::int64_t n) {
+            RawFrame frame = grey_frames(n);
             Image image{StillScene::columns, StillScene::rows, 1, coded.channels, {}};
             for (int y = 0; y < image.height; ++y)
                 for (int x = 0; x < image.width; ++x) {
@@ -259,6 +263,56 @@ TEST(FilledClip, FillsHolesOfARealRecording) {
         std::string::npos);
 }
 
+/// Of a desk: every eighth pixel of one frame is made a hole, and comes back as the camera had it.
+TEST(FilledClip, GivesRealDepthBack) {
+    const auto folder = real_data("visp_cube_realsense");
+    TOUCHABLE_NEEDS_DATA(folder);
+    auto opened = open_clip(folder);
+    ASSERT_EQ(message(opened), "");
+    const auto read = read_all(**opened);
+    ASSERT_EQ(message(read), "");
+    constexpr std::size_t spoilt = 5;
+    const PlaneView truth = (*read)[spoilt].depth;
+    const auto is_spoilt = [](int x, int y) {
+        return StillScene::chance(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), 0) % 8 == 0;
+    };
+    auto made = clip_of(static_cast<std::int64_t>(read->size()), [&](std::int64_t n) {
+        RawFrame frame = (*read)[static_cast<std::size_t>(n)];
+        if (n != spoilt) return frame;
+        Image image{truth.width, truth.height, 2, 1, {}};
+        for (int y = 0; y < truth.height; ++y)
+            for (int x = 0; x < truth.width; ++x) {
+                const int code = is_spoilt(x, y) ? 0 : truth.sample(x, y);
+                image.samples.push_back(static_cast<std::uint8_t>(code & 255));
+                image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+            }
+        add_plane(frame, PlaneRole::depth, plane_from(std::move(image), 16));
+        return frame;
+    });
+    made->scene() = (*opened)->scene();
+    const DepthCoding& depth = made->scene().depth;
+    const auto clip = filled(std::move(made));
+    ASSERT_EQ(message(clip->seek(spoilt)), "");
+    const RawFrame frame = **clip->next();
+    std::int64_t holes = 0;
+    std::vector<double> errors;  // shares of the depth
+    for (int y = 0; y < truth.height; ++y)
+        for (int x = 0; x < truth.width; ++x) {
+            const std::uint16_t was = truth.sample(x, y), is = frame.depth.sample(x, y);
+            if (!is_spoilt(x, y) || !depth.is_valid(was)) continue;
+            ++holes;
+            if (depth.is_valid(is)) errors.push_back(std::abs(is - was) / static_cast<double>(was));
+        }
+    std::sort(errors.begin(), errors.end());
+    const double filled_share = static_cast<double>(errors.size()) / static_cast<double>(holes);
+    const double median = errors[errors.size() / 2], most = errors[errors.size() * 99 / 100];
+    std::cout << holes << " pixels of a desk: " << 100 * filled_share << " % filled; error " << 100 * median
+              << " % of the depth in the middle, of 99 in 100 below " << 100 * most << " %\n";
+    EXPECT_GT(filled_share, 0.95);
+    EXPECT_LT(median, 0.004);
+    EXPECT_LT(most, 0.03);
+}
+
 /// Printed, as 640x480 pixels are usual: processor time of both passes.
 TEST(FilledClip, IsFastEnoughToBePlayed) {
     const StillScene scene;
@@ -280,19 +334,19 @@ TEST(FilledClip, IsFastEnoughToBePlayed) {
         add_plane(frame, PlaneRole::colour, enlarged(small.colour));
         return frame;
     };
-    std::vector<RawFrame> made;
-    for (std::int64_t n = 0; n < 28; ++n) made.push_back(large(n));
 #ifdef TOUCHABLE_SANITIZED
-    constexpr std::int64_t count = 8;
+    constexpr std::int64_t different = 4, count = 8;
 #else
-    constexpr std::int64_t count = 56;
+    constexpr std::int64_t different = 28, count = 56;
 #endif
+    std::vector<RawFrame> made;
+    for (std::int64_t n = 0; n < different; ++n) made.push_back(large(n));
     const auto seconds = [begin = std::clock()] {
         return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     };
     const double before = seconds();
     const auto clip = filled(clip_of(count, [&](std::int64_t n) {
-        RawFrame frame = made[static_cast<std::size_t>(n % 28)];
+        RawFrame frame = made[static_cast<std::size_t>(n % different)];
         frame.number = n;
         return frame;
     }));

@@ -4,9 +4,11 @@
 #include <stop_token>
 
 #include "engine/clip/reader_around.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/unless_stopped.hpp"
 #include "tests/background/still_scene.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -39,11 +41,22 @@ TEST(LeftAlone, AClipWhoseCameraMoves) {
     }
 }
 
+TEST(LeftAlone, ARealRecordingByHand) {
+    const auto folder = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(folder);
+    SourceDescription known;
+    known.preset = "realsense";
+    auto opened = open_clip(folder, {}, known);
+    ASSERT_EQ(message(opened), "");
+    EXPECT_EQ(note_of(*filled(std::move(*opened))),
+              "no hole is filled from motion, because the camera moves: the clip is left as it is");
+}
+
 /// It moves for sixteen frames and stands still for the rest.
 TEST(LeftAlone, FramesInWhichTheCameraMoves) {
     StillScene moving, still;
     moving.pan = 32;
-    const auto clip = filled(clip_of(80, [=](std::int64_t n) { return (n < 16 ? moving : still).frame(n); }));
+    const auto clip = filled(clip_of(80, frames_of([=](std::int64_t n) { return n < 16 ? moving : still; })));
     EXPECT_NE(note_of(*clip).find("; 16 frames of 80, in which the camera moves, are left as they are"),
               std::string::npos)
         << note_of(*clip);

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -125,8 +127,17 @@ inline std::unique_ptr<MadeClip> clip_of(std::int64_t count, MadeClip::Make make
     return clip;
 }
 
+/// Frames that are made when they are first read, and kept: they are read three times and more.
+inline MadeClip::Make frames_of(std::function<StillScene(std::int64_t)> scene) {
+    auto made = std::make_shared<std::map<std::int64_t, RawFrame>>();
+    return [=](std::int64_t n) {
+        auto known = made->find(n);
+        if (known == made->end()) known = made->emplace(n, scene(n).frame(n)).first;
+        return known->second;
+    };
+}
 inline std::unique_ptr<MadeClip> clip_of(const StillScene& scene, std::int64_t count) {
-    return clip_of(count, [scene](std::int64_t n) { return scene.frame(n); });
+    return clip_of(count, frames_of([scene](std::int64_t) { return scene; }));
 }
 
 inline std::unique_ptr<ClipReader> filled(std::unique_ptr<ClipReader> clip) {
