@@ -47,8 +47,7 @@ private:
         std::uint16_t count = 0;                // at most 65535; 0: there is none
         std::array<std::uint16_t, 3> colour{};  // mean, sixteenths
     };
-    static constexpr int modes = 3;
-    using Modes = std::array<Mode, modes>;
+    using Modes = std::array<Mode, 3>;
 
     void add_rows(const PlaneView& codes, const PlaneView& colour, const RowBand& band);
     void see(Modes& modes, std::uint16_t code, const std::uint8_t* rgb) const;
