@@ -151,7 +151,8 @@ void draw_help(const PanelFacts& facts, float width, float height, float scale) 
             std::string names, held;  // which is said once, of keys in a row
             const char* const what = keys[k].what;
             do {
-                const std::string with = keys[k].control ? "Ctrl " : (keys[k].shift ? "Shift " : "");
+                const std::string with =
+                    std::string(keys[k].control ? "Ctrl " : "") + (keys[k].shift ? "Shift " : "");
                 names += (names.empty() ? "" : "  ") + (with != held ? with : "") + printed(keys[k].key);
                 held = with;
                 ++k;

@@ -38,9 +38,11 @@ bool draw_material(const PaletteMaterial& material, bool is_in_hand, float wide,
 }
 
 void draw_palette(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    constexpr int columns = 3;
-    const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-    const float wide = std::floor((ImGui::GetContentRegionAvail().x - gap * (columns - 1)) / columns);
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
+                longest = ImGui::CalcTextSize("cardboard").x + ImGui::GetFrameHeight() + 2 * scale;
+    const int columns = room < 3 * longest + 2 * gap ? 2 : 3;
+    const auto count = static_cast<float>(columns);
+    const float wide = std::floor((room - gap * (count - 1)) / count);
     int column = 0;
     for (const PaletteMaterial& material : palette()) {
         if (column > 0) ImGui::SameLine(0, gap);

@@ -142,10 +142,11 @@ void WindowLoop::do_next_with_brush() {
 void WindowLoop::go_on_brush() {
     do_with_tool();
     for (const auto& [file, written] : brush_files_.take()) {
-        const bool is_saved = brush_ && file != brush_->files().history();
-        if (!written.ok() && file_faults_.insert(written.error().message).second)
+        const bool is_history = options_.brush_history && file.parent_path() == *options_.brush_history;
+        if (!written.ok() && (!is_history || file_faults_.insert(written.error().message).second))
             say(written.error().message, true);
-        if (written.ok() && is_saved) say(options_.names.saved(clip_->choice().file.string(), file.string()));
+        if (written.ok() && !is_history)
+            say(options_.names.saved(clip_->choice().file.string(), file.string()));
     }
     if (auto made = brush_work_.take()) {
         if (!made->ok()) {

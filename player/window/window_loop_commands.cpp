@@ -159,9 +159,10 @@ void WindowLoop::feel(const WindowCommand& command) {
 }
 
 void WindowLoop::reset() {
-    const auto painted = wanted_settings_.value_or(settings_).painted;
-    wanted_settings_.emplace().painted = painted;
-    if (painted) compare_with_before();
+    WindowSettings anew;
+    anew.painted = wanted_settings_.value_or(settings_).painted;
+    wanted_settings_ = anew;
+    if (anew.painted) compare_with_before();
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);

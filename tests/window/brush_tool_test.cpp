@@ -60,6 +60,16 @@ TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
     }
 }
 
+TEST(BrushCommand, HasTheKeysThatUndoEverywhere) {
+    ASSERT_TRUE(binding_of("z", true, false) && binding_of("p", false, false));
+    EXPECT_EQ(binding_of("z", true, false)->verb, WindowVerb::undo);
+    EXPECT_EQ(binding_of("z", true, true)->verb, WindowVerb::redo);
+    EXPECT_EQ(binding_of("y", true, false)->verb, WindowVerb::redo);
+    EXPECT_EQ(binding_of("s", true, false)->verb, WindowVerb::save_materials);
+    EXPECT_EQ(binding_of("s", false, false)->verb, WindowVerb::point_down) << "without Ctrl as ever";
+    EXPECT_EQ(binding_of("p", false, false)->verb, WindowVerb::tool);
+}
+
 HeldBrush::Place at(int x, int y, std::int64_t frame = 7) {
     return {{10.0 * x, 10.0 * y}, PixelOfFrame{x, y, frame}};
 }

@@ -8,6 +8,7 @@
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/window/two_surfaces.hpp"
 
 namespace touchable::test {
 namespace {
@@ -18,11 +19,12 @@ int with_display(const TemporaryFolder& folder, const std::string& words, const 
     std::ofstream(folder / "run.sh") << R"(
 cd "$1"
 export XDG_CONFIG_HOME="$1/config"
+rm -f display  # of a run before
 Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
-export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config
+export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
 ")" << TOUCHABLE_PROGRAM << "\" " << words
                                      << R"( >out 2>err & program=$!
 timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
@@ -137,6 +139,33 @@ xdotool key Escape
 }
 
 /// The CPU's picture in it, too.
+/// By mouse and keys; the second window has what the first one did. Escape puts the brush away first.
+TEST(RealWindow, IsPaintedByMouseAndKeys) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    ASSERT_NO_FATAL_FAILURE(write_two_surfaces(folder / "wall.mkv", 4));
+    const auto saved_by = [&](const std::string& keys) {
+        const int code = with_display(folder, "play wall.mkv --size 960x640", R"(
+xdotool key p sleep 0.3 mousemove 240 320 sleep 0.3 )" + keys + R"( sleep 0.3 key ctrl+s
+for k in $(seq 100); do [[ -s wall.mkv.materials.json ]] && break; sleep 0.1; done
+xdotool key Escape sleep 0.3
+kill -0 $program || exit 96
+xdotool key Escape
+)");
+        EXPECT_EQ(code, 0) << file_contents(folder / "err");
+        EXPECT_EQ(file_contents(folder / "err"), "");
+        const std::string text = file_contents(folder / "wall.mkv.materials.json");
+        std::filesystem::remove(folder / "wall.mkv.materials.json");
+        return text;
+    };
+    EXPECT_NE(saved_by("click 1").find("wood"), std::string::npos);
+    EXPECT_EQ(names_in(folder / "state/touchable").size(), 1U);
+    const std::string undone = saved_by("key ctrl+z");
+    EXPECT_EQ(undone.find("wood"), std::string::npos) << undone;
+    EXPECT_NE(undone.find("touchable_segments"), std::string::npos) << undone;
+    EXPECT_NE(saved_by("key ctrl+y").find("wood"), std::string::npos) << "done again in the next one";
+}
+
 TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
     if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
     const TemporaryFolder folder;
