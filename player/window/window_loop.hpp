@@ -74,6 +74,7 @@ private:
         std::shared_ptr<const PaintedSegments> painted{};
         bool operator==(const WindowSettings&) const = default;
     };
+    static bool has_materials(const WindowSettings& settings);
     static std::string in_words(const WindowSettings& settings);
     void feel(const WindowCommand& command);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.

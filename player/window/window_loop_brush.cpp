@@ -158,7 +158,8 @@ void WindowLoop::go_on_brush() {
         brush_ = std::move((*made)->brush);
         painted_ = brush_->brush().painted();
         const Result<std::string>& said = (*made)->said;
-        say(said.ok() ? *said : said.error().message, !said.ok());
+        const char* const unfelt = has_materials(wanted_settings_.value_or(settings_)) ? "" : "; B feels it";
+        say(said.ok() ? *said + unfelt : said.error().message, !said.ok());
         if (!(*made)->is_begun) {
             for_brush_.pop_front();
             if (said.ok()) keep_history();

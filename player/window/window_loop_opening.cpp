@@ -207,14 +207,18 @@ Result<void> WindowLoop::wait_for_clip() {
     return {};
 }
 
+/// Whether what is painted is felt by the set of settings that is in effect.
+bool WindowLoop::has_materials(const WindowSettings& settings) {
+    const auto& values = settings.in_effect.now().values();
+    const auto materials = values.find("materials");
+    return materials == values.end() || materials->second == "on";
+}
+
 /// The set of settings that is in effect, for a person.
 std::string WindowLoop::in_words(const WindowSettings& settings) {
-    const SessionSettings& now = settings.in_effect.now();
-    const auto materials = now.values().find("materials");
-    const bool is_painted =
-        settings.painted && (materials == now.values().end() || materials->second == "on");
-    if (!is_painted) return settings.in_effect.in_words();
-    if (now == SessionSettings{}) return settings.in_effect.b_is_on ? "B: as painted" : "A: as painted";
+    if (!settings.painted || !has_materials(settings)) return settings.in_effect.in_words();
+    if (settings.in_effect.now() == SessionSettings{})
+        return settings.in_effect.b_is_on ? "B: as painted" : "A: as painted";
     return settings.in_effect.in_words() + ", as painted";
 }
 

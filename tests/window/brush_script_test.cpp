@@ -185,6 +185,10 @@ TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {
         EXPECT_NE(done.err.find(words), std::string::npos) << words << " in " << done.err;
     const Outcome recorded = run("0 paint 20,32\n" + quit_, {"--record", (folder_ / "hand.touch").string()});
     EXPECT_NE(recorded.err.find("not recorded"), std::string::npos) << recorded.err;
+    const Outcome camera = run_touchable({"play", "--camera", "replay:" + clip_.string(), "--headless",
+                                          "--script", (folder_ / "script").string()});
+    EXPECT_EQ(camera.code, 0);
+    EXPECT_NE(camera.err.find("this is a camera"), std::string::npos) << camera.err;
     std::ofstream(folder_ / "bad.json") << R"({"touchable_segments": 1, "segments": [{}]})";
     const Outcome bad = run(quit_, {"--segments", (folder_ / "bad.json").string()});
     EXPECT_EQ(bad.code, 3);

@@ -21,6 +21,8 @@ TEST(ScriptClock, GoesOnWhereItWasAfterAStandstill) {
     EXPECT_DOUBLE_EQ(clock.at(0.03), 0.03);
     EXPECT_NEAR(clock.at(5.03), 0.13, 1e-12) << "0.1 s of it";
     EXPECT_NEAR(clock.at(5.05), 0.15, 1e-12);
+    EXPECT_NEAR(clock.at(5.15, true), 0.15, 1e-12) << "while a brush works it stands";
+    EXPECT_NEAR(clock.at(5.2), 0.2, 1e-12);
 }
 
 TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
