@@ -222,6 +222,7 @@ void print(const PlayFigures& figures) {
     std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
                 static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
+    if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", figures.relief.c_str());
 }
 
 /// Of the film, where one was asked for.
@@ -253,20 +254,28 @@ void find_settings(PlayOptions& options) {
 }
 
 std::string tell_saved(const std::string& clip, const std::string& file) {
-    return "saved as " + file + "; touchable materials " + clip + " OUT.mkv --segments " + file +
-           " writes the clip with it";
+    return "saved as " + file + "; touchable materials " + shell_word(clip) + " OUT.mkv --segments " +
+           shell_word(file) + " writes the clip with it";
+}
+
+std::string tell_relief(const std::string& clip, const std::map<std::string, std::string>& in_effect) {
+    std::string words = "to keep it: touchable relief " + shell_word(clip) + " OUT.mkv";
+    for (const auto& [setting, option] : {std::pair{"relief", " --amount "},
+                                          {"relief-height", " --max-height "},
+                                          {"relief-fine", " --fine "},
+                                          {"relief-medium", " --medium "},
+                                          {"relief-coarse", " --coarse "}})
+        words += option + in_effect.at(setting);
+    return words + (in_effect.at("relief-invert") == "on" ? " --invert" : "");
 }
 
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
     find_brush_history(options);
-    options.names = {"--record",
-                     "--sound",
-                     "--video",
-                     "--screenshot",
-                     remark_with_options,
-                     tell_saved,
-                     [](const Error& error) { return message_with_options(error); }};
+    options.names = {"--record",          "--sound",
+                     "--video",           "--screenshot",
+                     remark_with_options, tell_saved,
+                     tell_relief,         [](const Error& error) { return message_with_options(error); }};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();

@@ -130,6 +130,7 @@ void SettingsPanel::draw_relief(const SettingsFacts& facts, float scale, std::ve
     scale_ = scale;
     for (const SessionSetting& setting : session_settings())
         if (setting.of_relief) draw_row(setting, facts, asked);
+    if (!facts.relief.empty()) draw_remark(facts.relief);
 }
 
 }  // namespace touchable

@@ -14,6 +14,7 @@ struct SettingsFacts {
     std::map<std::string, std::string> by_hand,
         in_effect;            ///< as SessionSettings and `settings_in_effect` have them
     std::string filters;      ///< each filter with its reason, in words
+    std::string relief{};     ///< what keeps the relief; empty: there is none
     bool b_is_on = false;     ///< of the two sets
     bool has_device = false;  ///< one is held
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +26,9 @@ struct PlayNames {
     /// That a clip's materials are in `file` now, and what makes a clip of both.
     std::string (*saved)(const std::string& clip, const std::string& file) =
         [](const std::string&, const std::string& file) { return "saved as " + file; };
+    /// What makes a clip of relief by these settings (settings_in_effect); empty: nobody knows.
+    std::string (*relief)(const std::string& clip, const std::map<std::string, std::string>& in_effect) =
+        [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
     std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
@@ -88,6 +92,7 @@ struct PlayFigures {
     std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
     std::string sound_fault;            ///< the first of all clips' own sound; empty: none
+    std::string relief;                 ///< that was felt at the end, and what keeps it; empty: none
     std::string not_kept;               ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };

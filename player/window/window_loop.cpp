@@ -199,7 +199,16 @@ void WindowLoop::sum_up() {
     figures_.window_cpu_ms = begun_ ? thread_cpu_ms() - begun_cpu_ms_ : 0;
     figures_.frames_due = frames_shown_.due();
     figures_.frames_in_time = frames_shown_.in_time();
+    figures_.relief = relief_words();
     count_session();
+}
+
+/// What keeps the relief that is felt; empty: there is none.
+std::string WindowLoop::relief_words() const {
+    const auto& in_effect = clip_->in_effect();
+    const auto amount = in_effect.find("relief");
+    if (amount == in_effect.end() || amount->second == "0") return {};
+    return options_.names.relief(clip_->choice().file.string(), in_effect);
 }
 
 /// Of all clips that were there.

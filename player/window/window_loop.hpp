@@ -130,6 +130,7 @@ private:
     /// What was refused.
     void say(const Result<void>& done);
     void sum_up();
+    std::string relief_words() const;
     void count_session();
     double pause_ms() const;
     double frame_ms() const;

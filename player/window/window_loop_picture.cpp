@@ -158,6 +158,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.settings.b_is_on = settings_.in_effect.b_is_on;
+    facts.settings.relief = relief_words();
     facts.brush = brush_facts();
     if (facts.place.pixel)
         if (const auto words = segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);

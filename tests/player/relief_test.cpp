@@ -124,6 +124,22 @@ TEST_F(Relief, TakesAHapticMapInPlaceOfTheClipsOwn) {
     EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
 }
 
+/// What was tried in a window, the command makes a clip of.
+TEST_F(Relief, OfAWindowIsKeptByTheCommandThatTheWindowNames) {
+    std::ofstream(at("kept.json")) << R"({"a": {"relief": 60, "relief-fine": 30, "relief-invert": "on"}})";
+    const Outcome window = run_touchable({"play", at("globe.mkv"), "--headless", "--seconds", "0.1",
+                                          "--settings", at("kept.json"), "--size", "160x120"});
+    ASSERT_EQ(window.code, 0) << window.err;
+    const std::string wanted = "touchable relief " + at("globe.mkv") +
+                               " OUT.mkv --amount 60 --max-height 0.5 --fine 30 --medium 70 --coarse 40 "
+                               "--invert";
+    EXPECT_NE(window.out.find(wanted), std::string::npos) << window.out;
+    const Outcome kept =
+        run_touchable({"relief", at("globe.mkv"), at("kept.mkv"), "--amount", "60", "--max-height", "0.5",
+                       "--fine", "30", "--medium", "70", "--coarse", "40", "--invert"});
+    EXPECT_EQ(kept.code, 0) << kept.err;
+}
+
 TEST_F(Relief, RefusesWhatCannotBe) {
     make_clip("bumps", at("grey.mkv"), {"--size", "32x24", "--frames", "1"});
     const auto expect = [&](const std::vector<std::string>& words, int code, const std::string& why) {
