@@ -28,7 +28,7 @@ public:
         /// lies far beside depth, by more than is looked at, edges of colour are found by chance, all over
         /// the window: then the other figures mean nothing.
         double agreement = 0;
-        bool agrees() const { return agreement >= 0.6; }
+        bool agrees() const { return agreement >= 0.45; }
         /// By how much colour lies to the right of depth, and below it. Nothing: too few edges face both
         /// ways.
         std::optional<double> right, below;

@@ -29,7 +29,6 @@ void PumpingEstimator::add(const RawFrame& frame) {
             if (!frame.colour.empty())
                 colours_.push_back(static_cast<std::uint8_t>(frame.colour.sample(x, y, 1)));
         }
-    has_depth_ = std::any_of(here_.begin(), here_.end(), [](double depth) { return depth > 0; });
     ratios_.clear();
     if (before_.size() == here_.size() && !is_cut())
         for (std::size_t k = 0; k < here_.size(); ++k)

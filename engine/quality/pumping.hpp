@@ -18,8 +18,6 @@ public:
 
     /// The next frame.
     void add(const RawFrame& frame);
-    /// Whether the last frame has any depth.
-    bool has_depth() const { return has_depth_; }
     /// Standard deviation of the whole picture's depth, as a share of it; 0: there is none. Of what goes to
     /// and fro, successive changes d, d' have the mean product -variance; what moves on has d d' > 0. Nothing
     /// with fewer than four frames.
@@ -35,7 +33,6 @@ private:
     std::vector<std::uint8_t> colours_before_, colours_;  // green, of the same pixels; empty: no colour
     std::optional<double> last_change_;
     double products_ = 0;
-    bool has_depth_ = false;
     std::int64_t count_ = 0;
 };
 

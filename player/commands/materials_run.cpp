@@ -41,19 +41,22 @@ std::string values_in_words(const HapticProperties& properties) {
 std::string segment_line(const SeenSegment& segment, double of_pixels) {
     std::string at = std::to_string(segment.at.x) + ',' + std::to_string(segment.at.y);
     if (segment.at.frame > 0) at += ',' + std::to_string(segment.at.frame);
-    const std::string material = segment.material.empty() ? "own values" : segment.material;
+    const std::string material = segment.paint.material.empty() ? "own values" : segment.paint.material;
     std::string line = in_form("  %5d  %-14s %6.1f %%  #%02x%02x%02x  %-10s ", segment.label, at.c_str(),
                                100 * segment.pixels / of_pixels, segment.colour[0], segment.colour[1],
                                segment.colour[2], material.c_str());
-    line += segment.is_guess ? "guess" : segment.name.empty() ? "all others" : printable(segment.name);
-    return line + ": " + values_in_words(segment.feel.properties) + '\n';
+    line += segment.paint.is_guess       ? "guess"
+            : segment.paint.name.empty() ? "all others"
+                                         : printable(segment.paint.name);
+    return line + ": " + values_in_words(segment.paint.feel.properties) + '\n';
 }
 
-std::string report_in_words(const MaterialReport& report, const Scene& scene) {
+/// With cuts the segments were found before, and their time is not known.
+std::string report_in_words(const MaterialReport& report, const Scene& scene, bool has_cuts) {
     const double of_pixels = static_cast<double>(scene.width) * scene.height;
     std::vector<SeenSegment> told = report.segments;
     std::erase_if(told, [&](const SeenSegment& segment) {
-        return (segment.name.empty() || segment.is_guess) &&
+        return (segment.paint.name.empty() || segment.paint.is_guess) &&
                std::int64_t{1000} * segment.pixels < told_permille * scene.width * scene.height;
     });
     std::stable_sort(told.begin(), told.end(),
@@ -62,7 +65,7 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene) {
     bool guessed = false;
     for (const SeenSegment& segment : told) {
         words += segment_line(segment, of_pixels);
-        guessed = guessed || segment.is_guess;
+        guessed = guessed || segment.paint.is_guess;
     }
     if (const std::size_t small = report.segments.size() - told.size(); small > 0)
         words += "  and " + std::to_string(small) + " of less than half a per cent of the picture\n";
@@ -73,7 +76,7 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene) {
     if (report.compared > 0)
         words += in_form("  steady   %.3f %% of the pixels change their segment from frame to frame\n",
                          100.0 * static_cast<double>(report.changed) / static_cast<double>(report.compared));
-    if (report.seconds > 0)
+    if (report.seconds > 0 && !has_cuts)
         words += in_form("  speed    %.1f frames/s for segments and materials\n",
                          static_cast<double>(report.frames) / report.seconds);
     return words;
@@ -86,22 +89,23 @@ SegmentNames used_names(const MaterialReport& report, const SegmentNames& given)
     used.otherwise = given.otherwise;
     used.cuts = given.cuts;
     for (const SeenSegment& segment : report.segments) {
-        const bool is_first_guess = segment.is_guess && segment.at.frame == 0;
-        if (segment.name.empty() && !is_first_guess) continue;
+        const bool is_first_guess = segment.paint.is_guess && segment.at.frame == 0;
+        if (segment.paint.name.empty() && !is_first_guess) continue;
         const auto known = std::find_if(used.segments.begin(), used.segments.end(), [&](const auto& name) {
-            return !segment.name.empty() && name.name == segment.name && name.feel == segment.feel &&
-                   name.is_guess == segment.is_guess;
+            return !segment.paint.name.empty() && name.name == segment.paint.name &&
+                   name.feel == segment.paint.feel && name.is_guess == segment.paint.is_guess;
         });
         if (known != used.segments.end()) {
             known->at.push_back(segment.at);
             continue;
         }
         NamedSegment name;
-        name.name = segment.name.empty() ? "segment " + std::to_string(segment.label) : segment.name;
-        name.material = segment.material;
-        name.feel = segment.feel;
+        name.name =
+            segment.paint.name.empty() ? "segment " + std::to_string(segment.label) : segment.paint.name;
+        name.material = segment.paint.material;
+        name.feel = segment.paint.feel;
         name.at = {segment.at};
-        name.is_guess = segment.is_guess;
+        name.is_guess = segment.paint.is_guess;
         used.segments.push_back(std::move(name));
     }
     return used;
@@ -112,12 +116,12 @@ void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
     for (const SeenSegment& segment : report.segments) {
         const auto say = [&](const char* what, double value, const PropertyRange& range) {
             const double felt = std::clamp(value, range.min, range.max);
-            if (felt == value) return;
+            if (in_form("%.3g", felt) == in_form("%.3g", value)) return;
             std::cout << "  note: segment " << segment.label << ": " << what << ' '
                       << in_form("%.3g becomes %.3g", value, felt)
                       << ", as the clip's haptic ranges have it; NAME.mkv keeps it\n";
         };
-        const HapticProperties& properties = segment.feel.properties;
+        const HapticProperties& properties = segment.paint.feel.properties;
         say("stiffness", properties.stiffness / 1000, ranges.stiffness);
         say("static friction", properties.static_friction, ranges.static_friction);
         say("dynamic friction", properties.dynamic_friction, ranges.dynamic_friction);
@@ -170,7 +174,7 @@ Result<void> MaterialsRun::write_clip() {
         return with_materials(std::move(clip), options_.materials, begin_segments, report_);
     };
     if (auto written = run_convert(convert); !written.ok()) return written;
-    std::cout << report_in_words(*report_, scene_);
+    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
     if (options_.materials.scale_relief && had_haptic_)
         std::cout
             << "  note: CLIP has haptic pictures already: where --scale-relief made them with its heights, "
@@ -226,7 +230,7 @@ Result<void> MaterialsRun::look() {
                   << " --haptic " << shell_word(options_.out.string()) << '\n';
         say_what_is_cut(*report_, scene_.haptic);
     }
-    std::cout << report_in_words(*report_, scene_);
+    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
     return {};
 }
 

@@ -96,7 +96,7 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
 
 std::string verified_in_words(const Verified& verified) {
     std::string words = "  verified     " + verified.measures_in_words + '\n';
-    if (verified.findings.empty()) words += "  wrong        nothing was found that would feel wrong\n";
+    if (verified.findings.empty()) words += "  fine         nothing was found that would feel wrong\n";
     for (const NamedFinding& finding : verified.findings) {
         words += "  wrong        " + finding.name + ": " + finding.what +
                  (finding.colour.empty() ? std::string() : " (" + finding.colour + " in the picture)") + '\n';

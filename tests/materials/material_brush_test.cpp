@@ -41,6 +41,10 @@ TEST_F(Brush, PaintsAWholeSegmentInAllFrames) {
     EXPECT_FALSE(brush.painted()->by_label.at(1).is_guess);
     EXPECT_EQ(brush.painted()->by_label.at(1).feel, find_material("foam")->feel());
     EXPECT_TRUE(brush.painted()->by_label.at(2).is_guess);
+    const auto late = brush.edit(Paint{{4, 1, 1}, "felt"});
+    ASSERT_EQ(message(late), "");
+    EXPECT_EQ(*late, "segment 4 is felt; only frame 1 has it");
+    EXPECT_EQ(message(brush.undo()), "");
     expect_done(brush, Paint{{0, 0, 0}, "stone"});
     EXPECT_EQ(material(brush, 3, 0), "stone");
     EXPECT_EQ(brush.names().segments.size(), 1U) << "one segment, one name";
@@ -99,6 +103,8 @@ TEST_F(Brush, BothPartsOfWhatIsCutFeelAsItDid) {
     expect_done(brush, Paint{{3, 0, 0}, "glass"});
     EXPECT_EQ(material(brush, 0, 0), "foam");
     EXPECT_EQ(material(brush, 3, 1, 1), "glass");
+    ASSERT_EQ(brush.names().segments.size(), 2U);
+    EXPECT_NE(brush.names().segments[0].name, brush.names().segments[1].name);
     EXPECT_EQ(message(brush.undo()), "");
     EXPECT_EQ(message(brush.undo()), "");
     EXPECT_EQ(brush.painted()->by_label.size(), 4U);
@@ -157,12 +163,44 @@ TEST_F(Brush, AHistoryThatDoesNotFitIsRefused) {
         EXPECT_NE(said.find(why), std::string::npos) << said;
         EXPECT_EQ(other.edits(), 0U);
     };
-    refused("\"frames\":2", "\"frames\":3", "frames");
-    refused("\"touchable_brush\":1", "\"touchable_brush\":2", "touchable_brush");
-    refused("\"done\":4", "\"done\":6", "done");
+    refused("\"segments\": \"", "\"segments\": \"0", "other segments");
+    refused("\"touchable_brush\": 1", "\"touchable_brush\": 2", "touchable_brush");
+    refused("\"done\": 4", "\"done\": 6", "done");
     refused("\"paint\":[0,0,0]", "\"paint\":[0,0,9]", "edits[1]");
     refused("\"join\"", "\"joint\"", "edits[3]");
     refused("}", "", "");
+}
+
+/// Whoever goes on and on loses no more than the oldest steps back.
+TEST_F(Brush, ForgetsTheOldestEditsRatherThanRefuse) {
+    MaterialBrush brush = begun();
+    expect_done(brush, SegmentCut{0, {{1, 0}, {1, 1}}});
+    const std::size_t labels = brush.painted()->by_label.size();
+    for (std::size_t k = 0; k <= MaterialBrush::most_edits; ++k)
+        expect_done(brush, Paint{{3, 0, 0}, k % 2 == 0 ? "glass" : "foam"});
+    EXPECT_EQ(brush.edits(), MaterialBrush::most_edits);
+    while (brush.undo()) continue;
+    EXPECT_EQ(brush.done(), 0U);
+    EXPECT_EQ(brush.painted()->by_label.size(), labels) << "the cut is older, and stays";
+    EXPECT_EQ(material(brush, 3, 0), "glass");
+    MaterialBrush later = begun();
+    ASSERT_EQ(message(later.repeat(brush.history(), "h.json")), "");
+    EXPECT_EQ(later.history(), brush.history());
+}
+
+/// As a file may have it, where both feel the same.
+TEST_F(Brush, ASegmentUnderTwoNamesIsPaintedWhole) {
+    SegmentNames names;
+    const Feel felt = find_material("felt")->feel();
+    names.segments = {{"table", "felt", felt, {{0, 0, 0}, {5, 0, 0}}},
+                      {"again", "felt", felt, {{1, 1, 1}, {7, 0, 0}}}};
+    MaterialBrush brush = begun(names);
+    EXPECT_EQ(brush.names().segments.size(), 1U);
+    expect_done(brush, Paint{{0, 0, 0}, "glass"});
+    for (const int x : {0, 5, 7}) EXPECT_EQ(material(brush, x, 0), "glass") << x;
+    expect_done(brush, Join{{4, 1, 1}, {0, 0, 0}});
+    EXPECT_EQ(material(brush, 4, 1, 1), "glass");
+    EXPECT_EQ(material(brush, 7, 0), "glass");
 }
 
 /// What is saved, materials of the command line make the same clip of.

@@ -108,8 +108,8 @@ TEST_F(MaterialClip, HasAGuessForEachSegmentAndAllElseAsItWas) {
         EXPECT_EQ(note.find("no haptic"), std::string::npos) << note;
 
     ASSERT_EQ(report_->segments.size(), 3U);
-    EXPECT_EQ(report_->segments[0].material, "wood");
-    EXPECT_TRUE(report_->segments[0].is_guess);
+    EXPECT_EQ(report_->segments[0].paint.material, "wood");
+    EXPECT_TRUE(report_->segments[0].paint.is_guess);
     EXPECT_EQ(report_->segments[0].colour, brown);
     EXPECT_EQ(report_->segments[0].pixels, 20 * rows - 16);
     EXPECT_EQ(report_->segments[2].at.frame, 2);
@@ -132,10 +132,10 @@ TEST_F(MaterialClip, FeelsAsAPersonSaysWhereverThatSegmentGoes) {
         EXPECT_EQ(felt_at(**clip, (*frames)[n], columns - 1, 0), "felt") << n;
         EXPECT_EQ(felt_at(**clip, (*frames)[n], 12, 22), n < 2 ? "leather" : "rubber") << n;
     }
-    EXPECT_EQ(report_->segments[0].name, "table");
-    EXPECT_FALSE(report_->segments[0].is_guess);
-    EXPECT_EQ(report_->segments[1].name, "");
-    EXPECT_FALSE(report_->segments[1].is_guess);
+    EXPECT_EQ(report_->segments[0].paint.name, "table");
+    EXPECT_FALSE(report_->segments[0].paint.is_guess);
+    EXPECT_EQ(report_->segments[1].paint.name, "");
+    EXPECT_FALSE(report_->segments[1].paint.is_guess);
 }
 
 TEST_F(MaterialClip, IsTheSameAgainAndFromAnyFrameOn) {
@@ -173,7 +173,7 @@ TEST_F(MaterialClip, TakesTheMapOfItsFirstFrame) {
     ASSERT_TRUE(first.ok() && *first);
     EXPECT_EQ(felt_at(**clip, **first, 0, 0), "stone");
     EXPECT_EQ(felt_at(**clip, **first, 21, 0), "fur");
-    EXPECT_EQ(report_->segments[0].name, "table");
+    EXPECT_EQ(report_->segments[0].paint.name, "table");
 
     settings.names.segments.push_back(named("mat", "foam", {0, 0, 0}));  // says it more exactly
     clip = open(settings);
@@ -230,7 +230,7 @@ TEST_F(MaterialClip, RefusesWhatCannotBe) {
         ASSERT_TRUE(open(file_too).ok());
         const auto clip = open(file_too);
         EXPECT_EQ(message((*clip)->next()), "");
-        EXPECT_EQ(report_->segments[0].material, "wood");
+        EXPECT_EQ(report_->segments[0].paint.material, "wood");
     }
 
     MaterialSettings indexed;
@@ -271,8 +271,8 @@ TEST_F(MaterialClip, TakesWhatAPersonSaysOfASegmentThatWasGuessed) {
         const auto first = (*clip)->next();
         ASSERT_TRUE(first.ok() && *first);
         EXPECT_EQ(felt_at(**clip, **first, 0, 0), "foam");
-        EXPECT_FALSE(report_->segments[0].is_guess);
-        EXPECT_TRUE(report_->segments[1].is_guess);
+        EXPECT_FALSE(report_->segments[0].paint.is_guess);
+        EXPECT_TRUE(report_->segments[1].paint.is_guess);
         std::swap(settings.names.segments[0], settings.names.segments[1]);
     }
 }

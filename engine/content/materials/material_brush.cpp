@@ -1,28 +1,29 @@
 #include "engine/content/materials/material_brush.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "engine/content/materials/material_guess.hpp"
-#include "engine/content/materials/segment_json.hpp"
 #include "engine/content/materials/segment_search.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
-using HistoryNode = checked_json::Node;
-using HistoryJson = nlohmann::ordered_json;
-
-constexpr int history_version = 1;
-constexpr std::size_t most_edits = 1000;
 constexpr std::size_t most_kept_bytes = std::size_t{1} << 30;  // of segments that were cut, for undo
 
 std::string segment_in_words(std::uint16_t label) {
     return "segment " + std::to_string(label);
+}
+
+/// Where not the whole clip has the segment: other frames have others there, which nobody has painted.
+std::string frames_in_words(const SegmentStore& segments, std::uint16_t label) {
+    const std::int64_t first = segments.find(label)->frame, last = segments.last_frame_of(label);
+    if (first == 0 && last == segments.frames() - 1) return {};
+    if (first == last) return "; only frame " + std::to_string(first) + " has it";
+    return "; only frames " + std::to_string(first) + " to " + std::to_string(last) + " have it";
 }
 
 Result<std::uint16_t> label_of(const SegmentStore& segments, const PixelOfFrame& at) {
@@ -44,15 +45,34 @@ std::set<std::uint16_t> labels_of(const SegmentStore& segments, const NamedSegme
     return labels;
 }
 
-/// What is said of a segment, by a person before a guess; null: nothing.
+/// What is said of a segment; null: nothing.
 NamedSegment* find_name(const SegmentStore& segments, SegmentNames& names, std::uint16_t label) {
-    NamedSegment* guess = nullptr;
-    for (NamedSegment& name : names.segments) {
-        if (!labels_of(segments, name).contains(label)) continue;
-        if (!name.is_guess) return &name;
-        if (guess == nullptr) guess = &name;
+    const auto found =
+        std::find_if(names.segments.begin(), names.segments.end(),
+                     [&](const NamedSegment& name) { return labels_of(segments, name).contains(label); });
+    return found == names.segments.end() ? nullptr : &*found;
+}
+
+/// Each segment has one name then: names that share one are one, as the first of them is, but for guesses.
+SegmentNames with_one_name_each(const SegmentStore& segments, const SegmentNames& names) {
+    SegmentNames merged = names;
+    merged.segments.clear();
+    std::vector<NamedSegment> said = names.segments;
+    std::stable_partition(said.begin(), said.end(), [](const NamedSegment& name) { return !name.is_guess; });
+    for (NamedSegment& name : said) {
+        const auto labels = labels_of(segments, name);
+        const auto shares = [&](const NamedSegment& other) {
+            const auto others = labels_of(segments, other);
+            return std::any_of(labels.begin(), labels.end(),
+                               [&](std::uint16_t label) { return others.contains(label); });
+        };
+        const auto same = std::find_if(merged.segments.begin(), merged.segments.end(), shares);
+        if (same == merged.segments.end())
+            merged.segments.push_back(std::move(name));
+        else
+            same->at.insert(same->at.end(), name.at.begin(), name.at.end());
     }
-    return guess;
+    return merged;
 }
 
 NamedSegment new_name(std::uint16_t label, const PixelOfFrame& at, const PaintedSegments::Paint& paint) {
@@ -66,13 +86,16 @@ NamedSegment new_name(std::uint16_t label, const PixelOfFrame& at, const Painted
     return name;
 }
 
-/// What was said of a segment goes for both of its parts.
-void name_part(const SegmentStore& segments, SegmentNames& names, std::uint16_t part,
-               const NamedSegment& whole) {
-    if (find_name(segments, names, part) != nullptr) return;
-    const SegmentStore::FirstLook* const look = segments.find(part);
-    NamedSegment name = whole;
-    name.name = segment_in_words(part);
+/// What was said of a segment goes for both of its parts; the larger one keeps its name.
+void name_parts(const SegmentStore& segments, SegmentNames& names, std::uint16_t whole, std::uint16_t part,
+                const NamedSegment& said) {
+    NamedSegment* const of_part = find_name(segments, names, part);
+    const bool has_whole = find_name(segments, names, whole) != nullptr;
+    if (of_part != nullptr && has_whole) return;
+    if (of_part != nullptr) of_part->name = segment_in_words(part);
+    const SegmentStore::FirstLook* const look = segments.find(has_whole ? part : whole);
+    NamedSegment name = said;
+    if (has_whole) name.name = segment_in_words(part);
     name.at = {{look->segment.x, look->segment.y, look->frame}};
     names.segments.push_back(std::move(name));
 }
@@ -84,20 +107,10 @@ Result<MaterialBrush::State> MaterialBrush::state_of(std::shared_ptr<const Segme
     const auto named = find_named_segments(*segments, names, std::nullopt);
     if (!named) return named.error();
     const PaletteMaterial* const otherwise = find_material(names.otherwise);
+    const std::int32_t of_pixels = segments->width() * segments->height();
     auto painted = std::make_shared<PaintedSegments>();
-    for (const SegmentStore::FirstLook& look : segments->seen()) {
-        PaintedSegments::Paint& paint = painted->by_label[look.segment.label];
-        if (const auto known = named->find(look.segment.label); known != named->end()) {
-            const NamedSegment& name = known->second;
-            paint = {name.name, name.material, name.feel, name.is_guess};
-            continue;
-        }
-        const PaletteMaterial& material =
-            otherwise != nullptr
-                ? *otherwise
-                : guess_material(look_of(look.segment, segments->width() * segments->height()));
-        paint = {"", std::string(material.name), material.feel(), otherwise == nullptr};
-    }
+    for (const SegmentStore::FirstLook& look : segments->seen())
+        painted->by_label[look.segment.label] = paint_of(look.segment, of_pixels, *named, otherwise);
     painted->segments = std::move(segments);
     return State{std::move(names), std::move(painted)};
 }
@@ -107,8 +120,10 @@ Result<MaterialBrush> MaterialBrush::begin(SegmentStore segments, const SegmentN
     brush.uncut_ = std::make_shared<const SegmentStore>(std::move(segments));
     auto cut = with_cuts(*brush.uncut_, names);
     if (!cut) return cut.error();
+    // As they are, first: that is where what cannot be is refused.
     auto state = state_of(std::make_shared<const SegmentStore>(std::move(*cut)), names);
     if (!state) return state.error();
+    state->names = with_one_name_each(*state->painted->segments, state->names);
     brush.states_.push_back(std::move(*state));
     return brush;
 }
@@ -141,7 +156,7 @@ Result<std::string> MaterialBrush::Draft::operator()(const Paint& paint) {
     name->material = paint.material;
     name->feel = material->feel();
     name->is_guess = false;
-    return printable(name->name) + " is " + paint.material;
+    return printable(name->name) + " is " + paint.material + frames_in_words(*segments_, *label);
 }
 
 /// What a person said counts before a guess, and the first before the second.
@@ -171,6 +186,8 @@ Result<std::string> MaterialBrush::Draft::operator()(const Join& join) {
 }
 
 Result<std::string> MaterialBrush::Draft::operator()(const SegmentCut& cut) {
+    if (names_.cuts.size() == most_cuts)
+        return usage_error("a clip's segments are cut " + std::to_string(most_cuts) + " times at most");
     auto made = segments_->with_cut(cut);
     if (!made) return made.error();
     std::vector<std::uint16_t> labels;
@@ -182,10 +199,10 @@ Result<std::string> MaterialBrush::Draft::operator()(const SegmentCut& cut) {
     names_.cuts.push_back(cut);
     if (name != nullptr) {
         const NamedSegment said = *name;
-        name_part(*segments_, names_, whole, said);
-        name_part(*segments_, names_, part, said);
+        name_parts(*segments_, names_, whole, part, said);
     }
-    return segment_in_words(whole) + " is cut; " + segment_in_words(part) + " is its smaller part";
+    return segment_in_words(whole) + " is cut; " + segment_in_words(part) + " is its smaller part" +
+           frames_in_words(*segments_, whole);
 }
 
 Result<std::string> MaterialBrush::Draft::operator()(const Otherwise& otherwise) {
@@ -196,24 +213,25 @@ Result<std::string> MaterialBrush::Draft::operator()(const Otherwise& otherwise)
            (otherwise.material.empty() ? std::string("guessed") : otherwise.material);
 }
 
-Result<void> MaterialBrush::check_room(const Edit& edit) const {
-    if (done_ == most_edits)
-        return usage_error("no more than " + std::to_string(most_edits) +
-                           " changes are kept for undo; save them, and begin anew with what is saved");
-    if (!std::holds_alternative<SegmentCut>(edit)) return {};
-    std::size_t bytes = states_[done_].painted->segments->bytes();
-    for (std::size_t k = 0; k < done_; ++k)
-        if (std::holds_alternative<SegmentCut>(edits_[k].edit))
-            bytes += states_[k + 1].painted->segments->bytes();
-    if (bytes > most_kept_bytes)
-        return usage_error(
-            "what is cut takes 1 GiB, as much as is kept for undo; save it, and begin anew with what is "
-            "saved");
-    return {};
+/// What is the oldest cannot be undone any more, where more is there than is kept.
+void MaterialBrush::forget_oldest() {
+    const auto bytes = [this] {
+        std::size_t sum = 0;
+        const SegmentStore* before = nullptr;
+        for (const State& state : states_) {
+            if (state.painted->segments.get() != before) sum += state.painted->segments->bytes();
+            before = state.painted->segments.get();
+        }
+        return sum;
+    };
+    while (edits_.size() > most_edits || (edits_.size() > 1 && bytes() > most_kept_bytes)) {
+        states_.erase(states_.begin());
+        edits_.erase(edits_.begin());
+        --done_;
+    }
 }
 
 Result<std::string> MaterialBrush::edit(const Edit& edit) {
-    if (auto fits = check_room(edit); !fits) return fits.error();
     Draft draft(states_[done_]);
     auto words = std::visit(draft, edit);
     if (!words) return words;
@@ -224,6 +242,7 @@ Result<std::string> MaterialBrush::edit(const Edit& edit) {
     states_.push_back(std::move(*state));
     edits_.push_back({edit, *words});
     ++done_;
+    forget_oldest();
     return words;
 }
 
@@ -239,101 +258,30 @@ Result<std::string> MaterialBrush::redo() {
     return "done again: " + edits_[done_ - 1].words;
 }
 
-namespace {
-
-HistoryJson write_edit(const MaterialBrush::Edit& edit) {
-    HistoryJson json = HistoryJson::object();
-    if (const auto* const paint = std::get_if<MaterialBrush::Paint>(&edit)) {
-        json["paint"] = segment_json::write_place(paint->at);
-        json["material"] = paint->material;
-    } else if (const auto* const join = std::get_if<MaterialBrush::Join>(&edit)) {
-        json["join"] =
-            HistoryJson::array({segment_json::write_place(join->a), segment_json::write_place(join->b)});
-    } else if (const auto* const cut = std::get_if<SegmentCut>(&edit)) {
-        json["cut"] = segment_json::write_cut(*cut);
-    } else {
-        json["otherwise"] = std::get<MaterialBrush::Otherwise>(edit).material;
-    }
-    return json;
-}
-
-MaterialBrush::Edit read_edit(const HistoryNode& node) {
-    if (node.has("paint")) {
-        node.allow_only({"paint", "material"});
-        return MaterialBrush::Paint{segment_json::read_place(node["paint"]), node["material"].text()};
-    }
-    if (node.has("join")) {
-        const auto places = node["join"].elements(2, 2, "two places");
-        return MaterialBrush::Join{segment_json::read_place(places[0]), segment_json::read_place(places[1])};
-    }
-    if (node.has("cut")) return segment_json::read_cut(node["cut"]);
-    if (node.has("otherwise")) return MaterialBrush::Otherwise{node["otherwise"].text()};
-    node.refuse("paint, join, cut or otherwise");
-}
-
-/// A history as it stands in a file.
-struct ReadHistory {
-    SegmentNames begin;
-    std::vector<MaterialBrush::Edit> edits;
-    std::size_t done = 0;
-};
-
-ReadHistory read_history(const HistoryNode& node, const SegmentStore& segments, const std::string& where) {
-    node.allow_only({"touchable_brush", "width", "height", "frames", "done", "begin", "edits"});
-    if (node["touchable_brush"].integer(1, 1'000'000) != history_version)
-        node["touchable_brush"].refuse("1, the version that is read here");
-    const auto same = [&](const char* member, std::int64_t value) {
-        if (node[member].integer(0, segment_json::last_frame) != value)
-            node[member].refuse(std::to_string(value) + ", as the clip has it");
-    };
-    same("width", segments.width());
-    same("height", segments.height());
-    same("frames", segments.frames());
-    ReadHistory history;
-    auto begin = parse_segment_names(node["begin"].json(), where + ": begin");
-    if (!begin) throw checked_json::Refusal{begin.error().message};
-    history.begin = std::move(*begin);
-    for (const HistoryNode& edit : node["edits"].elements(0, most_edits, "a list of up to 1000 changes"))
-        history.edits.push_back(read_edit(edit));
-    history.done =
-        static_cast<std::size_t>(node["done"].integer(0, static_cast<std::int64_t>(history.edits.size())));
-    return history;
-}
-
-}  // namespace
-
 std::string MaterialBrush::history() const {
-    HistoryJson json;
-    json["touchable_brush"] = history_version;
-    json["width"] = uncut_->width();
-    json["height"] = uncut_->height();
-    json["frames"] = uncut_->frames();
-    json["done"] = done_;
-    json["begin"] = HistoryJson::parse(segment_names_to_json(states_.front().names));
-    json["edits"] = HistoryJson::array();
-    for (const Done& done : edits_) json["edits"].push_back(write_edit(done.edit));
-    return json.dump(-1, ' ', true, HistoryJson::error_handler_t::replace) + '\n';
+    BrushHistory history{uncut_->fingerprint(), states_.front().names, {}, done_};
+    for (const Done& done : edits_) history.edits.push_back(done.edit);
+    return brush_history_to_json(history);
 }
 
-Result<void> MaterialBrush::repeat(std::string_view text, std::string_view from) {
-    const std::string where(from);
-    const auto refuse = [&](const std::string& why) { return input_error(where + ": " + why); };
-    try {
-        const checked_json::Json json = checked_json::parse(text, largest_segment_names);
-        ReadHistory history = read_history(HistoryNode(json, ""), *uncut_, where);
-        auto again = begin(*uncut_, history.begin);
-        if (!again) return again.error();
-        for (std::size_t k = 0; k < history.edits.size(); ++k)
-            if (auto done = again->edit(history.edits[k]); !done)
-                return refuse("edits[" + std::to_string(k) + "]: " + done.error().message);
-        again->done_ = history.done;
-        *this = std::move(*again);
-        return {};
-    } catch (const checked_json::Refusal& reason) {
-        return refuse(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refuse(fault.what());
+Result<void> MaterialBrush::repeat(std::string_view text, const std::string& where) {
+    const auto history = parse_brush_history(text, where);
+    if (!history) return history.error();
+    if (history->segments != uncut_->fingerprint())
+        return input_error(where + ": is of other segments than the clip has now");
+    auto again = begin(*uncut_, history->begin);
+    if (!again) return again.error();
+    for (std::size_t k = 0; k < history->edits.size(); ++k) {
+        if (stop_requested()) return interrupted_error();
+        const auto done = again->edit(history->edits[k]);
+        if (done) continue;
+        if (done.error().kind == ErrorKind::interrupted) return done.error();
+        return input_error(where + ": edits[" + std::to_string(k) + "]: " + done.error().message);
     }
+    const std::size_t undone = history->edits.size() - history->done;
+    again->done_ -= std::min(undone, again->done_);
+    *this = std::move(*again);
+    return {};
 }
 
 }  // namespace touchable

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "engine/content/materials/brush_history.hpp"
 #include "engine/content/materials/painted_clip.hpp"
 #include "engine/content/materials/segment_names.hpp"
 #include "engine/content/materials/segment_store.hpp"
@@ -19,27 +19,20 @@ namespace touchable {
 /// look suggests, or as all others do.
 class MaterialBrush {
 public:
-    /// One thing that is done.
-    struct Paint {
-        PixelOfFrame at;
-        std::string material;
-    };
-    /// Both segments are one thing: of the material of the one that was painted, otherwise of the first.
-    struct Join {
-        PixelOfFrame a, b;
-    };
-    struct Otherwise {
-        std::string material;  ///< of all that nobody named; empty: guesses
-    };
-    using Edit = std::variant<Paint, Join, SegmentCut, Otherwise>;
+    using Paint = PaintEdit;
+    using Join = JoinEdit;
+    using Otherwise = OtherwiseEdit;
+    using Edit = BrushEdit;
+    /// As many are kept for undo; less where segments that are cut take more than 1 GiB.
+    static constexpr std::size_t most_edits = 200;
 
     /// With what was said of the segments before, such as in a file; `segments` are without its cuts, and of
     /// at least one frame. Refused as find_named_segments and with_cuts do.
     static Result<MaterialBrush> begin(SegmentStore segments, const SegmentNames& names = {});
 
     /// What was done, in words: "segment 7 is wood". Refused (ErrorKind::usage), and then nothing is changed:
-    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing; more than
-    /// is kept for undo.
+    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing, more cuts
+    /// than a file of names has. ErrorKind::interrupted where it is given up (stop_requested).
     Result<std::string> edit(const Edit& edit);
     /// Likewise what was done. Refused where there is nothing.
     Result<std::string> undo();
@@ -53,11 +46,12 @@ public:
     /// For a file that --segments reads.
     const SegmentNames& names() const { return states_[done_].names; }
 
-    /// All that was done and undone, for another run of the program (JSON).
+    /// All that was done and undone, for another run of the program (brush_history_to_json).
     std::string history() const;
     /// Brings a history back in place of all that is here. Refused (ErrorKind::input, beginning with
-    /// `where`), and then nothing is changed, where it is none, or not of such segments.
-    Result<void> repeat(std::string_view history, std::string_view where);
+    /// `where`), and then nothing is changed, where it is none, or of other segments. ErrorKind::interrupted
+    /// where it is given up.
+    Result<void> repeat(std::string_view history, const std::string& where);
 
 private:
     struct State {
@@ -71,7 +65,7 @@ private:
     MaterialBrush() = default;
     static Result<State> state_of(std::shared_ptr<const SegmentStore> segments, SegmentNames names);
     class Draft;
-    Result<void> check_room(const Edit& edit) const;
+    void forget_oldest();
 
     std::shared_ptr<const SegmentStore> uncut_;
     std::vector<State> states_;  // before the first edit, after it, ...: one more than edits

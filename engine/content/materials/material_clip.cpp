@@ -7,7 +7,7 @@
 #include "engine/clip/plane_role.hpp"
 #include "engine/content/materials/haptic_painter.hpp"
 #include "engine/content/materials/haptic_track.hpp"
-#include "engine/content/materials/material_guess.hpp"
+#include "engine/content/materials/segment_paint.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -89,24 +89,12 @@ void MaterialReader::start() {
 }
 
 void MaterialReader::meet(const Segment& segment, std::int64_t frame) {
-    SeenSegment seen{segment.label, {segment.x, segment.y, frame}, segment.pixels, segment.colour};
-    const auto named = materials_.named.find(segment.label);
-    if (named != materials_.named.end()) {
-        seen.name = named->second.name;
-        seen.is_guess = named->second.is_guess;
-        seen.material = named->second.material;
-        seen.feel = named->second.feel;
-    } else {
-        seen.is_guess = materials_.otherwise == nullptr;
-        const PaletteMaterial& material =
-            seen.is_guess ? guess_material(look_of(segment, scene().width * scene().height))
-                          : *materials_.otherwise;
-        seen.material = material.name;
-        seen.feel = material.feel();
-    }
-    painter_.set(segment.label, seen.feel);
+    SegmentPaint paint =
+        paint_of(segment, scene().width * scene().height, materials_.named, materials_.otherwise);
+    painter_.set(segment.label, paint.feel);
     met_[segment.label] = true;
-    report_->segments.push_back(std::move(seen));
+    report_->segments.push_back(
+        {segment.label, {segment.x, segment.y, frame}, segment.pixels, segment.colour, std::move(paint)});
 }
 
 void MaterialReader::count_changes(const Segmentation& segmentation) {

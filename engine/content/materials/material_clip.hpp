@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/content/materials/segment_paint.hpp"
 #include "engine/content/materials/segment_search.hpp"
 #include "engine/result.hpp"
 
@@ -29,10 +30,7 @@ struct SeenSegment {
     PixelOfFrame at{};  ///< a pixel of it
     std::int32_t pixels = 0;
     std::array<std::uint8_t, 3> colour{};
-    std::string name{};      ///< that a person gave it; empty: none
-    std::string material{};  ///< of the palette; empty: values of its own
-    Feel feel{};
-    bool is_guess = false;  ///< its material
+    SegmentPaint paint{};
 };
 
 /// What was found in the frames read since the clip's beginning.

@@ -66,14 +66,10 @@ constexpr Rule rules[] = {
     {Hue::any, any_number, any_number, any_number, any_number, "cloth"},
 };
 
-/// What no colour camera saw is as any other painted thing.
-constexpr std::string_view of_unseen = "plastic";
+/// What no colour camera saw feels much as a clip does without materials.
+constexpr std::string_view of_unseen = "cloth";
 
 }  // namespace
-
-SegmentLook look_of(const Segment& segment, std::int32_t of_pixels) {
-    return {segment.colour, segment.contrast, segment.pixels, of_pixels};
-}
 
 const PaletteMaterial& guess_material(const SegmentLook& look) {
     const int red = look.colour[0], green = look.colour[1], blue = look.colour[2];

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "engine/content/materials/palette.hpp"
-#include "engine/content/segments/segmentation.hpp"
 
 namespace touchable {
 
@@ -14,9 +13,6 @@ struct SegmentLook {
     std::int32_t contrast = 0;  ///< mean absolute deviation of brightness from its blur, 1/16 levels
     std::int32_t pixels = 0, of_pixels = 1;  ///< its own, and the picture's
 };
-
-/// Of a segment as it was seen first, in a picture of so many pixels.
-SegmentLook look_of(const Segment& segment, std::int32_t of_pixels);
 
 /// A material that such a segment may be of, by a few rules of thumb. Colour tells little: a painted wall is
 /// as white as paper. Whole numbers, the same on every machine.

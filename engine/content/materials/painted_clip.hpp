@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
-#include <string>
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/content/materials/palette.hpp"
+#include "engine/content/materials/segment_paint.hpp"
 #include "engine/content/materials/segment_store.hpp"
 #include "engine/result.hpp"
 
@@ -14,12 +14,7 @@ namespace touchable {
 /// What all segments of a clip are like: of one moment, never changed.
 struct PaintedSegments {
     std::shared_ptr<const SegmentStore> segments;
-    struct Paint {
-        std::string name{};      ///< empty: nobody gave it one
-        std::string material{};  ///< of the palette; empty: values of its own
-        Feel feel{};
-        bool is_guess = false;
-    };
+    using Paint = SegmentPaint;
     std::map<std::uint16_t, Paint> by_label{};  ///< of all that are seen anywhere
 };
 

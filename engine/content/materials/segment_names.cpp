@@ -13,7 +13,7 @@ using NamesNode = checked_json::Node;
 using NamesJson = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
-constexpr std::size_t most_segments = 65535, most_cuts = 1000;
+constexpr std::size_t most_segments = 65535;
 constexpr std::pair<const char*, bool> said_by_whom[] = {{"guess", true}, {"hand", false}};
 constexpr double stiffest_segment = 10, roughest_segment = 10;  // N/mm, coefficient
 
@@ -63,6 +63,7 @@ NamedSegment read_segment(const NamesNode& node) {
                      "relief", "by"});
     NamedSegment segment;
     segment.name = node["name"].text();
+    if (segment.name.empty()) node["name"].refuse("a name");
     segment.kind = ErrorKind::input;
     read_feel(node, segment);
     if (node.has("by")) segment.is_guess = node["by"].one_of(said_by_whom);

@@ -47,6 +47,7 @@ struct SegmentNames {
     std::string said_by{};    ///< where the cuts are from, for messages
 };
 
+inline constexpr std::size_t most_cuts = 1000;
 /// Of a text of theirs, in bytes.
 inline constexpr std::size_t largest_segment_names = std::size_t{16} << 20;
 

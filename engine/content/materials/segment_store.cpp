@@ -5,6 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "engine/byte_hash.hpp"
+#include "engine/stop_request.hpp"
+
 namespace touchable {
 namespace {
 
@@ -57,6 +60,17 @@ void SegmentStore::add(const Segmentation& frame) {
     bytes_ += frames_.back()->size() * sizeof(Run);
 }
 
+std::string SegmentStore::fingerprint() const {
+    ByteHash hash;
+    hash.add(&width_, sizeof width_);
+    hash.add(&height_, sizeof height_);
+    for (const Runs& runs : frames_) {
+        hash.add(runs->data(), runs->size() * sizeof(Run));
+        hash.add("", 1);  // the frame's end
+    }
+    return hash.hex();
+}
+
 void SegmentStore::read_labels(std::int64_t frame, std::vector<std::uint16_t>& labels) const {
     labels.clear();
     for (const Run& run : *frames_[static_cast<std::size_t>(frame)])
@@ -64,8 +78,7 @@ void SegmentStore::read_labels(std::int64_t frame, std::vector<std::uint16_t>& l
 }
 
 std::uint16_t SegmentStore::label_at(std::int64_t frame, int x, int y) const {
-    auto left =
-        static_cast<std::int64_t>(y) * width_ + x;  // pixels before that one, of runs that begin later
+    auto left = static_cast<std::int64_t>(y) * width_ + x;  // pixels before it that are still to be passed
     for (const Run& run : *frames_[static_cast<std::size_t>(frame)]) {
         left -= run.pixels;
         if (left < 0) return run.label;
@@ -88,20 +101,29 @@ const SegmentStore::FirstLook* SegmentStore::find(std::uint16_t label) const {
     return at == seen_.end() || at->segment.label != label ? nullptr : &*at;
 }
 
+std::int64_t SegmentStore::last_frame_of(std::uint16_t label) const {
+    std::int64_t frame = frames() - 1;
+    while (frame > 0 && !has(frame, label)) --frame;
+    return frame;
+}
+
 bool SegmentStore::has(std::int64_t frame, std::uint16_t label) const {
     const auto& runs = *frames_[static_cast<std::size_t>(frame)];
     return std::any_of(runs.begin(), runs.end(), [&](const Run& run) { return run.label == label; });
 }
 
 /// Through the frames beyond `from`, either way.
-void SegmentStore::follow(CutFollower follower, std::int64_t from, std::int64_t step, std::uint16_t label) {
+Result<void> SegmentStore::follow(CutFollower follower, std::int64_t from, std::int64_t step,
+                                  std::uint16_t label) {
     std::vector<std::uint16_t> labels;
     for (std::int64_t frame = from + step; frame >= 0 && frame < frames(); frame += step) {
+        if (stop_requested()) return interrupted_error();
         if (!has(frame, label)) continue;
         read_labels(frame, labels);
         follower.next(labels);
         frames_[static_cast<std::size_t>(frame)] = runs_of(labels);
     }
+    return {};
 }
 
 /// Where a part of a segment is seen first, since the other one may have what was named there.
@@ -145,8 +167,8 @@ Result<SegmentStore> SegmentStore::with_cut(const SegmentCut& cut) const {
                            "; draw it across, from border to border, or round what is to be its own");
     SegmentStore made = *this;
     made.frames_[static_cast<std::size_t>(cut.frame)] = runs_of(labels);
-    made.follow(follower, cut.frame, 1, label);
-    made.follow(follower, cut.frame, -1, label);
+    for (const std::int64_t step : {1, -1})
+        if (auto followed = made.follow(follower, cut.frame, step, label); !followed) return followed.error();
     const FirstLook whole = *find(label);
     made.look_again(label, whole);
     made.look_again(part, whole);
