@@ -86,6 +86,7 @@ public:
             (*frame)->number = number_;
             (*frame)->time_ns = scene_.rate.time_ns(number_);
             ++number_;
+            if (part_.crop) (*frame)->filled.reset();  // of the whole picture
             if (part_.crop)
                 for (const PlaneRole role : all_roles)
                     plane_of(**frame, role) = cropped(plane_of(**frame, role), *part_.crop);

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "engine/clip/far_plane.hpp"
-#include "engine/frame/stored_code.hpp"
+#include "engine/frame/valid_pixel.hpp"
 #include "engine/quality/pumping.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/stop_request.hpp"
@@ -51,13 +51,6 @@ Image picture_of(const RawFrame& frame, const CodePicture& codes, const Scene& s
     return image;
 }
 
-bool has_depth(const PlaneView& depth, const DepthCoding& coding) {
-    for (int y = 0; y < depth.height; ++y)
-        for (int x = 0; x < depth.width; ++x)
-            if (coding.is_valid(stored_code(depth, coding, x, y))) return true;
-    return false;
-}
-
 }  // namespace
 
 Result<ClipQuality> measure_quality(ClipReader& clip, const Scene& scene,
@@ -78,7 +71,8 @@ Result<ClipQuality> measure_quality(ClipReader& clip, const Scene& scene,
         const RawFrame& frame = **next;
         times.add(frame);
         pumping.add(frame);
-        if (!has_depth(frame.depth, scene.depth) && quality.blank++ == 0) quality.first_blank = frame.number;
+        if (!has_valid_pixel(frame.depth, scene.depth) && quality.blank++ == 0)
+            quality.first_blank = frame.number;
         if (read == 0) {
             const CodePicture codes = code_picture(frame.depth, scene.depth);
             quality.where.picture = picture_of(frame, codes, scene);

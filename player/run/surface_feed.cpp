@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <iterator>
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/frame/valid_pixel.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/surface/filter_plan.hpp"
 
@@ -18,12 +18,8 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Ends at the first.
-bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
-    for (int y = 0; y < depth.height; ++y)
-        for (int x = 0; x < depth.width; ++x)
-            if (coding.is_valid(stored_code(depth, coding, x, y))) return true;
-    return false;
+bool same_filled(const RawFrame& a, const RawFrame& b) {
+    return a.filled == b.filled || (a.filled && b.filled && *a.filled == *b.filled);
 }
 
 bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::int64_t number) {
@@ -144,7 +140,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     }
     if (frame.shown && eye_ != SurfaceTimeline::Eye::none) colours_.put(raw);
     const bool unchanged =
-        !settles_ && newest_ && same_touch_planes(*newest_, raw) && newest_->filled == raw.filled;
+        !settles_ && newest_ && same_touch_planes(*newest_, raw) && same_filled(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
     if (!done.ok() || !*done) return done;
     const double took_ms = milliseconds_since(start);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <iostream>
 
@@ -13,7 +12,6 @@
 #include "engine/import/open_clip.hpp"
 #include "tests/background/still_scene.hpp"
 #include "tests/real_data.hpp"
-#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -311,52 +309,6 @@ TEST(FilledClip, GivesRealDepthBack) {
     EXPECT_GT(filled_share, 0.95);
     EXPECT_LT(median, 0.004);
     EXPECT_LT(most, 0.03);
-}
-
-/// Printed, as 640x480 pixels are usual: processor time of both passes.
-TEST(FilledClip, IsFastEnoughToBePlayed) {
-    const StillScene scene;
-    const auto large = [&](std::int64_t n) {
-        const RawFrame small = scene.frame(n);
-        RawFrame frame;
-        frame.number = n;
-        const auto enlarged = [](const PlaneView& plane) {
-            const auto bytes = static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
-            Image image{4 * plane.width, 4 * plane.height, plane.bytes_per_sample, plane.channels, {}};
-            for (int y = 0; y < image.height; ++y)
-                for (int x = 0; x < image.width; ++x) {
-                    const std::uint8_t* pixel = plane.row(y / 4) + static_cast<std::size_t>(x / 4) * bytes;
-                    image.samples.insert(image.samples.end(), pixel, pixel + bytes);
-                }
-            return plane_from(std::move(image));
-        };
-        add_plane(frame, PlaneRole::depth, enlarged(small.depth));
-        add_plane(frame, PlaneRole::colour, enlarged(small.colour));
-        return frame;
-    };
-#ifdef TOUCHABLE_SANITIZED
-    constexpr std::int64_t different = 4, count = 8;
-#else
-    constexpr std::int64_t different = 28, count = 56;
-#endif
-    std::vector<RawFrame> made;
-    for (std::int64_t n = 0; n < different; ++n) made.push_back(large(n));
-    const auto seconds = [begin = std::clock()] {
-        return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    };
-    const double before = seconds();
-    const auto clip = filled(clip_of(count, [&](std::int64_t n) {
-        RawFrame frame = made[static_cast<std::size_t>(n % different)];
-        frame.number = n;
-        return frame;
-    }));
-    const double learned = seconds();
-    std::int64_t read = 0;
-    while (const auto frame = std::move(*clip->next())) ++read;
-    EXPECT_EQ(read, count);
-    std::cout << "640x480: " << 1000 * (learned - before) / static_cast<double>(count)
-              << " ms a frame before (with 32 that are measured), "
-              << 1000 * (seconds() - learned) / static_cast<double>(count) << " ms when it is read\n";
 }
 
 }  // namespace

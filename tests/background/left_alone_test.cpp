@@ -82,7 +82,8 @@ TEST(LeftAlone, AClipWithoutHoles) {
     };
     const auto clip = filled(clip_of(16, whole));
     EXPECT_EQ(note_of(*clip),
-              "no hole is filled from motion, because depth has none in 16 frames that were measured");
+              "holes are filled from frames that saw what is behind, but the 16 frames that were measured "
+              "have none");
 }
 
 class Around final : public ReaderAround {

@@ -107,6 +107,7 @@ public:
 
 private:
     std::string in_words() const;
+    std::int64_t frame_at_rest(std::int64_t n) const;
 
     const Known known_;
     HoleFilling filling_;
@@ -114,17 +115,23 @@ private:
     std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
 };
 
+/// The nth of the frames in which the camera rests.
+std::int64_t FilledReader::frame_at_rest(std::int64_t n) const {
+    for (const KnownRest& rest : known_.rests) {
+        if (n < rest.end - rest.first) return rest.first + n;
+        n -= rest.end - rest.first;
+    }
+    return 0;
+}
+
 Result<void> FilledReader::measure() {
-    const std::int64_t count = std::min(measured_frames, known_.rests.empty() ? 0 : known_.frames);
+    std::int64_t at_rest = 0;
+    for (const KnownRest& rest : known_.rests) at_rest += rest.end - rest.first;
+    const std::int64_t count = std::min(measured_frames, at_rest);
     for (std::int64_t k = 0; k < count; ++k) {
-        const std::int64_t number = k * known_.frames / count;
-        if (auto there = seek(number); !there) return there;
+        if (auto there = seek(frame_at_rest(k * at_rest / count)); !there) return there;
         const auto frame = next();
         if (!frame) return frame.error();
-        const bool is_known = std::any_of(known_.rests.begin(), known_.rests.end(), [&](const auto& rest) {
-            return rest.first <= number && number < rest.end;
-        });
-        if (!is_known) continue;
         ++measured_;
         holes_ += filling_.holes();
         filled_ += filling_.filled();
@@ -149,7 +156,8 @@ std::string FilledReader::in_words() const {
     if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";
     std::string said;
     if (measured_ == 0 || holes_ == 0) {
-        said = why + "depth has none in " + frames(measured_) + " that were measured";
+        said = "holes are filled from frames that saw what is behind, but the " + frames(measured_) +
+               " that were measured have none";
     } else {
         const auto pixels = static_cast<double>(measured_) * scene().width * scene().height;
         said = "holes are filled from frames that saw what is behind: " +
