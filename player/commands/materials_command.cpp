@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +11,7 @@
 #include "player/commands/commands.hpp"
 #include "player/commands/many_clips.hpp"
 #include "player/commands/materials_run.hpp"
+#include "player/control/brush_words.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
@@ -31,26 +32,16 @@ struct MaterialsTyped {
     std::string otherwise, frame;
 };
 
-/// "X,Y" or "X,Y,FRAME".
+/// "X,Y" or "X,Y,FRAME", of the first frame where it names none.
 Result<PixelOfFrame> read_place(const std::string& text) {
-    const auto refused = [&] {
+    auto place = read_pixel_of_frame(text);
+    if (!place)
         return usage_error(
             "--at " + in_quotes(text) +
             " is no pixel; right would be X,Y or X,Y,FRAME: its column, its row and its frame, "
             "from 0, such as 120,80 or 120,80,45");
-    };
-    const std::string_view view = text;
-    const std::size_t first = view.find(','), second = view.find(',', first + 1);
-    if (first == std::string_view::npos) return refused();
-    const bool has_frame = second != std::string_view::npos;
-    const auto x = read_whole_number("--at", view.substr(0, first), 0, 16383);
-    const auto y = read_whole_number(
-        "--at", view.substr(first + 1, has_frame ? second - first - 1 : std::string_view::npos), 0, 16383);
-    const auto frame =
-        has_frame ? read_whole_number<std::int64_t>("--at", view.substr(second + 1), 0, last_segment_frame)
-                  : Result<std::int64_t>(std::int64_t{0});
-    if (!x.ok() || !y.ok() || !frame.ok()) return refused();
-    return PixelOfFrame{*x, *y, *frame};
+    place->frame = std::max<std::int64_t>(place->frame, 0);
+    return *place;
 }
 
 /// "NAME=MATERIAL" and where that is.

@@ -5,27 +5,38 @@
 namespace touchable {
 namespace {
 
-constexpr std::pair<BrushTool, const char*> tool_names[] = {{BrushTool::none, "none"},
-                                                            {BrushTool::paint, "paint"},
-                                                            {BrushTool::join, "join"},
-                                                            {BrushTool::cut, "cut"}};
+constexpr BrushTool all_tools[] = {BrushTool::touch, BrushTool::paint, BrushTool::join, BrushTool::cut};
 
 }  // namespace
 
 const char* name_of(BrushTool tool) {
-    return tool_names[static_cast<std::size_t>(tool)].second;
+    switch (tool) {
+        case BrushTool::paint:
+            return "paint";
+        case BrushTool::join:
+            return "join";
+        case BrushTool::cut:
+            return "cut";
+        case BrushTool::touch:
+            break;
+    }
+    return "touch";
+}
+
+std::span<const BrushTool> brush_tools() {
+    return all_tools;
 }
 
 std::optional<BrushTool> brush_tool_of(std::string_view name) {
-    for (const auto& [tool, its_name] : tool_names)
-        if (name == its_name) return tool;
+    for (const BrushTool tool : all_tools)
+        if (name == name_of(tool)) return tool;
     return std::nullopt;
 }
 
 void HeldBrush::take(BrushTool tool) {
     let_go();
     tool_ = tool;
-    if (tool != BrushTool::none) last_ = tool;
+    if (tool != BrushTool::touch) last_ = tool;
 }
 
 void HeldBrush::let_go() {

@@ -15,13 +15,15 @@ namespace touchable {
 
 /// What the left button does over the picture.
 enum class BrushTool {
-    none,   ///< it presses the finger
+    touch,  ///< it presses the finger
     paint,  ///< the segment that is clicked gets the material in hand
     join,   ///< the segment that is clicked first and the next one are one
     cut     ///< a stroke that is dragged parts its segment
 };
-/// As commands call it.
+/// As commands and the panel call it.
 const char* name_of(BrushTool tool);
+/// All of them, as the panel shows them.
+std::span<const BrushTool> brush_tools();
 /// Nothing where it is none's name.
 std::optional<BrushTool> brush_tool_of(std::string_view name);
 
@@ -31,11 +33,11 @@ public:
     static constexpr std::size_t most_points = 4096;  ///< of a stroke
 
     BrushTool tool() const { return tool_; }
-    bool is_held() const { return tool_ != BrushTool::none; }
+    bool is_held() const { return tool_ != BrushTool::touch; }
     /// What was begun with the one before is let go of.
     void take(BrushTool tool);
     /// Away, or the last one again; the first is paint.
-    void take_or_put_away() { take(is_held() ? BrushTool::none : last_); }
+    void take_or_put_away() { take(is_held() ? BrushTool::touch : last_); }
     const std::string& material() const { return material_; }
     void set_material(std::string material) { material_ = std::move(material); }
 
@@ -57,7 +59,7 @@ public:
     std::span<const glm::dvec2> line() const { return line_; }
 
 private:
-    BrushTool tool_ = BrushTool::none, last_ = BrushTool::paint;
+    BrushTool tool_ = BrushTool::touch, last_ = BrushTool::paint;
     std::string material_ = "wood";
     bool is_drawing_ = false;
     std::vector<PixelOfFrame> places_;  // of a stroke, or the first of two segments

@@ -24,8 +24,9 @@ std::optional<std::int64_t> whole_number(std::string_view word, std::int64_t mos
     return is_one && value >= 0 && value <= most ? std::optional(value) : std::nullopt;
 }
 
-/// "X,Y" or "X,Y,FRAME".
-std::optional<PixelOfFrame> place_in(std::string_view word) {
+}  // namespace
+
+std::optional<PixelOfFrame> read_pixel_of_frame(std::string_view word) {
     const std::size_t first = word.find(',');
     if (first == std::string_view::npos) return std::nullopt;
     const std::size_t second = word.find(',', first + 1);
@@ -37,6 +38,8 @@ std::optional<PixelOfFrame> place_in(std::string_view word) {
     if (!x || !y || !frame) return std::nullopt;
     return PixelOfFrame{static_cast<int>(*x), static_cast<int>(*y), *frame};
 }
+
+namespace {
 
 /// How many places a command takes, and how it is told.
 struct Places {
@@ -59,7 +62,7 @@ Result<WindowCommand> read_places(WindowVerb verb, const std::string& name, cons
     WindowCommand command{.verb = verb};
     std::istringstream words(rest);
     for (std::string word; words >> word;) {
-        const auto place = place_in(word);
+        const auto place = read_pixel_of_frame(word);
         if (!place || command.places.size() == takes.most) return refused();
         if (verb == WindowVerb::cut && !command.places.empty() && place->frame != command.places[0].frame)
             return refused();
@@ -78,7 +81,7 @@ Result<WindowCommand> read_brush_words(WindowVerb verb, const std::string& name,
             if (!rest.empty() && !brush_tool_of(rest))
                 return usage_error(
                     in_quotes(name + " " + rest) +
-                    ": right would be paint, join, cut or none; nothing puts it away, or takes "
+                    ": right would be touch, paint, join or cut; nothing puts it away, or takes "
                     "the last one again");
             return command;
         case WindowVerb::otherwise:

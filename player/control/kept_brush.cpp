@@ -1,11 +1,18 @@
 #include "player/control/kept_brush.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "engine/byte_hash.hpp"
 #include "engine/given_file.hpp"
+#include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
@@ -39,6 +46,43 @@ Result<std::optional<std::string>> read_saved(const std::filesystem::path& file)
     return std::optional(std::move(*text));
 }
 
+/// A file beside the history, there as long as somebody holds it.
+class HistoryLock {
+public:
+    /// Whether it is free. One that cannot be made holds nobody up: then no history can be written either.
+    static bool take(const std::filesystem::path& history, std::shared_ptr<void>& held) {
+        auto lock = std::make_shared<HistoryLock>();
+        lock->file_ = history;
+        lock->file_ += ".lock";
+        std::error_code ignored;
+        std::filesystem::create_directories(history.parent_path(), ignored);
+        for (int tries = 0; tries < 100; ++tries) {
+            lock->descriptor_ = ::open(lock->file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600);
+            if (lock->descriptor_ < 0) return true;
+            const bool is_locked = ::flock(lock->descriptor_, LOCK_EX | LOCK_NB) == 0;
+            const bool is_of_another = !is_locked && errno == EWOULDBLOCK;
+            struct stat now {};
+            lock->is_held_ = is_locked && ::fstat(lock->descriptor_, &now) == 0 && now.st_nlink > 0;
+            if (lock->is_held_) held = lock;
+            if (lock->is_held_ || !is_locked) return !is_of_another;
+            ::close(std::exchange(lock->descriptor_, -1));  // somebody removed it meanwhile
+        }
+        return true;
+    }
+    HistoryLock() = default;
+    HistoryLock(const HistoryLock&) = delete;
+    HistoryLock& operator=(const HistoryLock&) = delete;
+    ~HistoryLock() {
+        if (is_held_) ::unlink(file_.c_str());
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+
+private:
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+    bool is_held_ = false;
+};
+
 }  // namespace
 
 std::filesystem::path BrushFiles::saved() const {
@@ -53,7 +97,9 @@ std::filesystem::path BrushFiles::history() const {
     std::error_code failed;
     auto whole = std::filesystem::weakly_canonical(without_slash(clip), failed);
     if (failed) whole = std::filesystem::absolute(clip, failed);
-    return history_folder / ("brush-" + hash_of_text(whole.string()) + ".json");
+    std::string key = whole.string();
+    if (!opened_as.empty()) key += '\n' + opened_as;
+    return history_folder / ("brush-" + hash_of_text(key) + ".json");
 }
 
 void KeptBrush::say(const std::string& words) {
@@ -73,26 +119,74 @@ Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
 }
 
 /// Refused where it is none, or of other materials than are saved now; then nothing is changed.
-Result<void> KeptBrush::take_history(const std::filesystem::path& file,
-                                     const std::optional<std::string>& saved) {
-    const auto text =
-        read_given_file(file, file.string(), "what a brush did in an earlier window", largest_history);
-    if (!text.ok()) return text.error();
+Result<void> KeptBrush::take_history(const std::string& text, const std::optional<std::string>& saved) {
+    const std::string where = files_.history().string();
     std::vector<std::string> hashes;
     std::string changes;
     try {
-        const HistoryFile json = HistoryFile::parse(*text);
+        const HistoryFile json = HistoryFile::parse(text);
         json.at("saved").get_to(hashes);
         json.at("changes").get_to(changes);
     } catch (const HistoryFile::exception&) {
-        return input_error(file.string() + ": is no history of a brush");
+        return input_error(where + ": is no history of a brush");
     }
     if (saved && std::find(hashes.begin(), hashes.end(), hash_of_text(*saved)) == hashes.end())
-        return input_error(file.string() + ": is of other materials than " + files_.saved().string() +
-                           " has now");
-    if (auto repeated = brush_.repeat(changes, file.string()); !repeated.ok()) return repeated;
+        return input_error(where + ": is of other materials than " + files_.saved().string() + " has now");
+    if (auto repeated = brush_.repeat(changes, where); !repeated.ok()) return repeated;
     saved_ = std::move(hashes);
     return {};
+}
+
+std::filesystem::path KeptBrush::history_file() const {
+    return keeps_history_ ? files_.history() : std::filesystem::path();
+}
+
+void KeptBrush::go_without_history(const std::string& why) {
+    keeps_history_ = false;
+    say(why + "; what is done now is not kept beyond this window, unless it is saved");
+}
+
+/// Never in the place of one that was set aside before.
+void KeptBrush::set_aside(const Error& why) {
+    constexpr int most_set_aside = 100;
+    const std::filesystem::path file = files_.history();
+    int failed = EEXIST;
+    for (int k = 1; k <= most_set_aside && failed == EEXIST; ++k) {
+        std::filesystem::path aside = file;
+        aside += k == 1 ? ".broken" : ".broken" + std::to_string(k);
+        failed = move_to_free_name(file, aside);
+        if (failed == 0) return say(why.message + "; set aside as " + aside.filename().string());
+    }
+    go_without_history(why.message + "; it stays there, for it cannot be set aside (" +
+                       std::generic_category().message(failed) + ")");
+}
+
+/// Whether it goes on with one.
+Result<bool> KeptBrush::find_history(const std::optional<std::string>& saved) {
+    const std::filesystem::path file = files_.history();
+    if (file.empty()) return false;
+    if (!HistoryLock::take(file, held_)) {
+        go_without_history("another window has a brush on this clip");
+        return false;
+    }
+    if (!is_there(file)) return false;
+    const auto text =
+        read_given_file(file, file.string(), "what a brush did in an earlier window", largest_history);
+    if (!text.ok() && text.error().kind == ErrorKind::interrupted) return text.error();
+    if (!text.ok()) {
+        go_without_history(text.error().message);
+        return false;
+    }
+    const auto taken = take_history(*text, saved);
+    if (!taken.ok() && taken.error().kind == ErrorKind::interrupted) return taken.error();
+    if (!taken.ok()) {
+        set_aside(taken.error());
+        return false;
+    }
+    if (const std::size_t count = brush_.done(); count > 0)
+        say((count == 1 ? "1 change" : std::to_string(count) + " changes") + " of last time " +
+            (count == 1 ? "is" : "are") + " here again; undo goes back over " + (count == 1 ? "it" : "them"));
+    return true;
 }
 
 Result<KeptBrush> KeptBrush::begin(SegmentStore segments, BrushFiles files) {
@@ -101,27 +195,11 @@ Result<KeptBrush> KeptBrush::begin(SegmentStore segments, BrushFiles files) {
     auto guessed = MaterialBrush::begin(std::move(segments));
     if (!guessed.ok()) return guessed.error();
     KeptBrush brush(std::move(*guessed), std::move(files));
-    const std::filesystem::path file = brush.files_.history();
-    std::string refused;
-    if (!file.empty() && is_there(file)) {
-        const auto taken = brush.take_history(file, *saved);
-        if (taken.ok()) {
-            if (const std::size_t count = brush.brush_.done(); count > 0)
-                brush.say((count == 1 ? "1 change" : std::to_string(count) + " changes") + " of last time " +
-                          (count == 1 ? "is" : "are") + " here again; undo goes back over " +
-                          (count == 1 ? "it" : "them"));
-            return brush;
-        }
-        std::filesystem::path aside = file;
-        aside += ".broken";
-        std::error_code failed;
-        std::filesystem::rename(file, aside, failed);
-        refused = taken.error().message +
-                  (failed ? "; it stays there" : "; set aside as " + aside.filename().string());
-    }
+    const auto found = brush.find_history(*saved);
+    if (!found.ok()) return found.error();
+    if (*found) return brush;
     if (auto taken = brush.take_saved(*saved); !taken.ok()) return taken.error();
     if (*saved) brush.say("segments are as " + brush.files_.saved().filename().string() + " has them");
-    if (!refused.empty()) brush.say(refused);
     return brush;
 }
 

@@ -41,7 +41,7 @@ enum class WindowVerb {
     feel,         ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
     settings,     ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
     reset,        ///< everything that is kept from one window to the next
-    tool,         ///< `word`: paint, join, cut, or none; empty: away, or the last one again
+    tool,         ///< `word`: touch, paint, join or cut; empty: away, or the last one again
     material,     ///< `word`: the material in hand
     paint,        ///< `places`: a pixel of the segment that gets the material in hand
     join,         ///< `places`: pixels of two segments that are one from now on

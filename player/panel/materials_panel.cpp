@@ -63,9 +63,11 @@ void draw_button(const char* words, bool may, float wide, WindowVerb verb,
 
 void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     draw_label("left button", scale);
-    const int tool =
-        draw_words("tool", {"touch", "paint", "join", "cut"}, static_cast<int>(facts.tool), true);
-    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = name_of(static_cast<BrushTool>(tool))});
+    std::vector<const char*> names;
+    for (const BrushTool tool : brush_tools()) names.push_back(name_of(tool));
+    const auto held = std::ranges::find(brush_tools(), facts.tool) - brush_tools().begin();
+    const int tool = draw_words("tool", names, static_cast<int>(held), true);
+    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = names[static_cast<std::size_t>(tool)]});
     explain_row(
         "What the left button does: touches; paints the segment that is clicked; makes one of two that are "
         "clicked; or cuts one by a stroke that is dragged over it.");

@@ -12,7 +12,7 @@ namespace touchable {
 
 /// What is shown of the brush of materials.
 struct BrushFacts {
-    BrushTool tool = BrushTool::none;
+    BrushTool tool = BrushTool::touch;
     std::string material{};         ///< in hand
     bool is_there = false;          ///< segments are known
     std::string otherwise{};        ///< material of all that nobody painted; empty: guesses

@@ -271,7 +271,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     draw_title(facts, scale, asked);
     draw_finger(facts, roomy, scale, asked);
     // Whoever takes a tool wants to see what else there is.
-    const bool is_held = facts.brush.tool != BrushTool::none;
+    const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
     if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
     if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <string>
 
 #include "engine/content/materials/segment_store.hpp"
 #include "engine/result.hpp"
@@ -16,5 +17,9 @@ namespace touchable {
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
                                           const std::function<void(std::int64_t frame)>& progress,
                                           const std::stop_token& given_up);
+
+/// What a person said of the clip on which its segments depend, so that they are the same where it is; empty:
+/// nothing.
+std::string segments_depend_on(const ClipChoice& choice);
 
 }  // namespace touchable

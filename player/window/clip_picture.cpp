@@ -26,7 +26,7 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
     shown_.reset();
     Result<void> shown;
     if (overlay_ == Overlay::colour) {
-        const PlaneView seen = tinted_ ? tint_.paint(*tinted_, pair.prev.number, colour) : colour;
+        const PlaneView seen = tinted_ ? tint_.paint(tinted_, pair.prev.number, colour) : colour;
         shown = graphics_->show(field, pair, seen, Lighting::lit);
     } else {
         const OverlayPicture& picture = overlays_->paint(overlay_, field, pair);

@@ -24,12 +24,26 @@ int brightness_at(const PlaneView& colour, int x, int y, int width, int height) 
 
 }  // namespace
 
-PlaneView SegmentTint::paint(const PaintedSegments& painted, std::int64_t frame, const PlaneView& colour) {
-    const SegmentStore& segments = *painted.segments;
+PlaneView SegmentTint::paint(const std::shared_ptr<const PaintedSegments>& painted, std::int64_t frame,
+                             const PlaneView& colour) {
+    const SegmentStore& segments = *painted->segments;
+    frame = std::clamp<std::int64_t>(frame, 0, segments.frames() - 1);
+    if (painted != painted_ || frame != frame_ || colour.data != colour_) {
+        painted_ = painted;
+        frame_ = frame;
+        colour_ = colour.data;
+        paint_anew(colour);
+    }
+    const int width = segments.width();
+    return {rgb_.data(), std::ptrdiff_t{3} * width, width, segments.height(), 1, 3};
+}
+
+void SegmentTint::paint_anew(const PlaneView& colour) {
+    const SegmentStore& segments = *painted_->segments;
     const int width = segments.width(), height = segments.height();
-    segments.read_labels(std::clamp<std::int64_t>(frame, 0, segments.frames() - 1), labels_);
+    segments.read_labels(frame_, labels_);
     std::vector<TintRgb> colours(65536, material_colour(""));
-    for (const auto& [label, paint] : painted.by_label) colours[label] = material_colour(paint.material);
+    for (const auto& [label, paint] : painted_->by_label) colours[label] = material_colour(paint.material);
     const auto label_at = [&](int x, int y) {
         return labels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                        static_cast<std::size_t>(x)];
@@ -50,7 +64,6 @@ PlaneView SegmentTint::paint(const PaintedSegments& painted, std::int64_t frame,
             for (std::size_t c = 0; c < 3; ++c)
                 to[c] = static_cast<std::uint8_t>(colours[label][c] * share >> 8);
         }
-    return {rgb_.data(), std::ptrdiff_t{3} * width, width, height, 1, 3};
 }
 
 }  // namespace touchable

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include "engine/new_file.hpp"
 #include "engine/start_thread.hpp"
 
 namespace touchable {
 
-void TextFiles::write(std::filesystem::path file, std::string text, Check check) {
+void TextFiles::write(Text text) {
     {
         const std::lock_guard lock(mutex_);
-        std::erase_if(waiting_, [&](const Text& earlier) { return earlier.file == file; });
-        waiting_.push_back({std::move(file), std::move(text), std::move(check)});
+        const auto earlier = std::ranges::find(waiting_, text.file, &Text::file);
+        if (earlier != waiting_.end())
+            *earlier = std::move(text);
+        else
+            waiting_.push_back(std::move(text));
         is_ending_ = false;
     }
     changed_.notify_one();
@@ -21,11 +25,15 @@ void TextFiles::write(std::filesystem::path file, std::string text, Check check)
         start_thread(thread_, "text-files", "that writes what is painted", [this] { write_all(); });
     if (started.ok()) return;
     const std::lock_guard lock(mutex_);
-    for (const Text& text_of : waiting_) done_.emplace_back(text_of.file, started.error());
+    for (const Text& unwritten : waiting_) note(unwritten, started.error());
     waiting_.clear();
 }
 
-std::vector<std::pair<std::filesystem::path, Result<void>>> TextFiles::take() {
+void TextFiles::note(const Text& text, Result<void> result) {
+    done_.push_back({text.file, text.kind, text.clip, std::move(result)});
+}
+
+std::vector<TextFiles::Written> TextFiles::take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(done_, {});
 }
@@ -40,7 +48,7 @@ void TextFiles::finish() {
     thread_.join();
 }
 
-Result<void> TextFiles::write(const Text& text) {
+Result<void> TextFiles::write_now(const Text& text) {
     if (text.check)
         if (auto may = text.check(text.file); !may.ok()) return may;
     std::error_code failed;
@@ -61,9 +69,9 @@ void TextFiles::write_all() {
         const Text text = std::move(waiting_.front());
         waiting_.pop_front();
         lock.unlock();
-        auto written = write(text);
+        auto written = write_now(text);
         lock.lock();
-        done_.emplace_back(text.file, std::move(written));
+        note(text, std::move(written));
     }
 }
 

@@ -5,10 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "engine/result.hpp"
@@ -27,28 +25,41 @@ public:
 
     /// Refuses, by the text of a file that is there, to replace it: why.
     using Check = std::function<Result<void>(const std::filesystem::path& file)>;
+    enum class Kind {
+        history,  ///< which the window keeps by itself
+        saved     ///< which a person asked for
+    };
+    struct Text {
+        std::filesystem::path file;
+        std::string text;
+        Kind kind = Kind::history;
+        std::string clip{};  ///< of which it is
+        Check check{};
+    };
     /// Whole or not at all; folders that are missing are made. A text that still waits and is for the same
-    /// file is not written any more.
-    void write(std::filesystem::path file, std::string text, Check check = {});
+    /// file is not written any more: this one has its place, before those that came after it.
+    void write(Text text);
+    struct Written {
+        std::filesystem::path file;
+        Kind kind;
+        std::string clip;
+        Result<void> result;
+    };
     /// Those that were written or refused since, oldest first.
-    std::vector<std::pair<std::filesystem::path, Result<void>>> take();
+    std::vector<Written> take();
     /// Waits until all are written; then `take` has the rest.
     void finish();
 
 private:
-    struct Text {
-        std::filesystem::path file;
-        std::string text;
-        Check check;
-    };
-    static Result<void> write(const Text& text);
+    static Result<void> write_now(const Text& text);
+    void note(const Text& text, Result<void> result);
     void write_all();
 
     std::mutex mutex_;
     std::condition_variable changed_;
     // Guarded by it.
     std::deque<Text> waiting_;
-    std::vector<std::pair<std::filesystem::path, Result<void>>> done_;
+    std::vector<Written> done_;
     bool is_ending_ = false;
     std::thread thread_;  // from the first text
 };

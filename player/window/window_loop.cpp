@@ -76,9 +76,8 @@ Result<PlayFigures> WindowLoop::run() {
         if (interrupted()) return interruption();
         return std::move(figures_);
     }
-    while (ended.ok() && !quit_ && !interrupted()) ended = turn();
+    while (ended.ok() && !interrupted() && (!quit_ || has_to_stay())) ended = turn();
     power_hand_off();
-    finish_brush();
     Result<void> kept;
     const bool is_kept = ended.ok() && options_.screenshot && !interrupted();
     if (is_kept) {
@@ -98,10 +97,10 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
-    brush_files_.finish();
-    for (const auto& [file, written] : brush_files_.take())
-        if (!written.ok())
-            std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
+    const Result<void> saved = brush_.finish();
+    for (const auto& remark : brush_.take_news().remarks)
+        if (remark.is_bad && (saved.ok() || remark.words != saved.error().message))
+            std::cerr << "touchable: warning: " << printable(remark.words, 500) << '\n';
     // Last: their disk may be another one, and not answer.
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {
@@ -112,7 +111,7 @@ Result<PlayFigures> WindowLoop::run() {
             std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
     }
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
-    if (auto done = all_ok({ended, recorded, heard, filmed, kept}); !done.ok()) return done.error();
+    if (auto done = all_ok({ended, recorded, heard, filmed, kept, saved}); !done.ok()) return done.error();
     if (interrupted()) return interruption();
     return std::move(figures_);
 }
@@ -149,12 +148,13 @@ Result<void> WindowLoop::turn() {
     const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
-    const double script_s = script_clock_.at(now_s(), brush_is_at_work());
-    if (begun_) take_script(script_s);
+    const double script_s = script_clock_.at(now_s(), brush_.is_at_work());
+    if (begun_ && !quit_) take_script(script_s);
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !tool_.is_held());
-    go_on_brush();
+    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held());
+    brush_.go_on(screen_->size());
+    heed_brush();
     go_on_opening();
     note_sound();
     note_files();
@@ -223,10 +223,21 @@ void WindowLoop::count_session() {
     figures_.dropped_frames += sessions.feed.dropped;
 }
 
+/// Whether the brush is still at what it was asked for before the window was closed. Who closes it again does
+/// not wait. A hand has no forces by then.
+bool WindowLoop::has_to_stay() {
+    if (leaves_at_once_ || !brush_.is_changing()) return false;
+    if (!std::exchange(is_leaving_, true)) {
+        power_hand_off();
+        say("the window closes once the brush has done what it was asked for; close it again to leave now");
+    }
+    return true;
+}
+
 void WindowLoop::take_script(double now_s) {
     // What a brush is asked for is done before what comes after it.
     while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s &&
-           !brush_is_at_work()) {
+           !brush_.is_at_work()) {
         const auto& what = options_.script[scripted_++].what;
         if (const auto* event = std::get_if<InputEvent>(&what))
             take(*event);
@@ -242,14 +253,17 @@ void WindowLoop::take(const InputEvent& event) {
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
-    if (event.kind == Kind::close) quit_ = true;
+    if (event.kind == Kind::close) {
+        leaves_at_once_ = quit_;
+        quit_ = true;
+    }
     if (event.kind == Kind::dropped) open_other(event.word);
     if (event.kind == Kind::key && event.word == "escape" && panel_->help_shown) {
         panel_->help_shown = false;
         return;
     }
-    if (event.kind == Kind::key && event.word == "escape" && tool_.is_held())
-        return take(WindowCommand{.verb = WindowVerb::tool, .word = "none"});
+    if (event.kind == Kind::key && event.word == "escape" && brush_.is_held())
+        return take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
     if (event.kind == Kind::key) {
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (binding && (!event.repeated || goes_by_steps(binding->verb)))
@@ -266,8 +280,8 @@ void WindowLoop::take(const InputEvent& event) {
     const bool is_of_panel =
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
-    if (take_with_tool(event, is_of_panel)) return;
     const ScreenSize size = screen_->size();
+    if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     if (!is_of_panel || event.kind == Kind::released)
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);

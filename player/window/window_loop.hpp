@@ -1,9 +1,7 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,23 +10,21 @@
 #include <vector>
 
 #include "player/audio/window_sound.hpp"
-#include "player/control/brush_tool.hpp"
-#include "player/control/kept_brush.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
 #include "player/control/pointer_input.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
-#include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
+#include "player/window/long_work.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/screenshots.hpp"
-#include "player/window/text_files.hpp"
+#include "player/window/window_brush.hpp"
 #include "player/window/window_film.hpp"
 
 namespace touchable {
@@ -94,27 +90,10 @@ private:
     void tell_guesses();
     std::string words_of_opening() const;
     void reset();
-    void take_of_brush(WindowCommand command);
-    std::string why_no_brush() const;
-    void begin_brush();
-    bool brush_is_at_work() const {
-        return brush_work_.is_busy() || !for_brush_.empty() || !for_tool_.empty();
-    }
-    void do_next_with_brush();
-    void go_on_brush();
-    void want_painted();
+    void take_of_brush(const WindowCommand& command);
+    void heed_brush();
     void compare_with_before();
-    bool take_with_tool(const InputEvent& event, bool is_of_panel);
-    void do_with_tool();
-    HeldBrush::Place place_at(const glm::dvec2& at, const WatchedMoment& moment) const;
-    void hold_still(bool still);
-    void keep_history();
-    void save_materials(const std::filesystem::path& file);
-    void forget_brush();
-    void finish_brush();
-    std::string words_of_brush() const;
-    BrushFacts brush_facts() const;
-    std::string segment_words(const WatchedMoment& moment, int x, int y) const;
+    bool has_to_stay();
     void watch_over();
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
@@ -177,19 +156,6 @@ private:
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
-    HeldBrush tool_;
-    struct ToolInput {
-        InputEvent::Kind kind;
-        glm::dvec2 at;  // window
-    };
-    std::vector<ToolInput> for_tool_;                         // that waits until something is shown
-    bool tool_is_pressed_ = false, tool_holds_clip_ = false;  // the clip waits for a stroke
-    std::shared_ptr<KeptBrush> brush_;                        // null: none yet, or it works
-    std::shared_ptr<const PaintedSegments> painted_;          // by it, as shown
-    BrushFacts brush_state_;                                  // what of the brush is shown
-    std::deque<WindowCommand> for_brush_;                     // that wait for it
-    std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
-    TextFiles brush_files_;
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
@@ -203,6 +169,7 @@ private:
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
+    bool is_leaving_ = false, leaves_at_once_ = false;  // after `quit_`, while the brush is at work
     double last_draw_ms_ = 0;
     double small_draw_ms_ = 0;  // of the last picture of a frame that had been seen before
     Clock::time_point frame_came_at_;
@@ -210,15 +177,9 @@ private:
     PictureGovernor governor_;
     ForceScale force_scale_;
     PlayFigures figures_;
-    /// What became of a command of the brush, or of beginning with it.
-    struct BrushWork {
-        std::shared_ptr<KeptBrush> brush;
-        Result<std::string> said;
-        bool is_begun = false;
-    };
-    ClipOpening<BrushWork> brush_work_;
+    WindowBrush brush_{options_};
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
-    ClipOpening<Ready> opening_;  // ends before what it works on
+    LongWork<Ready> opening_{"clip-opening", "that opens clips"};  // ends before what it works on
 };
 
 }  // namespace touchable

@@ -137,6 +137,42 @@ void WindowLoop::set_overlay(const std::string& name) {
     picture_.set_overlay(*overlay);
 }
 
+/// One that comes when the clip is about to go is not for the next one.
+void WindowLoop::take_of_brush(const WindowCommand& command) {
+    if (quit_ || (ready_ && ready_->clip))
+        return say("the clip is about to go; nothing is painted any more", true);
+    brush_.take(command);
+    if (brush_.is_held() && (command.verb == WindowVerb::tool || command.verb == WindowVerb::material))
+        panel_->shown = true;
+    heed_brush();
+}
+
+/// What it says, and what of it is to be felt: by the road of other settings.
+void WindowLoop::heed_brush() {
+    const WindowBrush::News news = brush_.take_news();
+    WindowSettings wanted = wanted_settings_.value_or(settings_);
+    for (const auto& [words, is_bad, is_change] : news.remarks)
+        say(words + (is_change && !has_materials(wanted) ? "; B feels it" : ""), is_bad);
+    if (news.has_begun) compare_with_before();
+    if (!news.is_another) return;
+    wanted = wanted_settings_.value_or(settings_);
+    wanted.painted = brush_.felt();
+    if (!(wanted == wanted_settings_.value_or(settings_))) wanted_settings_ = std::move(wanted);
+}
+
+/// The set of settings that is not in effect becomes that which is, without materials: one key compares.
+void WindowLoop::compare_with_before() {
+    WindowSettings wanted = wanted_settings_.value_or(settings_);
+    TwoSettings& two = wanted.in_effect;
+    SessionSettings before = two.now();
+    (void)before.set("materials", "off");
+    if (two.b_is_on)
+        two.a = before;
+    else
+        two.b = before;
+    wanted_settings_ = std::move(wanted);
+}
+
 void WindowLoop::feel(const WindowCommand& command) {
     WindowSettings wanted = wanted_settings_.value_or(settings_);
     const std::size_t space = command.word.find(' ');

@@ -91,7 +91,8 @@ void WindowLoop::go_on_opening() {
         if (!made->ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();
         asked_settings_.reset();
     }
-    if (ready_ && (ready_->clip || clip_->has_come_to(*ready_->change))) {
+    // What the brush is asked for is done before its clip goes.
+    if (ready_ && (ready_->clip ? !brush_.is_changing() : clip_->has_come_to(*ready_->change))) {
         Ready ready = *std::exchange(ready_, std::nullopt);
         say(take(ready));
     }
@@ -102,8 +103,9 @@ void WindowLoop::go_on_opening() {
         return ask_for_change(settings_);
     }
     if (!wanted_settings_ || !was_seen || ready_ || opening_.is_busy()) return;
+    // What is painted and not felt changes nothing.
     if (wanted_settings_->in_effect.now() == clip_->settings() &&
-        wanted_settings_->painted == clip_->painted()) {
+        (wanted_settings_->painted == clip_->painted() || !has_materials(*wanted_settings_))) {
         const WindowSettings before = std::exchange(settings_, *wanted_settings_);
         wanted_settings_.reset();
         return before.in_effect.in_words() == settings_.in_effect.in_words() ? void()
@@ -144,7 +146,6 @@ bool WindowLoop::note_failure() {
 /// In place of the one that is there, if one is.
 Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     if (clip_) {
-        finish_brush();
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
         note_failure();
         clip->fingers().set_count(clip_->fingers().count());
@@ -164,7 +165,8 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
     tell_guesses();
-    forget_brush();
+    if (wanted_settings_) wanted_settings_->painted.reset();
+    brush_.go_to(*clip_);
     return {};
 }
 

@@ -125,7 +125,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const auto marks = clip_->trails().marks(felt, clip_->shown(), field,
                                              options_.hand ? nearest_of_hand : nearest_of_pointer);
     const auto marked = Clock::now();
-    picture_.set_tint(tool_.is_held() ? painted_ : nullptr);
+    picture_.set_tint(brush_.tint());
     if (auto drawn =
             picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
         !drawn.ok())
@@ -159,9 +159,9 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.settings.b_is_on = settings_.in_effect.b_is_on;
     facts.settings.relief = relief_words();
-    facts.brush = brush_facts();
+    facts.brush = brush_.facts();
     if (facts.place.pixel)
-        if (const auto words = segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
+        if (const auto words = brush_.segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
             !words.empty())
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
@@ -179,7 +179,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         return facts;
     }
     if (!message_.empty()) return facts;
-    if (facts.message = words_of_brush(); !facts.message.empty()) {
+    if (facts.message = brush_.words(); !facts.message.empty()) {
         facts.message_is_bad = false;
         return facts;
     }

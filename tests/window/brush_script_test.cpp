@@ -69,7 +69,7 @@ TEST_F(BrushScript, WhatIsPaintedIsFeltAndComparedByOneKey) {
     const Image before = shot(overlay), painted = shot(overlay + paint),
                 compared = shot(overlay + paint + "0.2 key b\n"),
                 again = shot(overlay + paint + "0.2 key b\n0.5 key b\n"),
-                undone = shot(overlay + paint + "0.2 undo\n0.2 undo\n0.2 tool none\n");
+                undone = shot(overlay + paint + "0.2 undo\n0.2 undo\n0.2 tool touch\n");
     EXPECT_EQ(colour(before, left, row), colour(before, right, row)) << "the clip is the same everywhere";
     EXPECT_NE(colour(painted, left, row), colour(painted, right, row));
     EXPECT_EQ(colour(again, left, row), colour(painted, left, row));
@@ -82,7 +82,7 @@ TEST_F(BrushScript, WhatIsPaintedIsFeltAndComparedByOneKey) {
 
 TEST_F(BrushScript, AToolInTheHandTintsThePicture) {
     const std::string paint = "0 material grass\n0 paint 20,32\n0 material water\n0 paint 70,32\n";
-    const Image tinted = shot(paint), away = shot(paint + "0.2 tool none\n"), plain = shot("");
+    const Image tinted = shot(paint), away = shot(paint + "0.2 tool touch\n"), plain = shot("");
     EXPECT_GT(colour(tinted, left, row)[1], colour(tinted, left, row)[0] + 30) << "green";
     EXPECT_GT(colour(tinted, right, row)[2], colour(tinted, right, row)[1] + 30) << "blue";
     EXPECT_EQ(colour(away, left, row), colour(plain, left, row));
@@ -174,7 +174,45 @@ TEST_F(BrushScript, SavesBesideTheClipAndInThePlaceOfNothingElse) {
     std::ofstream(folder_ / "saved.json") << "my diary";
     const Outcome refused = run("0 material foam\n" + save() + quit_);
     EXPECT_NE(refused.err.find("not saved in its place"), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.code, 3);
     EXPECT_EQ(saved(), "my diary");
+    const std::string good = "0 save-materials " + (folder_ / "good.json").string() + "\n";
+    EXPECT_EQ(run("0 material foam\n" + save() + good + quit_).code, 0) << "what was saved last is there";
+    EXPECT_EQ(run("0 material foam\n" + good + save() + quit_).code, 3);
+    EXPECT_NE(run(save() + quit_, {"--record", (folder_ / "hand.touch").string()}).code, 0);
+}
+
+/// What was asked for before another clip comes is done before the clip goes, and is kept as this clip's.
+TEST_F(BrushScript, AClipGoesOnceItsBrushIsDone) {
+    const fs::path other = folder_ / "other.mkv";
+    ASSERT_NO_FATAL_FAILURE(write_two_surfaces(other, 4));
+    const std::vector<std::string> history{"--brush-history", (folder_ / "state").string()};
+    const Outcome done =
+        run("0 material foam\n0 drop " + other.string() + "\n0 cut 40,30 95,30\n0.2 quit\n", history);
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+    ASSERT_EQ(run(save() + quit_, history).code, 0);
+    const auto names = parse_segment_names(saved(), "saved");
+    ASSERT_TRUE(names.ok()) << names.error().message;
+    EXPECT_EQ(names->cuts.size(), 1U);
+}
+
+/// What is painted while it is not felt changes nothing that is felt: no session is begun for it.
+TEST_F(BrushScript, WhatIsNotFeltBeginsNothingAnew) {
+    const auto frames_after = [this](const std::string& feel) {
+        std::string script = "0 material foam\n0.1 " + feel + "\n";
+        for (int k = 0; k < 10; ++k)
+            script += std::to_string(1 + k) + "e-1" + (k % 2 ? " undo\n" : " paint 20,32\n");
+        const Outcome done = run(script + "1.5 quit\n");
+        EXPECT_EQ(done.code, 0) << done.err;
+        const std::size_t at = done.out.find("\nframes   ");
+        return at == std::string::npos
+                   ? -1
+                   : std::atoi(done.out.c_str() + done.out.find_first_of("0123456789", at));
+    };
+    const int unfelt = frames_after("materials off"), felt = frames_after("materials on");
+    EXPECT_GT(unfelt, 0);
+    EXPECT_LT(unfelt + 5, felt);
 }
 
 TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {

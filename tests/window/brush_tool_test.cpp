@@ -26,7 +26,7 @@ TEST(BrushCommand, HasPlacesAndMaterials) {
     EXPECT_EQ(parse_window_command("material felt").value().word, "felt");
     EXPECT_EQ(parse_window_command("otherwise guess").value().word, "");
     EXPECT_EQ(parse_window_command("otherwise brick").value().word, "brick");
-    for (const char* words : {"tool", "tool none", "tool cut", "undo", "redo", "save-materials",
+    for (const char* words : {"tool", "tool touch", "tool cut", "undo", "redo", "save-materials",
                               "save-materials a b.json", "materials off"})
         EXPECT_TRUE(parse_window_command(words).ok()) << words;
 }
@@ -48,7 +48,7 @@ TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
                   {"material woood", "wood"},
                   {"material", "wood"},
                   {"otherwise", "guess"},
-                  {"tool brush", "paint, join"},
+                  {"tool brush", "touch, paint"},
                   {"save-materials a.mkv", ".json"},
                   {"undo 2", "nothing"},
                   {"materials maybe", "off or on"}};

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <future>
+#include <stop_token>
 #include <string>
 
+#include "engine/stop_request.hpp"
 #include "player/window/text_files.hpp"
 #include "tests/materials/drawn_segments.hpp"
 #include "tests/player/program.hpp"
@@ -27,10 +30,10 @@ protected:
     }
     void put(const fs::path& file, const std::string& text) {
         TextFiles writing;
-        writing.write(file, text);
+        writing.write({.file = file, .text = text});
         writing.finish();
-        for (const auto& [name, written] : writing.take())
-            EXPECT_TRUE(written.ok()) << written.error().message;
+        for (const auto& written : writing.take())
+            EXPECT_TRUE(written.result.ok()) << written.result.error().message;
     }
     /// As the window does.
     void edit(KeptBrush& brush, const MaterialBrush::Edit& edit) {
@@ -60,30 +63,36 @@ TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
         edit(brush, SegmentCut{0, {{1, 0}, {1, 1}}});
         edit(brush, Paint{{0, 0, 0}, "brick"});
     }
-    KeptBrush again = begun();
-    EXPECT_TRUE(again.is_painted());
-    EXPECT_NE(again.begun_with().find("3 changes of last time are here again"), std::string::npos)
-        << again.begun_with();
-    EXPECT_EQ(material(again, 0), "brick");
-    EXPECT_EQ(material(again, 3), "foam");
-    ASSERT_TRUE(again.brush().undo().ok());
-    EXPECT_EQ(material(again, 0), "foam");
-    ASSERT_TRUE(again.brush().undo().ok());
-    put(files_.history(), again.history());
+    {
+        KeptBrush again = begun();
+        EXPECT_TRUE(again.is_painted());
+        EXPECT_NE(again.begun_with().find("3 changes of last time are here again"), std::string::npos)
+            << again.begun_with();
+        EXPECT_EQ(material(again, 0), "brick");
+        EXPECT_EQ(material(again, 3), "foam");
+        ASSERT_TRUE(again.brush().undo().ok());
+        EXPECT_EQ(material(again, 0), "foam");
+        ASSERT_TRUE(again.brush().undo().ok());
+        put(files_.history(), again.history());
+    }
     const KeptBrush once_more = begun();
     EXPECT_NE(once_more.begun_with().find("1 change of last time is"), std::string::npos);
     EXPECT_EQ(once_more.brush().edits(), 3U) << "what was undone can be done again";
 }
 
 TEST_F(BrushOfAClip, IsSavedBesideItsClipAndGoesOnFromThere) {
-    KeptBrush brush = begun();
-    edit(brush, Paint{{0, 0, 0}, "foam"});
-    save(brush);
-    EXPECT_TRUE(fs::exists(folder_ / "clip.mkv.materials.json"));
-    edit(brush, Paint{{4, 0, 0}, "glass"});
-    KeptBrush again = begun();
-    EXPECT_EQ(material(again, 4), "glass");
-    EXPECT_EQ(again.brush().done(), 2U) << "undo goes on beyond what was saved";
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        save(brush);
+        EXPECT_TRUE(fs::exists(folder_ / "clip.mkv.materials.json"));
+        edit(brush, Paint{{4, 0, 0}, "glass"});
+    }
+    {
+        const KeptBrush again = begun();
+        EXPECT_EQ(material(again, 4), "glass");
+        EXPECT_EQ(again.brush().done(), 2U) << "undo goes on beyond what was saved";
+    }
     // Without a history, what is saved.
     fs::remove(files_.history());
     const KeptBrush saved = begun();
@@ -107,11 +116,17 @@ TEST_F(BrushOfAClip, IsBegunByTheFileThatIsGiven) {
 }
 
 TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
-    KeptBrush brush = begun();
-    edit(brush, Paint{{0, 0, 0}, "foam"});
-    const std::string history = brush.history();
-    const fs::path file = files_.history(), aside = file.string() + ".broken";
+    std::string history;
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        history = brush.history();
+    }
+    const fs::path file = files_.history();
+    int count = 0;
+    fs::path aside;
     const auto expect_aside = [&](const std::string& text, const std::string& why) {
+        aside = file.string() + ".broken" + (++count == 1 ? "" : std::to_string(count));
         put(file, text);
         const KeptBrush again = begun();
         EXPECT_EQ(again.brush().edits(), 0U);
@@ -131,6 +146,51 @@ TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
     put(files_.saved(), R"({"touchable_segments": 1, "otherwise": "wood", "segments": []})");
     expect_aside(history, "other materials than");
     EXPECT_EQ(material(begun(), 0), "wood");
+    EXPECT_EQ(file_contents(file.string() + ".broken"), "{") << "none that was set aside is lost";
+    EXPECT_EQ(names_in(folder_ / "state/touchable").size(), 5U);
+}
+
+TEST_F(BrushOfAClip, AHistoryThatCannotBeReadStaysAsItIs) {
+    const fs::path file = files_.history();
+    fs::create_directories(file);  // nobody reads a folder, whoever they are
+    const KeptBrush brush = begun();
+    EXPECT_NE(brush.begun_with().find(file.string()), std::string::npos) << brush.begun_with();
+    EXPECT_NE(brush.begun_with().find("not kept"), std::string::npos) << brush.begun_with();
+    EXPECT_EQ(brush.history_file(), fs::path());
+    EXPECT_TRUE(fs::is_directory(file));
+    EXPECT_FALSE(fs::exists(file.string() + ".broken"));
+}
+
+TEST_F(BrushOfAClip, OneWindowAtATimeGoesOnWithAHistory) {
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        const KeptBrush other = begun();
+        EXPECT_EQ(other.brush().edits(), 0U);
+        EXPECT_EQ(other.history_file(), fs::path());
+        EXPECT_NE(other.begun_with().find("another window"), std::string::npos) << other.begun_with();
+        EXPECT_EQ(brush.history_file(), files_.history());
+    }
+    const KeptBrush again = begun();
+    EXPECT_EQ(again.brush().edits(), 1U);
+    EXPECT_EQ(again.history_file(), files_.history());
+}
+
+/// Who stops the program, or lets go of the clip, breaks no history.
+TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+    }
+    std::stop_source given_up;
+    given_up.request_stop();
+    {
+        const WorkUntil until(given_up.get_token());
+        const auto stopped = begin();
+        ASSERT_FALSE(stopped.ok());
+        EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
+    }
+    EXPECT_EQ(begun().brush().edits(), 1U);
 }
 
 TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
@@ -141,6 +201,10 @@ TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
     EXPECT_EQ(folder.history(), with_slash.history());
     EXPECT_EQ(with_slash.saved(), folder_ / "pictures.materials.json");
     EXPECT_NE(files_.history(), other.history());
+    BrushFiles filled = files_;
+    filled.opened_as = R"({"fill-from-motion":true})";
+    EXPECT_NE(files_.history(), filled.history()) << "it has other segments";
+    EXPECT_EQ(files_.saved(), filled.saved());
     other.history_folder.clear();
     EXPECT_TRUE(other.history().empty());
 }
@@ -149,21 +213,54 @@ TEST(TextFiles, SayWhatCouldNotBeWritten) {
     const TemporaryFolder folder;
     TextFiles files;
     std::ofstream(folder / "file") << "x";
-    files.write(folder / "file/below.json", "a");
-    files.write(folder / "new/folder/a.json", "b");
-    files.write(folder / "file", "c", [](const fs::path&) { return input_error("it is dear to me"); });
+    files.write({.file = folder / "file/below.json", .text = "a"});
+    files.write({.file = folder / "new/folder/a.json",
+                 .text = "b",
+                 .kind = TextFiles::Kind::saved,
+                 .clip = "clip.mkv"});
+    files.write({.file = folder / "file", .text = "c", .check = [](const fs::path&) {
+                     return input_error("it is dear to me");
+                 }});
     files.finish();
     const auto done = files.take();
     ASSERT_EQ(done.size(), 3U);
-    ASSERT_FALSE(done[0].second.ok());
-    EXPECT_TRUE(done[1].second.ok());
-    EXPECT_EQ(done[2].second.error().message, "it is dear to me");
+    ASSERT_FALSE(done[0].result.ok());
+    EXPECT_TRUE(done[1].result.ok());
+    EXPECT_EQ(done[1].kind, TextFiles::Kind::saved);
+    EXPECT_EQ(done[1].clip, "clip.mkv");
+    EXPECT_EQ(done[2].result.error().message, "it is dear to me");
     EXPECT_EQ(file_contents(folder / "new/folder/a.json"), "b");
     EXPECT_EQ(file_contents(folder / "file"), "x");
     EXPECT_TRUE(files.take().empty());
-    files.write(folder / "later", "d");
+    files.write({.file = folder / "later", .text = "d"});
     files.finish();
     EXPECT_EQ(file_contents(folder / "later"), "d");
+}
+
+/// A file that says what was saved is never behind it.
+TEST(TextFiles, ALaterTextTakesThePlaceOfTheOneThatWaits) {
+    const TemporaryFolder folder;
+    TextFiles files;
+    std::promise<void> begun, free;
+    files.write({.file = folder / "first", .text = "1", .check = [&](const fs::path&) -> Result<void> {
+                     begun.set_value();
+                     free.get_future().wait();
+                     return {};
+                 }});
+    begun.get_future().wait();
+    for (const char* text : {"old", "older"}) {
+        files.write({.file = folder / "history", .text = text});
+        files.write({.file = folder / "saved", .text = text, .kind = TextFiles::Kind::saved});
+    }
+    files.write({.file = folder / "history", .text = "new"});
+    free.set_value();
+    files.finish();
+    const auto done = files.take();
+    ASSERT_EQ(done.size(), 3U);
+    EXPECT_EQ(done[1].file, folder / "history");
+    EXPECT_EQ(done[2].file, folder / "saved");
+    EXPECT_EQ(file_contents(folder / "history"), "new");
+    EXPECT_EQ(file_contents(folder / "saved"), "older");
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <optional>
@@ -17,18 +20,23 @@
 
 namespace touchable {
 
-/// What takes long to make ready for the window, on a thread of its own: a clip, or other settings of one.
+/// What takes long to make for the window, on a thread of its own: a clip, other settings of one, segments.
 /// One at a time, and of those that are asked for meanwhile the newest. All calls are the window's.
 template <class Made>
-class ClipOpening {
+class LongWork {
 public:
     /// Looks at the token between its steps, and gives up once it was asked to stop.
     using Make = std::function<Result<Made>(const std::stop_token&)>;
 
-    ClipOpening() = default;
-    ClipOpening(const ClipOpening&) = delete;
-    ClipOpening& operator=(const ClipOpening&) = delete;
-    ~ClipOpening() { give_up(); }
+    /// As start_thread has them: the thread's name, and what it is for.
+    template <std::size_t bytes>
+    LongWork(const char (&name)[bytes], const char* what) : what_(what) {
+        static_assert(bytes <= sizeof(ThreadName));
+        std::copy(std::begin(name), std::end(name), std::begin(name_));
+    }
+    LongWork(const LongWork&) = delete;
+    LongWork& operator=(const LongWork&) = delete;
+    ~LongWork() { give_up(); }
 
     /// `words`: what is being done, for a person. What was asked for before is given up.
     void ask(std::string words, Make make) {
@@ -38,35 +46,43 @@ public:
         else
             start_next();
     }
-    /// Nothing is on its way any more. Waits until that looks at its token.
-    void give_up() {
+    /// Nothing is wanted any more. Does not wait: what is on its way ends once it looks at its token, and
+    /// what is asked for next begins then.
+    void let_go() {
         next_.reset();
         if (!work_) return;
         work_->stop.request_stop();
-        if (work_->thread.joinable()) work_->thread.join();
+        work_->is_wanted = false;
+    }
+    /// Likewise, and waits until that looks at its token.
+    void give_up() {
+        let_go();
+        if (work_ && work_->thread.joinable()) work_->thread.join();
         work_.reset();
     }
-    bool is_busy() const { return work_ != nullptr; }
+    /// With what is wanted.
+    bool is_busy() const { return next_ || (work_ && work_->is_wanted); }
     /// Of what is wanted; empty where nothing is.
     std::string words() const {
         if (next_) return next_->words;
-        return work_ ? work_->words : std::string();
+        return is_busy() ? work_->words : std::string();
     }
     /// Since it was begun.
     double seconds() const {
-        if (!work_) return 0;
+        if (!is_busy() || !work_) return 0;
         return std::chrono::duration<double>(Clock::now() - work_->begun).count();
     }
     /// Once a turn of the window: what was asked for, or why it is not to be had; nothing while it is made.
     std::optional<Result<Made>> take() {
         if (!work_ || !work_->done.load(std::memory_order_acquire)) return std::nullopt;
         if (work_->thread.joinable()) work_->thread.join();
-        const std::unique_ptr<Work> work = std::move(work_);
-        if (next_) {
-            start_next();
-            return std::nullopt;
-        }
-        return std::move(work->made);
+        // Before the next begins: it may need what this one holds.
+        const bool is_wanted = work_->is_wanted && !next_;
+        std::optional<Result<Made>> made;
+        if (is_wanted) made = std::move(work_->made);
+        work_.reset();
+        if (next_) start_next();
+        return made;
     }
 
 private:
@@ -80,6 +96,7 @@ private:
         Make make;
         Clock::time_point begun = Clock::now();
         std::stop_source stop{};
+        bool is_wanted = true;
         std::optional<Result<Made>> made{};  // the thread's, until it is done
         std::atomic<bool> done{false};
         std::thread thread{};
@@ -90,11 +107,10 @@ private:
         work_->words = std::move(next_->words);
         work_->make = std::move(next_->make);
         next_.reset();
-        const auto started =
-            start_thread(work_->thread, "clip-opening", "that opens clips", [work = work_.get()] {
-                work->made = made_by(*work);
-                work->done.store(true, std::memory_order_release);
-            });
+        const auto started = start_thread(work_->thread, name_, what_, [work = work_.get()] {
+            work->made = made_by(*work);
+            work->done.store(true, std::memory_order_release);
+        });
         if (started.ok()) return;
         work_->made = started.error();
         work_->done.store(true, std::memory_order_release);
@@ -110,6 +126,9 @@ private:
         }
     }
 
+    using ThreadName = char[16];
+    ThreadName name_{};
+    const char* what_;
     std::unique_ptr<Work> work_;
     std::optional<Asked> next_;
 };

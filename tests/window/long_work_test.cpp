@@ -1,4 +1,4 @@
-#include "player/window/clip_opening.hpp"
+#include "player/window/long_work.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,10 @@
 namespace touchable::test {
 namespace {
 
-using Opening = ClipOpening<int>;
+class Opening : public LongWork<int> {
+public:
+    Opening() : LongWork("test-work", "that a test needs") {}
+};
 
 Opening::Make at_once(int value) {
     return [value](const std::stop_token&) -> Result<int> { return value; };
@@ -32,7 +35,7 @@ std::optional<Result<int>> wait_for(Opening& opening) {
     return std::nullopt;
 }
 
-TEST(ClipOpening, GivesWhatWasAskedForOnce) {
+TEST(LongWork, GivesWhatWasAskedForOnce) {
     Opening opening;
     EXPECT_FALSE(opening.is_busy());
     EXPECT_EQ(opening.words(), "");
@@ -45,7 +48,7 @@ TEST(ClipOpening, GivesWhatWasAskedForOnce) {
     EXPECT_FALSE(opening.take());
 }
 
-TEST(ClipOpening, LaterWishTakesThePlaceOfTheOnesBefore) {
+TEST(LongWork, LaterWishTakesThePlaceOfTheOnesBefore) {
     std::atomic<int> begun{0}, given_up{0}, skipped{0};
     Opening opening;
     opening.ask("the first", never(begun, given_up));
@@ -60,7 +63,7 @@ TEST(ClipOpening, LaterWishTakesThePlaceOfTheOnesBefore) {
     EXPECT_EQ(skipped, 0) << "nobody wanted it any more when its turn had come";
 }
 
-TEST(ClipOpening, EndsWhileSomethingIsOnItsWay) {
+TEST(LongWork, EndsWhileSomethingIsOnItsWay) {
     std::atomic<int> begun{0}, given_up{0};
     {
         Opening opening;
@@ -72,7 +75,39 @@ TEST(ClipOpening, EndsWhileSomethingIsOnItsWay) {
     EXPECT_EQ(given_up, 1);
 }
 
-TEST(ClipOpening, WhatIsThrownIsAnError) {
+TEST(LongWork, LettingGoWaitsForNothing) {
+    std::atomic<int> begun{0}, given_up{0};
+    std::atomic<bool> may_end{false};
+    Opening opening;
+    // Looks at its token late.
+    opening.ask("a long work", [&](const std::stop_token& token) -> Result<int> {
+        ++begun;
+        while (!may_end) std::this_thread::yield();
+        given_up += token.stop_requested() ? 1 : 0;
+        return 1;
+    });
+    while (begun == 0) std::this_thread::yield();
+    opening.let_go();
+    EXPECT_FALSE(opening.is_busy());
+    EXPECT_EQ(opening.words(), "");
+    EXPECT_FALSE(opening.take());
+    std::atomic<bool> is_alone{false};
+    opening.ask("the next", [&](const std::stop_token&) -> Result<int> {
+        is_alone = may_end.load();
+        return 2;
+    });
+    EXPECT_TRUE(opening.is_busy());
+    EXPECT_EQ(opening.words(), "the next");
+    EXPECT_FALSE(opening.take()) << "the one before has not ended";
+    may_end = true;
+    const auto made = wait_for(opening);
+    ASSERT_TRUE(made && made->ok());
+    EXPECT_EQ(**made, 2);
+    EXPECT_EQ(given_up, 1);
+    EXPECT_TRUE(is_alone);
+}
+
+TEST(LongWork, WhatIsThrownIsAnError) {
     Opening opening;
     opening.ask("opening a.mkv", [](const std::stop_token&) -> Result<int> { throw std::bad_alloc(); });
     auto made = wait_for(opening);
