@@ -5,10 +5,13 @@
 
 #include <fstream>
 #include <future>
+#include <set>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "engine/stop_request.hpp"
+#include "player/session/painted_choice.hpp"
 #include "player/window/text_files.hpp"
 #include "tests/materials/drawn_segments.hpp"
 #include "tests/player/program.hpp"
@@ -207,6 +210,31 @@ TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
     EXPECT_EQ(files_.saved(), filled.saved());
     other.history_folder.clear();
     EXPECT_TRUE(other.history().empty());
+}
+
+/// Whatever changes frames changes segments; what is felt besides does not.
+TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
+    const auto with = [](auto&& say) {
+        ClipChoice choice;
+        choice.file = "clip.mkv";
+        say(choice);
+        return segments_depend_on(choice);
+    };
+    const std::vector<std::string> others{
+        with([](ClipChoice& choice) { choice.scene_file = "scene.json"; }),
+        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::on; }),
+        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::off; }),
+        with([](ClipChoice& choice) { choice.fill_from_motion = true; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().fov = 60; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().least_confidence = 0.5; }),
+        with([](ClipChoice& choice) {
+            choice.camera.emplace().intrinsics = Intrinsics{500, 500, {}, {}};
+        })};
+    std::set<std::string> all{""};
+    for (const std::string& other : others) EXPECT_TRUE(all.insert(other).second) << other;
+    EXPECT_EQ(with([](ClipChoice&) {}), "");
+    EXPECT_EQ(with([](ClipChoice& choice) { choice.camera.emplace(); }), "") << "nothing is said";
+    EXPECT_EQ(with([](ClipChoice& choice) { choice.median = 5; }), "") << "segments are of unfiltered frames";
 }
 
 TEST(TextFiles, SayWhatCouldNotBeWritten) {
