@@ -73,13 +73,10 @@ void WindowBrush::take(WindowCommand command) {
     const bool puts_away =
         command.verb == WindowVerb::tool &&
         (command.word.empty() ? is_held() : brush_tool_of(command.word) == BrushTool::touch);
-    if (const std::string why = why_none(); !why.empty() && !puts_away) {
-        if (command.verb == WindowVerb::save_materials) save_fault_ = usage_error(why);
-        return say(why, true);
-    }
+    if (const std::string why = why_none(); !why.empty() && !puts_away) return refuse(command, why);
     if (command.verb == WindowVerb::tool || command.verb == WindowVerb::material) return take_tool(command);
     if (asked_.size() == most_for_brush)
-        return say("the brush is still at work on what it was asked for before", true);
+        return refuse(command, "the brush is still at work on what it was asked for before");
     if (command.verb == WindowVerb::paint) command.word = tool_.material();
     const std::int64_t frames = painted_ ? painted_->segments->frames() : clip_->frames(),
                        last = frames > 0 ? frames - 1 : std::numeric_limits<std::int64_t>::max(),
@@ -87,6 +84,11 @@ void WindowBrush::take(WindowCommand command) {
     for (PixelOfFrame& place : command.places)
         if (place.frame < 0) place.frame = std::clamp<std::int64_t>(now, 0, last);
     asked_.push_back(std::move(command));
+}
+
+void WindowBrush::refuse(const WindowCommand& command, const std::string& why) {
+    if (command.verb == WindowVerb::save_materials) save_fault_ = usage_error(why);
+    say(why, true);
 }
 
 void WindowBrush::take_tool(const WindowCommand& command) {
@@ -157,7 +159,10 @@ void WindowBrush::take_made() {
     if (has_begun) brush_ = (*made)->brush;
     note_state();
     const Result<std::string> said = made->ok() ? (*made)->said : made->error();
-    news_.remarks.push_back({said.ok() ? *said : said.error().message, !said.ok(), said.ok()});
+    if (said.ok())
+        news_.remarks.push_back({*said, false, true});
+    else if (said.error().kind != ErrorKind::interrupted)
+        say(said.error().message, true);
     if (has_begun)
         news_.has_begun = true;
     else
@@ -167,16 +172,18 @@ void WindowBrush::take_made() {
 
 /// There are no segments.
 void WindowBrush::refuse_all(const Error& why) {
-    say(why.message, true);
+    if (why.kind != ErrorKind::interrupted) say(why.message, true);
     drop_asked(why);
     tool_.take(BrushTool::touch);
 }
 
-/// What cannot be done any more.
-void WindowBrush::drop_asked(const Error& why) {
-    for (const WindowCommand& command : asked_)
-        if (command.verb == WindowVerb::save_materials) save_fault_ = why;
+/// What cannot be done any more. Whether something was to be saved.
+bool WindowBrush::drop_asked(const Error& why) {
+    const bool is_unsaved = std::ranges::any_of(
+        asked_, [](const WindowCommand& command) { return command.verb == WindowVerb::save_materials; });
+    if (is_unsaved) save_fault_ = why;
     asked_.clear();
+    return is_unsaved;
 }
 
 void WindowBrush::note_state() {
@@ -287,7 +294,8 @@ void WindowBrush::go_to(OpenedClip& clip) {
     brush_.reset();
     painted_.reset();
     is_painted_ = is_pressed_ = holds_clip_ = false;
-    drop_asked(usage_error("materials are not saved: another clip came before their segments were read"));
+    if (const Error why = usage_error("materials are not saved: another clip came first"); drop_asked(why))
+        say(why.message, true);
     for_tool_.clear();
     state_ = {};
     tool_.take(BrushTool::touch);
@@ -297,7 +305,8 @@ void WindowBrush::go_to(OpenedClip& clip) {
 
 Result<void> WindowBrush::finish() {
     work_.give_up();
-    drop_asked(usage_error("materials are not saved: the window closed before their segments were read"));
+    if (const Error why = usage_error("materials are not saved: the window closed first"); drop_asked(why))
+        say(why.message, true);
     files_.finish();
     note_files();
     if (save_fault_) return *save_fault_;

@@ -90,7 +90,8 @@ private:
     void keep_history(std::string history);
     void save(const std::filesystem::path& file);
     void refuse_all(const Error& why);
-    void drop_asked(const Error& why);
+    bool drop_asked(const Error& why);
+    void refuse(const WindowCommand& command, const std::string& why);
     void say(std::string words, bool is_bad = false) { news_.remarks.push_back({std::move(words), is_bad}); }
 
     const PlayOptions& options_;

@@ -97,10 +97,7 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
-    const Result<void> saved = brush_.finish();
-    for (const auto& remark : brush_.take_news().remarks)
-        if (remark.is_bad && (saved.ok() || remark.words != saved.error().message))
-            std::cerr << "touchable: warning: " << printable(remark.words, 500) << '\n';
+    const Result<void> saved = finish_brush();
     // Last: their disk may be another one, and not answer.
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {
@@ -221,6 +218,17 @@ void WindowLoop::count_session() {
     figures_.frames += sessions.feed.frames;
     figures_.late_frames += sessions.late_frames;
     figures_.dropped_frames += sessions.feed.dropped;
+}
+
+/// Why materials that were to be saved are not. An interrupted run tells it, and says in the end that it was
+/// interrupted.
+Result<void> WindowLoop::finish_brush() {
+    Result<void> saved = brush_.finish();
+    if (interrupted()) saved = {};
+    for (const auto& remark : brush_.take_news().remarks)
+        if (remark.is_bad && (saved.ok() || remark.words != saved.error().message))
+            std::cerr << "touchable: warning: " << printable(remark.words, 500) << '\n';
+    return saved;
 }
 
 /// Whether the brush is still at what it was asked for before the window was closed. Who closes it again does

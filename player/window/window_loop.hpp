@@ -94,6 +94,7 @@ private:
     void heed_brush();
     void compare_with_before();
     bool has_to_stay();
+    Result<void> finish_brush();
     void watch_over();
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
