@@ -53,6 +53,8 @@ public:
     std::optional<WindowCommand> release();
     /// Nothing is begun any more.
     void let_go();
+    /// Whether the first of two segments was clicked.
+    bool has_first() const { return tool_ == BrushTool::join && !places_.empty(); }
     /// Whether a stroke is being drawn.
     bool is_drawing() const { return is_drawing_; }
     /// What was begun, a line in the window; empty: nothing.

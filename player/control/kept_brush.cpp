@@ -203,6 +203,12 @@ Result<KeptBrush> KeptBrush::begin(SegmentStore segments, BrushFiles files) {
     return brush;
 }
 
+bool KeptBrush::is_saved() const {
+    if (brush_.done() == 0 && !saved_.empty()) return true;
+    const std::string hash = hash_of_text(segment_names_to_json(brush_.names()));
+    return std::find(saved_.begin(), saved_.end(), hash) != saved_.end();
+}
+
 std::string KeptBrush::save() {
     std::string text = segment_names_to_json(brush_.names());
     const std::string hash = hash_of_text(text);

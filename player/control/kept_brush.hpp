@@ -48,6 +48,8 @@ public:
     /// Whether a person said anything of a segment; otherwise all are guessed.
     bool is_painted() const { return !saved_.empty() || brush_.done() > 0; }
 
+    /// Whether what a person said is in the saved file, or was.
+    bool is_saved() const;
     /// For the file of saved materials. Whoever writes it writes the history before.
     std::string save();
     /// For the file of the history.

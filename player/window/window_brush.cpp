@@ -96,7 +96,7 @@ void WindowBrush::take_tool(const WindowCommand& command) {
     news_.is_another = true;
     if (command.verb == WindowVerb::material) {
         tool_.set_material(command.word);
-        if (!is_held()) tool_.take(BrushTool::paint);
+        tool_.take(BrushTool::paint);
     } else if (command.word.empty()) {
         tool_.take_or_put_away();
     } else {
@@ -258,6 +258,7 @@ void WindowBrush::do_with_tool(const ScreenSize& size) {
         if (kind == Kind::left_window && was_drawn) tool_.let_go();
         if (kind == Kind::pressed && !place.pixel && !tool_.is_drawing()) say("there is no surface here");
         if (kind == Kind::released && was_drawn && !asked) say("a cut is a stroke: drag it across a segment");
+        if (kind == Kind::pressed && tool_.has_first()) say("now click the segment that is one with it");
         if (asked) take(std::move(*asked));
         hold_still(tool_.is_drawing());
     }
@@ -311,6 +312,14 @@ Result<void> WindowBrush::finish() {
     note_files();
     if (save_fault_) return *save_fault_;
     return {};
+}
+
+std::string WindowBrush::unsaved_words() const {
+    if (!brush_ || !is_painted_ || brush_->is_saved()) return "";
+    const std::filesystem::path history = brush_->history_file();
+    return "what was painted is not saved" +
+           (history.empty() ? std::string(", and is lost") : "; it is in " + history.string()) +
+           (history.empty() ? "" : " for the next window");
 }
 
 std::string WindowBrush::words() const {

@@ -71,6 +71,8 @@ public:
     /// The segment at a pixel of the depth plane, and what it is; empty where none is shown or felt.
     std::string segment_words(const WatchedMoment& moment, int x, int y) const;
 
+    /// What is not saved, at the end, and where it is then; empty: nothing was painted, or all is saved.
+    std::string unsaved_words() const;
     /// Gives up what it is at, and waits for its files. What went wrong with them is still to be told: the
     /// result is why what a person wanted to be saved last is not.
     Result<void> finish();

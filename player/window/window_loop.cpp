@@ -98,6 +98,7 @@ Result<PlayFigures> WindowLoop::run() {
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
     const Result<void> saved = finish_brush();
+    figures_.materials = brush_.unsaved_words();
     // Last: their disk may be another one, and not answer.
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {

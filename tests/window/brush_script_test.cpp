@@ -235,5 +235,19 @@ TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {
     EXPECT_EQ(both.code, 2) << both.err;
 }
 
+TEST_F(BrushScript, TheTerminalSaysWhatIsNotSaved) {
+    const std::string paint = "0 material water\n0 paint 20,32\n", not_saved = "what was painted is not saved";
+    const auto told = [&](const std::string& script, const std::vector<std::string>& more = {}) {
+        const Outcome done = run(script + quit_, more);
+        EXPECT_EQ(done.code, 0) << done.err;
+        return done.out;
+    };
+    EXPECT_NE(told(paint).find(not_saved + ", and is lost"), std::string::npos);
+    EXPECT_NE(told(paint, {"--brush-history", (folder_ / "kept").string()}).find("for the next window"),
+              std::string::npos);
+    EXPECT_EQ(told(paint + save()).find(not_saved), std::string::npos);
+    EXPECT_EQ(told("0 tool paint\n").find(not_saved), std::string::npos);
+}
+
 }  // namespace
 }  // namespace touchable::test
