@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/camera/camera_run.hpp"
+
 namespace touchable {
 
 class SharedCamera::Reader final : public ClipReader {

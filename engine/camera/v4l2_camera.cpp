@@ -1,24 +1,20 @@
 #include "engine/camera/v4l2_camera.hpp"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "engine/camera/camera_run.hpp"
 #include "engine/camera/colour_beside.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/v4l2_stream.hpp"
-#include "engine/camera/wake.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -29,17 +25,14 @@ using std::chrono::steady_clock;
 constexpr int first_frames = 8;
 // A camera that gives nothing for so long before a run does not work.
 constexpr std::chrono::seconds patience(5);
-constexpr int most_wrong = 100;                // polls in a row
-constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another count
-
-std::int64_t steady_ns(steady_clock::time_point moment) {
-    return std::chrono::nanoseconds(moment.time_since_epoch()).count();
-}
+constexpr int most_wrong = 100;  // polls in a row
 
 class V4l2Camera final : public ClipReader {
 public:
     explicit V4l2Camera(V4l2Choice choice)
-        : choice_(std::move(choice)), system_(choice_.system ? choice_.system : system_video()) {}
+        : choice_(std::move(choice)),
+          system_(choice_.system ? choice_.system : system_video()),
+          run_(choice_.node) {}
     Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
 
     const Scene& scene() const override { return scene_; }
@@ -49,14 +42,14 @@ public:
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override;
+    Result<void> seek(std::int64_t frame) override { return run_.seek(frame); }
     void leave_out_colour() override {
         colour_.reset();
         last_colour_.reset();
     }
     bool is_live() const override { return true; }
     Result<void> begin(steady_clock::time_point zero) override;
-    void interrupt() override;
+    void interrupt() override { run_.interrupt(); }
     std::vector<std::string> remarks() const override;
 
 private:
@@ -68,11 +61,8 @@ private:
     Result<std::optional<TakenPicture>> wait_for_picture();
     void wait(std::chrono::milliseconds longest);
     Result<void> look_at_colour();
-    std::int64_t number_of(const TakenPicture& picture);
     std::optional<RawFrame> frame_of(TakenPicture picture);
     PlaneView depth_of(const TakenPicture& picture) const;
-    void gone(const std::string& why);
-    void remark(std::string words);
 
     V4l2Choice choice_;
     std::shared_ptr<VideoSystem> system_;
@@ -84,16 +74,8 @@ private:
     UnstatedFilters unstated_filters_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
-    Wake wake_;
-    std::atomic<bool> interrupted_{false};
-    bool is_gone_ = false;
+    CameraRun run_;
     int wrong_in_a_row_ = 0;
-    std::int64_t next_number_ = 0;
-    std::optional<std::uint32_t> last_sequence_;  // of a frame of the run
-    std::optional<std::int64_t> zero_ns_;
-    std::int64_t last_time_ns_ = -1;
-    mutable std::mutex mutex_;
-    std::vector<std::string> remarks_;  // guarded by mutex_
     std::atomic<std::int64_t> damaged_{0};
 };
 
@@ -172,7 +154,7 @@ Result<void> V4l2Camera::open_colour() {
 
 Result<void> V4l2Camera::open(const SourceDescription& known,
                               const std::optional<std::filesystem::path>& scene_file) {
-    if (wake_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
+    if (run_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
     if (auto opened = open_depth(scene_file); !opened) return opened;
     if (auto looked = look_first(known, scene_file); !looked) return looked;
     return open_colour();
@@ -189,19 +171,17 @@ Result<TakenPicture> V4l2Camera::first_picture() {
 /// The oldest before the run, the newest in it; nothing once the camera is gone.
 Result<std::optional<TakenPicture>> V4l2Camera::wait_for_picture() {
     const auto until = steady_clock::now() + patience;
-    while (!is_gone_) {
-        if (interrupted_ || (!zero_ns_ && stop_requested()))
-            return Error{ErrorKind::interrupted,
-                         "the camera was told to stop before it gave frame " + std::to_string(next_number_)};
+    while (!run_.is_gone()) {
+        if (auto end = run_.told_to_end()) return *end;
         if (auto looked = look_at_colour(); !looked) return looked.error();
-        auto taken = depth_->take(zero_ns_ ? V4l2Stream::Which::newest : V4l2Stream::Which::oldest);
+        auto taken = depth_->take(run_.has_begun() ? V4l2Stream::Which::newest : V4l2Stream::Which::oldest);
         damaged_ = depth_->damaged();
         if (!taken) {
-            gone(taken.error().message);
+            run_.gone(taken.error().message);
             break;
         }
         if (*taken) return taken;
-        if (!zero_ns_ && steady_clock::now() > until)
+        if (!run_.has_begun() && steady_clock::now() > until)
             return input_error(choice_.node + ": gave no frame in " + std::to_string(patience.count()) +
                                " s" +
                                (damaged_ > 0 ? " that was whole, " + std::to_string(damaged_) +
@@ -209,14 +189,14 @@ Result<std::optional<TakenPicture>> V4l2Camera::wait_for_picture() {
                                              : ": is it in use, or does it wait for something?"));
         // A run is interrupted by who ends it; before that only a signal does so.
         constexpr std::chrono::milliseconds look_again(100), ever(-1);
-        wait(zero_ns_ ? ever : look_again);
+        wait(run_.has_begun() ? ever : look_again);
     }
     return std::optional<TakenPicture>();
 }
 
 void V4l2Camera::wait(std::chrono::milliseconds longest) {
     std::array<pollfd, 3> waits{
-        pollfd{wake_.descriptor(), POLLIN, 0}, {depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
+        pollfd{run_.descriptor(), POLLIN, 0}, {depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
     if (colour_) waits[2].fd = colour_->descriptor();
     const int ready = system_->poll(waits, static_cast<int>(longest.count()));
     // A driver that says that something is wrong says what when it is asked for a picture; it is not asked
@@ -228,20 +208,20 @@ void V4l2Camera::wait(std::chrono::milliseconds longest) {
     wrong_in_a_row_ = wrong ? wrong_in_a_row_ + 1 : 0;
     if (wrong_in_a_row_ < most_wrong) return;
     if (ready >= 0 && !is_wrong(waits[1])) {
-        remark("the camera of colour, " + choice_.colour + ", stopped");
+        run_.remark("the camera of colour, " + choice_.colour + ", stopped");
         colour_.reset();
         wrong_in_a_row_ = 0;
         return;
     }
-    gone("stopped: its driver says that something is wrong, and not what");
+    run_.gone("stopped: its driver says that something is wrong, and not what");
 }
 
 Result<void> V4l2Camera::look_at_colour() {
     if (!colour_) return {};
     const auto looked = colour_->look();
     if (looked) return {};
-    if (!zero_ns_) return input_error(choice_.colour + ": " + looked.error().message);
-    remark("the camera of colour, " + choice_.colour + ", " + looked.error().message);
+    if (!run_.has_begun()) return input_error(choice_.colour + ": " + looked.error().message);
+    run_.remark("the camera of colour, " + choice_.colour + ", " + looked.error().message);
     colour_.reset();
     return {};
 }
@@ -256,26 +236,13 @@ PlaneView V4l2Camera::depth_of(const TakenPicture& picture) const {
     return {picture.bytes->data(), format.stride, format.width, format.height, 2, 1};
 }
 
-/// In a run by the driver's count; where that stands still, or has begun anew, the next.
-std::int64_t V4l2Camera::number_of(const TakenPicture& picture) {
-    std::int64_t further = 1;
-    if (last_sequence_) {
-        const std::uint32_t counted = picture.sequence - *last_sequence_;
-        if (counted > 0 && counted <= most_lost) further = counted;
-    }
-    if (zero_ns_) last_sequence_ = picture.sequence;
-    return next_number_ + further - 1;
-}
-
 /// Nothing: it was taken before the run.
 std::optional<RawFrame> V4l2Camera::frame_of(TakenPicture picture) {
+    const auto place = run_.place(picture.sequence, picture.at_ns);
+    if (!place) return std::nullopt;
     RawFrame frame;
-    if (zero_ns_ && picture.at_ns - *zero_ns_ <= last_time_ns_ && !last_sequence_) return std::nullopt;
-    frame.number = number_of(picture);
-    frame.time_ns =
-        zero_ns_ ? std::max(picture.at_ns - *zero_ns_, last_time_ns_ + 1) : frame.number * ns_before_a_run;
-    next_number_ = frame.number + 1;
-    last_time_ns_ = frame.time_ns;
+    frame.number = place->number;
+    frame.time_ns = place->time_ns;
     add_plane(frame, PlaneRole::depth, {depth_of(picture), picture.bytes, 16});
     if (colour_)
         if (auto colour = colour_->nearest(picture.at_ns, scene_)) last_colour_ = std::move(colour);
@@ -287,58 +254,21 @@ Result<std::optional<RawFrame>> V4l2Camera::next() {
     while (true) {
         auto picture = wait_for_picture();
         if (!picture) return picture.error();
-        if (!*picture && !zero_ns_) return input_error(remarks().back());
+        if (!*picture && !run_.has_begun()) return input_error(remarks().back());
         if (!*picture) return std::optional<RawFrame>();
         if (auto frame = frame_of(std::move(**picture))) return frame;
     }
 }
 
-Result<void> V4l2Camera::seek(std::int64_t frame) {
-    if (zero_ns_) return usage_error("a camera that runs goes to no other frame than its next");
-    if (frame > next_number_) return usage_error("a camera has not taken frame " + std::to_string(frame));
-    next_number_ = frame;
-    last_time_ns_ = std::max<std::int64_t>(-1, (frame - 1) * ns_before_a_run);
-    return {};
-}
-
 Result<void> V4l2Camera::begin(steady_clock::time_point zero) {
-    const bool is_another = zero_ns_.has_value();
-    zero_ns_ = steady_ns(zero);
-    last_sequence_.reset();
-    interrupted_ = false;
-    wake_.forget();
-    constexpr std::int64_t most_before_a_run = 64;
-    if (is_another) last_time_ns_ = most_before_a_run * ns_before_a_run;
+    run_.begin(zero);
     // Those that wait are of before. What is wrong with the camera it will say again.
     (void)depth_->take(V4l2Stream::Which::newest);
     return {};
 }
 
-void V4l2Camera::interrupt() {
-    interrupted_ = true;
-    wake_.wake();
-}
-
-void V4l2Camera::remark(std::string words) {
-    const std::lock_guard lock(mutex_);
-    remarks_.push_back(std::move(words));
-}
-
-void V4l2Camera::gone(const std::string& why) {
-    is_gone_ = true;
-    std::string when;
-    if (zero_ns_) {
-        char words[64];
-        std::snprintf(words, sizeof words, " after %.1f s; its last frame stands still",
-                      1e-9 * static_cast<double>(steady_ns(steady_clock::now()) - *zero_ns_));
-        when = words;
-    }
-    remark("the camera, " + choice_.node + ", " + why + when);
-}
-
 std::vector<std::string> V4l2Camera::remarks() const {
-    const std::lock_guard lock(mutex_);
-    std::vector<std::string> all = remarks_;
+    std::vector<std::string> all = run_.remarks();
     if (const std::int64_t damaged = damaged_; damaged > 0)
         all.insert(all.begin(), std::to_string(damaged) +
                                     " of the camera's frames were damaged or cut short, "

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,9 +11,6 @@
 #include "engine/result.hpp"
 
 namespace touchable {
-
-/// Frames of before a run are so far apart.
-inline constexpr std::int64_t ns_before_a_run = 1000;
 
 /// A camera of depth that is plugged in, and what is wanted of it.
 struct V4l2Choice {
