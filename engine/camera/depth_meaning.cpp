@@ -125,8 +125,7 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
                                       std::span<const PlaneView> first, const SourceDescription& known) {
     std::vector<Remark> remarks;
     const SourceDescription all = with_card(facts, format, known, remarks);
-    auto guessed =
-        guess_scene(std::filesystem::path(facts.node).parent_path(), picture_of(fullest(first)), all);
+    auto guessed = guess_scene("/dev", picture_of(fullest(first)), all);  // where no camera's file lies
     if (!guessed) return error_at(facts.node, guessed.error());
     Scene& scene = guessed->scene;
     if (!scene.stored.is_plain() || scene.depth.kind != DepthCodingKind::metric)

@@ -88,11 +88,11 @@ Result<RawFrame> SharedCamera::newest() {
 }
 
 Result<std::unique_ptr<ClipReader>> SharedCamera::open(
-    const V4l2Choice& choice, const std::optional<SourceDescription>& known,
+    const PluggedChoice& choice, const std::optional<SourceDescription>& known,
     const std::optional<std::filesystem::path>& scene_file) {
     const bool is_first = !camera_;
     if (is_first) {
-        auto camera = open_v4l2_camera(choice, known, scene_file);
+        auto camera = open_plugged_camera(choice, known, scene_file);
         if (!camera.ok()) return camera;
         camera_ = std::move(*camera);
     }

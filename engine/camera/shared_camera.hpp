@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-#include "engine/camera/v4l2_camera.hpp"
+#include "engine/camera/plugged_camera.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/frame/raw_frame.hpp"
 #include "engine/result.hpp"
@@ -19,9 +19,9 @@ namespace touchable {
 /// reader is gone.
 class SharedCamera : public std::enable_shared_from_this<SharedCamera> {
 public:
-    /// The first opens the camera as `open_v4l2_camera` does. Until its run begins, every later one has the
-    /// newest frame of the run that goes on; its own may begin once that has ended.
-    Result<std::unique_ptr<ClipReader>> open(const V4l2Choice& choice,
+    /// The first opens the camera as `open_plugged_camera` does. Until its run begins, every later one has
+    /// the newest frame of the run that goes on; its own may begin once that has ended.
+    Result<std::unique_ptr<ClipReader>> open(const PluggedChoice& choice,
                                              const std::optional<SourceDescription>& known = {},
                                              const std::optional<std::filesystem::path>& scene_file = {});
 

@@ -7,8 +7,9 @@ namespace touchable {
 CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session) {
     return sub.add_option(
         "--camera", session.camera,
-        "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in, or "
-        "replay:PATH[,key=value,...], a recording that behaves like one (docs/camera.md)");
+        "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; pipe:CMD or "
+        "tcp://HOST:PORT, a program that sends framesets; or replay:PATH[,key=value,...], a recording that "
+        "behaves like one (docs/camera.md)");
 }
 
 Result<void> read_live_camera(bool has_clip, SessionOptions& session) {

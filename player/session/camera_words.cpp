@@ -9,12 +9,14 @@
 #include <utility>
 
 #include "device/hand_options.hpp"
+#include "engine/camera/live_bytes.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:";
+constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:", pipe_kind = "pipe:",
+                           tcp_kind = "tcp://";
 
 constexpr std::array plugged_keys{
     HandKey{.name = "size", .unit = "", .kind = HandKey::Kind::words},
@@ -78,6 +80,21 @@ Result<LiveCamera> read_plugged(const std::string& words) {
     return LiveCamera{std::move(choice), {}, {}};
 }
 
+Result<LiveCamera> read_sender(const std::string& words) {
+    FramesetChoice choice;
+    if (words.starts_with(tcp_kind)) {
+        choice.address = words.substr(tcp_kind.size());
+        if (auto checked = check_address(choice.address); !checked.ok()) return checked.error();
+        return LiveCamera{std::move(choice), {}, {}};
+    }
+    choice.command = words.substr(pipe_kind.size());
+    if (choice.command.find_first_not_of(" \t") == std::string::npos)
+        return usage_error(
+            "camera 'pipe' needs a command that writes framesets, such as \"pipe:python3 realsense.py\" "
+            "(docs/camera.md)");
+    return LiveCamera{std::move(choice), {}, {}};
+}
+
 Result<LiveCamera> read_replay(const std::string& words) {
     const auto [recording, keys] = parts_of(words, replay_kind);
     if (recording.empty())
@@ -103,9 +120,12 @@ Result<LiveCamera> read_replay(const std::string& words) {
 Result<LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(plugged_kind)) return read_plugged(words);
     if (words.starts_with(replay_kind)) return read_replay(words);
-    return usage_error("unknown camera '" + printable(words) +
-                       "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
-                       "them), and replay:PATH, a recording that behaves like one");
+    if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
+    return usage_error(
+        "unknown camera '" + printable(words) +
+        "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
+        "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, and replay:PATH, a "
+        "recording that behaves like one");
 }
 
 }  // namespace touchable

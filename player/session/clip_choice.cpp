@@ -59,7 +59,7 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
 void ClipChoice::take(const LiveCamera& of) {
     plugged = of.plugged;
     if (plugged) {
-        file = plugged->node;
+        file = name_of(*plugged);
         return;
     }
     file = of.recording;
@@ -100,7 +100,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
     const Colour read = fill_from_motion ? Colour::wanted : colour;  // which tells what is behind
     auto opened = !plugged        ? open_clip(file, scene_file, camera, read, {}, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
-                                  : open_v4l2_camera(*plugged, camera, scene_file);
+                                  : open_plugged_camera(*plugged, camera, scene_file);
     if (fill_from_motion && opened.ok()) opened = with_filled_holes(std::move(*opened));
     auto reader = with_still_maps(std::move(opened), maps);
     if (!reader.ok()) return reader;

@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/camera/plugged_camera.hpp"
 #include "engine/camera/shared_camera.hpp"
-#include "engine/camera/v4l2_camera.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/replay_camera.hpp"
 #include "engine/content/materials/material_brush.hpp"
@@ -53,7 +53,7 @@ struct ClipChoice {
     std::shared_ptr<const PaintedSegments> painted;
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
-    std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
+    std::optional<PluggedChoice> plugged;     ///< the clip is a camera, and `file` its name
     // What stays open from run to run; nothing: each opens its own.
     std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
     std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened

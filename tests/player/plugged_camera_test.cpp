@@ -56,7 +56,7 @@ protected:
         options.session.camera = "v4l2:" + node;
         auto camera = read_live_camera(*options.session.camera);
         EXPECT_EQ(message(camera), "");
-        camera->plugged->system = video;
+        std::get<V4l2Choice>(*camera->plugged).system = video;
         options.session.clip.take(*camera);
         options.session.hand = "press";
         options.session.fingers = 2;
@@ -232,7 +232,7 @@ TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
     options.record = record;
     options.session = live(1).session;
     options.session.builder.name = "cpu";
-    options.session.clip.plugged->colour = "/dev/video5";
+    std::get<V4l2Choice>(*options.session.clip.plugged).colour = "/dev/video5";
     {
         const auto sound = std::move(*WindowSound::create(false, {}, Existing::keep));
         auto opened = OpenedClip::open(options, options.session.clip, {}, *sound);
@@ -270,12 +270,13 @@ TEST(PluggedCameraWords, AreReadOrRefused) {
     const auto camera = read_live_camera("v4l2:/dev/video4,size=848x480,fps=60,colour=/dev/video6");
     ASSERT_EQ(message(camera), "");
     ASSERT_TRUE(camera->plugged);
-    EXPECT_EQ(camera->plugged->node, "/dev/video4");
-    EXPECT_EQ(camera->plugged->width, 848);
-    EXPECT_EQ(camera->plugged->height, 480);
-    EXPECT_EQ(camera->plugged->rate, 60);
-    EXPECT_EQ(camera->plugged->colour, "/dev/video6");
-    EXPECT_FALSE(read_live_camera("v4l2:/dev/video4")->plugged->rate);
+    const auto& choice = std::get<V4l2Choice>(*camera->plugged);
+    EXPECT_EQ(choice.node, "/dev/video4");
+    EXPECT_EQ(choice.width, 848);
+    EXPECT_EQ(choice.height, 480);
+    EXPECT_EQ(choice.rate, 60);
+    EXPECT_EQ(choice.colour, "/dev/video6");
+    EXPECT_FALSE(std::get<V4l2Choice>(*read_live_camera("v4l2:/dev/video4")->plugged).rate);
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
              {"v4l2:", "needs a node, such as v4l2:/dev/video0"},
              {"v4l2:a,size=3", "size=3 will not do; right would be WIDTHxHEIGHT"},
