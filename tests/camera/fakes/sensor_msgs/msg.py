@@ -1,0 +1,6 @@
+class CameraInfo:
+    pass
+
+
+class Image:
+    pass
