@@ -3,6 +3,7 @@
 #include <linux/videodev2.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -30,12 +31,15 @@ std::int64_t ns_now() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// By the sender's times of frames one after the other; 30 where they cannot be.
+/// By the middle one of the sender's times from frame to frame; 30 where they cannot be.
 FrameRate rate_of(const std::vector<TakenFrameset>& taken) {
-    const FramesetHeader &first = taken.front().frameset.header, &last = taken.back().frameset.header;
-    const double seconds = 1e-9 * (static_cast<double>(last.time_ns) - static_cast<double>(first.time_ns));
-    const double rate = static_cast<double>(taken.size() - 1) / seconds;
-    if (first.time_ns <= 0 || !(rate >= 0.1 && rate <= 1000)) return {30, 1};
+    std::vector<double> apart_ns;
+    for (std::size_t k = 1; k < taken.size(); ++k)
+        apart_ns.push_back(static_cast<double>(taken[k].frameset.header.time_ns) -
+                           static_cast<double>(taken[k - 1].frameset.header.time_ns));
+    std::sort(apart_ns.begin(), apart_ns.end());
+    const double rate = 1e9 / apart_ns[apart_ns.size() / 2];
+    if (!(rate >= 0.1 && rate <= 1000)) return {30, 1};
     return {std::llround(1000 * rate), 1000};
 }
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -178,15 +179,15 @@ bool FramesetParser::may_check(std::size_t count) {
 bool FramesetParser::find_header() {
     while (true) {
         const auto left = rest();
-        const auto found = std::search(left.begin(), left.end(), magic.begin(), magic.end());
-        const auto before = static_cast<std::size_t>(found - left.begin());
-        if (found == left.end()) {
+        const void* const found =
+            left.empty() ? nullptr : ::memmem(left.data(), left.size(), magic.data(), magic.size());
+        if (found == nullptr) {
             // Of a magic number that goes on in the next bytes.
             const std::size_t kept = std::min(left.size(), magic.size() - 1);
             pass_over(left.size() - kept);
             return false;
         }
-        pass_over(before);
+        pass_over(static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - left.data()));
         const auto header = rest();
         if (header.size() < frameset_header_bytes) return false;
         if (checksum(header.first(checksum_at)) == whole_at(header, checksum_at)) return true;

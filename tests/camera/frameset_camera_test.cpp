@@ -238,6 +238,8 @@ TEST(FramesetCamera, WhatCannotBeOpenedSaysWhyInOneLine) {
     unit.unit = -1;
     std::ofstream(absurd, std::ios::binary) << unit.bytes();
     FramesetChoice silent{.command = "exec sleep 1000"}, cut{.command = "cat " + whole + "; exec sleep 1000"};
+    FramesetChoice garbage{.command = "yes garbage"};
+    garbage.patience = std::chrono::hours(1);
     silent.first_patience = cut.patience = std::chrono::milliseconds(50);
     const std::vector<std::pair<FramesetChoice, std::string>> cases{
         {{.command = "echo first >&2; echo no such camera >&2; exit 7"},
@@ -247,7 +249,7 @@ TEST(FramesetCamera, WhatCannotBeOpenedSaysWhyInOneLine) {
         {{.command = "cat " + whole}, ", ended"},
         {{.command = "cat " + absurd}, "gives a unit of -1 m"},
         {{.command = "exec 1>&-; exec sleep 1000"}, "closed its standard output"},
-        {{.command = "yes FRAMESET"}, "gave 256 MiB in which no whole frameset is"},
+        {garbage, "gave 256 MiB in which no whole frameset is"},
         {silent, "pipe:exec sleep 1000: sent nothing in 50 ms"},
         {cut, ": sent no whole frameset in 50 ms"},
         {{.address = "127.0.0.1:1"}, "tcp://127.0.0.1:1: no connection: "},

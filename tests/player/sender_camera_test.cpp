@@ -85,10 +85,15 @@ TEST_F(SenderCamera, TheDocumentedOneIsTouched) {
     std::ofstream out(script);
     while (std::getline(in, line) && line != "```") out << line << "\n";
     out.close();
-    const auto lived = touch({"--live", "--camera", "pipe:exec python3 " + script, "--seconds", "0.4",
-                              "--hand", "press", "--record", record});
+    const std::string started = folder / "started";
+    const auto lived = touch({"--live", "--camera", "pipe:echo >>" + started + "; exec python3 " + script,
+                              "--seconds", "0.4", "--hand", "press", "--record", record});
     EXPECT_GT(lived["frames_shown"], 0);
     EXPECT_GT(lived["contact_ticks"], 0);
+    const std::string starts = file_contents(started);
+    EXPECT_NE(starts, "");
+    EXPECT_EQ(touch({"--replay", record})["force_hash"], lived["force_hash"]);
+    EXPECT_EQ(file_contents(started), starts) << "what a recording says is not started";
 }
 
 TEST_F(SenderCamera, ThatHasNoModuleSaysSo) {
