@@ -69,6 +69,11 @@ std::string WindowBrush::why_none() const {
     return "";
 }
 
+/// With which the window was opened, and for which a file of segments may be given.
+bool WindowBrush::is_first_clip() const {
+    return clip_->choice().file == options_.session.clip.file;
+}
+
 void WindowBrush::take(WindowCommand command) {
     const bool puts_away =
         command.verb == WindowVerb::tool &&
@@ -109,9 +114,8 @@ void WindowBrush::take_tool(const WindowCommand& command) {
 void WindowBrush::begin() {
     if (brush_ || work_.is_busy()) return;
     const ClipChoice& choice = clip_->choice();
-    const bool is_first = choice.file == options_.session.clip.file;
     const BrushFiles files{.clip = choice.file,
-                           .segments = is_first ? options_.segments : std::nullopt,
+                           .segments = is_first_clip() ? options_.segments : std::nullopt,
                            .history_folder = options_.brush_history.value_or(""),
                            .opened_as = segments_depend_on(choice)};
     frames_read_ = std::make_shared<std::atomic<std::int64_t>>(0);
@@ -172,7 +176,10 @@ void WindowBrush::take_made() {
 
 /// There are no segments.
 void WindowBrush::refuse_all(const Error& why) {
-    if (why.kind != ErrorKind::interrupted) say(why.message, true);
+    if (why.kind != ErrorKind::interrupted) {
+        say(why.message, true);
+        if (options_.segments && is_first_clip()) segments_fault_ = why;
+    }
     drop_asked(why);
     tool_.take(BrushTool::touch);
 }
@@ -300,8 +307,7 @@ void WindowBrush::go_to(OpenedClip& clip) {
     for_tool_.clear();
     state_ = {};
     tool_.take(BrushTool::touch);
-    const bool is_first = clip_->choice().file == options_.session.clip.file;
-    if (options_.segments && is_first) begin();
+    if (options_.segments && is_first_clip()) begin();
 }
 
 Result<void> WindowBrush::finish() {
@@ -310,6 +316,7 @@ Result<void> WindowBrush::finish() {
         say(why.message, true);
     files_.finish();
     note_files();
+    if (segments_fault_) return *segments_fault_;
     if (save_fault_) return *save_fault_;
     return {};
 }

@@ -79,6 +79,7 @@ public:
 
 private:
     std::string why_none() const;
+    bool is_first_clip() const;
     void take_tool(const WindowCommand& command);
     void begin();
     void do_next();
@@ -113,8 +114,9 @@ private:
     std::deque<WindowCommand> asked_;                         // that wait for it, and the one it is at
     std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
     TextFiles files_;
-    std::set<std::string> faults_;     // of histories that were told
-    std::optional<Error> save_fault_;  // of the last that was to be saved
+    std::set<std::string> faults_;         // of histories that were told
+    std::optional<Error> save_fault_;      // of the last that was to be saved
+    std::optional<Error> segments_fault_;  // of the file that was given
     /// What became of a command, or of beginning.
     struct Work {
         std::shared_ptr<KeptBrush> brush;

@@ -236,7 +236,8 @@ TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {
 }
 
 TEST_F(BrushScript, TheTerminalSaysWhatIsNotSaved) {
-    const std::string paint = "0 material water\n0 paint 20,32\n", not_saved = "what was painted is not saved";
+    const std::string paint = "0 material water\n0 paint 20,32\n",
+                      not_saved = "what was painted is not saved";
     const auto told = [&](const std::string& script, const std::vector<std::string>& more = {}) {
         const Outcome done = run(script + quit_, more);
         EXPECT_EQ(done.code, 0) << done.err;
@@ -247,6 +248,15 @@ TEST_F(BrushScript, TheTerminalSaysWhatIsNotSaved) {
               std::string::npos);
     EXPECT_EQ(told(paint + save()).find(not_saved), std::string::npos);
     EXPECT_EQ(told("0 tool paint\n").find(not_saved), std::string::npos);
+}
+
+TEST_F(BrushScript, SegmentsThatDoNotFitTheClipAreAnError) {
+    const fs::path file = folder_ / "other.json";
+    std::ofstream(file) << R"({"touchable_segments": 1, "segments": [
+        {"name": "a", "material": "wood", "at": [9000, 1]}]})";
+    const Outcome done = run("0 tool paint\n" + quit_, {"--segments", file.string()});
+    EXPECT_EQ(done.code, 3) << done.out;
+    EXPECT_NE(done.err.find("outside of the picture"), std::string::npos) << done.err;
 }
 
 }  // namespace
