@@ -7,36 +7,19 @@
 #include "engine/clip/replay_camera.hpp"
 #include "player/session/camera_words.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/player/program.hpp"
-#include "tests/player/standstill.hpp"
+#include "tests/player/touched_camera.hpp"
 
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-class LiveCamera : public ::testing::Test {
+class LiveCamera : public TouchedCamera {
 protected:
     LiveCamera() {
         const Outcome made = run_touchable({"make", "moving", clip, "--size", "64x48", "--frames", "30"});
         EXPECT_EQ(made.code, 0) << made.err;
     }
-    nlohmann::json touch(Words words) const {
-        words.insert(words.begin(), "touch");
-        words.insert(words.end(), {"--overwrite", "--verbose", "--json", report});
-        nlohmann::json read;
-        for (int go = 0; go == 0 || (stood_still(read) && go < most_standstills); ++go) {
-            const Outcome outcome = run_touchable(words);
-            EXPECT_EQ(outcome.code, 0) << outcome.err;
-            said = outcome.out;
-            read = nlohmann::json::parse(file_contents(report), nullptr, false);
-        }
-        return read;
-    }
 
-    const TemporaryFolder folder;
-    const std::string clip = folder / "moving.mkv", record = folder / "live.rec", report = folder / "r.json";
-    mutable std::string said;
+    const std::string clip = folder / "moving.mkv";
 };
 
 TEST_F(LiveCamera, ASessionReplaysToItsHash) {

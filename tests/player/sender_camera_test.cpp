@@ -9,15 +9,12 @@
 
 #include "player/session/camera_words.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/player/program.hpp"
-#include "tests/player/standstill.hpp"
+#include "tests/player/touched_camera.hpp"
 
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-class SenderCamera : public ::testing::Test {
+class SenderCamera : public TouchedCamera {
 protected:
     void SetUp() override {
         if (std::system("command -v python3 >/dev/null") != 0) GTEST_SKIP() << "python3 is not installed";
@@ -26,18 +23,6 @@ protected:
         const std::string source = TOUCHABLE_SOURCE_DIR;
         return "pipe:PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='" + source +
                "/tests/camera/fakes' exec python3 '" + source + "/examples/senders/" + name + ".py'";
-    }
-    nlohmann::json touch(Words words) const {
-        words.insert(words.begin(), "touch");
-        words.insert(words.end(), {"--overwrite", "--verbose", "--json", report});
-        nlohmann::json read;
-        for (int go = 0; go == 0 || (stood_still(read) && go < most_standstills); ++go) {
-            const Outcome outcome = run_touchable(words);
-            EXPECT_EQ(outcome.code, 0) << outcome.err;
-            said = outcome.out;
-            read = nlohmann::json::parse(file_contents(report), nullptr, false);
-        }
-        return read;
     }
     /// The same from every sender: a ball that moves, felt, kept, and felt again without the sender.
     void is_touched(const std::string& name, const std::string& unit) const {
@@ -56,10 +41,6 @@ protected:
         EXPECT_EQ(again["force_hash"], lived["force_hash"]);
         EXPECT_EQ(said.find("not the recorded ones"), std::string::npos) << said;
     }
-
-    const TemporaryFolder folder;
-    const std::string record = folder / "run.rec", report = folder / "r.json";
-    mutable std::string said;
 };
 
 TEST_F(SenderCamera, RealSenseIsTouched) {
