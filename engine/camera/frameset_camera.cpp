@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "engine/camera/camera_run.hpp"
+#include "engine/clip/camera_run.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/frameset_format.hpp"
 #include "engine/camera/live_bytes.hpp"
-#include "engine/camera/sender_clock.hpp"
+#include "engine/clip/sender_clock.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/printable.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/camera/camera_run.hpp"
+#include "engine/clip/camera_run.hpp"
 
 namespace touchable {
 

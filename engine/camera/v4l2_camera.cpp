@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/camera/camera_run.hpp"
+#include "engine/clip/camera_run.hpp"
 #include "engine/camera/colour_beside.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/v4l2_stream.hpp"

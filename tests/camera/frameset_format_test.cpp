@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/camera/sender_clock.hpp"
+#include "engine/clip/sender_clock.hpp"
 #include "tests/camera/frameset_bytes.hpp"
 
 namespace touchable::test {

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "engine/camera/camera_run.hpp"
+#include "engine/clip/camera_run.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

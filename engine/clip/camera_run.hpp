@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/camera/wake.hpp"
+#include "engine/clip/wake.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "engine/camera/camera_run.hpp"
+#include "engine/clip/camera_run.hpp"
 
 #include <algorithm>
 #include <cstdio>

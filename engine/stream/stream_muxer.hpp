@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/result.hpp"
+#include "engine/video/picture_label.hpp"
+
+namespace touchable {
+
+/// A frameset on its way, as a container has it: bytes that follow those of any frameset before. A listener
+/// may begin with any that is a key.
+struct StreamBlock {
+    std::int64_t frame = 0;  ///< its number in the stream
+    bool is_key = false;     ///< decoding of all planes begins here
+    std::vector<std::uint8_t> bytes;
+};
+
+/// Makes the bytes of a stream, once for all listeners. One thread. Every plane that is felt is lossless,
+/// each picture is labelled and can be checked; the scene goes with each beginning.
+class StreamMuxer {
+public:
+    virtual ~StreamMuxer() = default;
+    /// What every listener is given first; once the first frame was added.
+    virtual std::span<const std::uint8_t> header() const = 0;
+    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    virtual Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                                    bool is_key) = 0;
+};
+
+}  // namespace touchable

@@ -1,0 +1,149 @@
+#include "engine/stream/stream_url.hpp"
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <system_error>
+
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+struct Scheme {
+    std::string_view words;
+    StreamTransport transport;
+    std::string_view keys;  // that its query may have
+};
+constexpr std::array schemes{
+    Scheme{"tcp://", StreamTransport::tcp, ""},
+    Scheme{"http://", StreamTransport::http, "*"},  // they are the server's
+    Scheme{"https://", StreamTransport::http, "*"},
+    Scheme{"srt://", StreamTransport::srt, " mode latency passphrase pbkeylen streamid "},
+    Scheme{"udp://", StreamTransport::udp, " localaddr ttl "},
+    Scheme{"pipe:", StreamTransport::pipe, ""},
+};
+
+const Scheme* scheme_of(std::string_view words) {
+    for (const Scheme& scheme : schemes)
+        if (words.starts_with(scheme.words)) return &scheme;
+    return nullptr;
+}
+
+std::optional<int> port_of(std::string_view digits) {
+    int port = -1;
+    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+    if (failure != std::errc() || end != digits.data() + digits.size() || port < 0 || port > 65535)
+        return std::nullopt;
+    return port;
+}
+
+/// What stands before a path and a query: "HOST:PORT", "[::1]:PORT".
+bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url) {
+    const std::size_t bracket = authority.starts_with('[') ? authority.find(']') : 0;
+    if (bracket == std::string_view::npos) return false;
+    const std::size_t colon = authority.find(':', bracket);
+    std::string_view host = authority.substr(0, colon);
+    if (bracket > 0) host = host.size() == bracket + 1 ? host.substr(1, bracket - 1) : "";
+    if (bracket > 0 && host.empty()) return false;
+    url.host = host;
+    for (const char letter : host)
+        if (letter <= ' ' || letter == '@' || letter == '\\' || letter == 127) return false;
+    if (colon == std::string_view::npos) return !needs_port;
+    const auto port = port_of(authority.substr(colon + 1));
+    if (!port) return false;
+    url.port = *port;
+    return true;
+}
+
+Error unusable(std::string_view words, const std::string& right) {
+    return usage_error(in_quotes(words) + " cannot be used as a stream: " + right);
+}
+
+template <class Use>
+std::optional<std::string_view> find_pair(std::string_view query, const Use& is_it) {
+    while (!query.empty()) {
+        const std::size_t end = query.find('&');
+        const std::string_view pair = query.substr(0, end);
+        if (is_it(pair.substr(0, pair.find('=')))) return pair;
+        query = end == std::string_view::npos ? "" : query.substr(end + 1);
+    }
+    return std::nullopt;
+}
+
+Result<StreamUrl> read_pipe(std::string_view words) {
+    StreamUrl url;
+    url.transport = StreamTransport::pipe;
+    url.text = words == "-" ? "pipe:0" : words;
+    if (url.text == "pipe:") url.text = "pipe:0";
+    int descriptor = -1;
+    const char *const begin = url.text.data() + 5, *const end = url.text.data() + url.text.size();
+    const auto [at, failure] = std::from_chars(begin, end, descriptor);
+    if (failure != std::errc() || at != end || descriptor < 0)
+        return unusable(words, "pipe: is followed by a descriptor's number, or by nothing");
+    return url;
+}
+
+}  // namespace
+
+bool is_stream_url(std::string_view words) {
+    return words == "-" || scheme_of(words) != nullptr;
+}
+
+Result<StreamUrl> read_stream_url(std::string_view words) {
+    const Scheme* const scheme = scheme_of(words);
+    if (words == "-" || (scheme && scheme->transport == StreamTransport::pipe)) return read_pipe(words);
+    if (!scheme)
+        return unusable(words, "streams begin with tcp://, http://, https://, srt://, udp:// or pipe:");
+    constexpr std::size_t longest = 4096;
+    if (words.size() > longest) return unusable(words.substr(0, 80), "it is longer than 4096 bytes");
+    StreamUrl url;
+    url.transport = scheme->transport;
+    url.text = words;
+    url.is_tls = scheme->words == "https://";
+    const bool is_http = url.transport == StreamTransport::http;
+    std::string_view rest = words.substr(scheme->words.size());
+    if (const std::size_t mark = rest.find('?'); mark != std::string_view::npos) {
+        url.query = rest.substr(mark + 1);
+        rest = rest.substr(0, mark);
+    }
+    const std::size_t slash = rest.find('/');
+    if (slash != std::string_view::npos) url.path = rest.substr(slash);
+    if (!read_authority(rest.substr(0, slash), !is_http, url) || (!is_http && url.path.size() > 1))
+        return unusable(words, std::string(scheme->words) +
+                                   (is_http ? "HOST[:PORT]/PATH" : "HOST:PORT, with a port from 0 to 65535"));
+    if (is_http && url.host.empty()) return unusable(words, "it names no host");
+    if (is_http && url.path.empty()) url.path = "/";
+    if (is_http && url.port == 0) url.port = url.is_tls ? 443 : 80;
+    const auto is_foreign = [&](std::string_view key) {
+        return scheme->keys.find(std::string(1, ' ').append(key).append(1, ' ')) == std::string_view::npos;
+    };
+    if (const auto foreign = is_http ? std::nullopt : find_pair(url.query, is_foreign))
+        return unusable(words, "it has no setting " + in_quotes(*foreign) +
+                                   (scheme->keys.empty() ? "" : "; there are" + std::string(scheme->keys)));
+    return url;
+}
+
+std::string StreamUrl::protocols() const {
+    switch (transport) {
+        case StreamTransport::tcp:
+            return "tcp";
+        case StreamTransport::http:
+            return is_tls ? "https,tls,tcp" : "http,tcp";
+        case StreamTransport::srt:
+            return "srt";
+        case StreamTransport::udp:
+            return "udp";
+        case StreamTransport::pipe:
+            break;
+    }
+    return "pipe";
+}
+
+std::string StreamUrl::value(std::string_view key) const {
+    const auto pair = find_pair(query, [key](std::string_view name) { return name == key; });
+    if (!pair || pair->size() <= key.size()) return "";
+    return std::string(pair->substr(key.size() + 1));
+}
+
+}  // namespace touchable
