@@ -38,6 +38,7 @@ enum class Setting {
     scene_file,
     script,
     seconds,
+    stale_after,
     start,
     start_buried,
     stiffness_rise,

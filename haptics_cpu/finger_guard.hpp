@@ -12,7 +12,8 @@ public:
     FingerGuard(const GuardSettings& settings, double metres_per_scene_unit)
         : jump_(settings), guard_(settings, metres_per_scene_unit) {}
 
-    GuardedForce guard(const Contact& contact);
+    /// `surface_share`: how much of the surface is felt at all (StaleSurface).
+    GuardedForce guard(const Contact& contact, double surface_share = 1);
     /// The next contact is with a surface that is new to the finger.
     void surface_is_new();
     /// Goals have been missing for so long that no force is left.

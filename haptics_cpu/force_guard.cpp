@@ -131,13 +131,16 @@ GuardedForce ForceGuard::begin_anew() {
     return {glm::dvec3(0.0), guard_fault, {}};
 }
 
-GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended) {
+GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
+                               double surface_share) {
     ticks_held_ = std::min(ticks_held_ + std::clamp(contact.ticks, 1, longest_ticks), longest_ticks);
     if (contact.goal_held || !is_sound(contact, blended)) return ramp_out();
     ticks_faulty_ = 0;
     const int ticks = std::exchange(ticks_held_, 0);
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
+    const bool is_stale = surface_share < 1;
     ramp_ = ramping ? ticks_in_ / settings_.ramp_in_ticks : 1.0;
+    if (is_stale) ramp_ *= surface_share;
 
     account_.move(contact, stiffness_.carried(contact), ramp_);
     const double stiffness = stiffness_.in_effect(contact, account_);
@@ -146,8 +149,9 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
     out.force = spring(contact, blended.force, stiffness, out.reasons);
     GuardedForce alone = out;  // before anything is added
     brake(contact, blended, stiffness, ticks, out);
+    if (ramping || is_stale) out.force *= ramp_;
+    if (is_stale) out.reasons |= guard_stale;
     if (ramping) {
-        out.force *= ramp_;
         out.reasons |= guard_ramp;
         ticks_in_ += 1;
     }

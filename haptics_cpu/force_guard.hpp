@@ -25,7 +25,8 @@ enum GuardReason : std::uint32_t {
     guard_passivity = 64,  ///< the passivity controller's force added
     guard_jump = 128,      ///< the surface jumped: JumpCancellation
     guard_waiting = 256,   ///< with guard_jump: no force until the finger has been free of a new surface
-    guard_gap = 512        ///< the hand was left alone before this tick: TouchStep::come_back
+    guard_gap = 512,       ///< the hand was left alone before this tick: TouchStep::come_back
+    guard_stale = 1024     ///< the surface is too old, or was: StaleSurface
 };
 
 struct GuardedForce {
@@ -44,10 +45,14 @@ public:
     /// Of settings that `validate` refuses, or of a scale that is no positive number, it is a guard that
     /// exerts no force: every tick is a fault.
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
-    GuardedForce guard(const Contact& contact) { return guard(contact, {contact.force}, false); }
+    /// `surface_share`: how much of the surface is felt at all (StaleSurface).
+    GuardedForce guard(const Contact& contact, double surface_share = 1) {
+        return guard(contact, {contact.force}, false, surface_share);
+    }
     /// After a jump of the surface: `blended` takes the place of the contact's force.
-    GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended) {
-        return guard(contact, blended, true);
+    GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended,
+                               double surface_share = 1) {
+        return guard(contact, blended, true, surface_share);
     }
     /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
@@ -62,7 +67,8 @@ private:
     int ramp_out_ticks() const;
     bool is_sound(const Contact& contact, const BlendedForce& blended) const;
     GuardedForce ramp_out();
-    GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended);
+    GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
+                       double surface_share);
     glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
                       std::uint32_t& reasons) const;
     void brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,

@@ -28,6 +28,8 @@ Result<void> validate(const GuardSettings& settings) {
         return must_be("damping", "of N s/m, 0 or more", {{Setting::damping}});
     if (!(settings.passivity >= 0 && std::isfinite(settings.passivity)))
         return must_be("the passivity controller's damping", "of N s/m, 0 or more", {{Setting::passivity}});
+    if (settings.stale_after_ns < 0 || settings.stale_after_ns > 3'600'000'000'000)
+        return must_be("the age of a stale surface", "from 0 to 3600000 ms", {{Setting::stale_after}});
     return {};
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "engine/result.hpp"
 #include "haptics_cpu/contact_stiffness.hpp"
 
@@ -16,6 +18,9 @@ struct GuardSettings {
     double passivity = 0;            ///< largest damping of the passivity controller, N s/m; 0: off
     /// No force where a finger is inside a surface that is new to it, until it has been free once.
     bool waits_to_be_free = false;
+    /// A surface whose newest frame is older than this goes by the ramps above (StaleSurface); 0: it never
+    /// does.
+    std::int64_t stale_after_ns = 0;
 };
 
 /// Refuses what no guard can keep, by name. A guard that is made of it nevertheless exerts no force.

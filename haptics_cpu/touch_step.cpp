@@ -20,7 +20,7 @@ bool fits(const SurfaceFrame* frame, const Scene& scene) {
 }  // namespace
 
 TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers)
-    : solver_(solver), waits_to_be_free_(guard.waits_to_be_free) {
+    : solver_(solver), waits_to_be_free_(guard.waits_to_be_free), stale_(guard) {
     const auto count = static_cast<std::size_t>(fingers);
     goals_.resize(count);
     fingers_.resize(count);
@@ -43,6 +43,12 @@ void TouchStep::meet_new_surface() {
 
 void TouchStep::come_back() {
     came_back_ = true;
+    let_go();
+}
+
+/// Hands have no force any more. What is inside a surface when they come back waits to be free, or feels it
+/// ramp in.
+void TouchStep::let_go() {
     for (std::size_t k = 0; k < fingers_.size(); ++k) {
         guards_[k].let_go();
         if (waits_to_be_free_) meet_anew(k);
@@ -58,10 +64,14 @@ int TouchStep::ticks_until(std::int64_t tick) {
 void TouchStep::solve(const HeightField& field, int ticks) {
     solver_.tick(field, goals_, fingers_, contacts_, ticks);
     for (std::size_t k = 0; k < guards_.size(); ++k) {
-        forces_[k] = guards_[k].guard(contacts_[k]);
+        forces_[k] = guards_[k].guard(contacts_[k], stale_.share());
         // Whoever comes back may be anywhere by then.
         if (waits_to_be_free_ && contacts_[k].goal_held && guards_[k].has_let_go()) meet_anew(k);
     }
+}
+
+void TouchStep::look_at_age(std::int64_t age_ns, int ticks) {
+    if (stale_.look(age_ns, ticks)) let_go();
 }
 
 /// Of a tick without a surface: what no finger can have met, which the guards take for a fault.
@@ -81,6 +91,7 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     TouchTick done;
     if (fits(pair.prev.frame, scene) && fits(pair.next.frame, scene)) {
         const HeightField field(scene, pair);
+        look_at_age(time_ns - std::max(pair.prev.time_ns, pair.next.time_ns), ticks);
         solve(field, ticks);
         done.solve_us = std::chrono::duration<double, std::micro>(steady_clock::now() - start).count();
         done.blend = field.blend();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "haptics_cpu/finger_guard.hpp"
+#include "haptics_cpu/stale_surface.hpp"
 #include "haptics_cpu/touch_tick.hpp"
 
 namespace touchable {
@@ -31,10 +32,14 @@ public:
     void come_back();
     /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
     /// it is more than 1 after the last one, that long has passed. Frames that are missing, or have not the
-    /// scene's size, are a fault: forces ramp to zero.
+    /// scene's size, are a fault: forces ramp to zero. Where the newest is older than the guard's settings
+    /// allow, forces ramp to zero as well (StaleSurface), and who comes back from there is one who was left
+    /// alone; `time_ns` is of the same clock as the frames' times then.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
+    void look_at_age(std::int64_t age_ns, int ticks);
+    void let_go();
     void solve(const HeightField& field, int ticks);
     void meet_nothing();
     void meet_anew(std::size_t finger);
@@ -47,6 +52,7 @@ private:
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;
     std::vector<Contact> contacts_;
+    StaleSurface stale_;
     std::vector<FingerGuard> guards_;
     std::vector<GuardedForce> forces_;
 };

@@ -47,6 +47,7 @@ struct PlayWords {
     std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
     double seconds_value = 0;
+    std::optional<double> stale_after_ms;
     bool kiosk = false;
     std::vector<double> idle;
 };
@@ -168,7 +169,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
-    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok())
+    if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
+        !read.ok())
         return read.error();
     if (words.clip_word->count() == 0 && !options.session.camera)
         return usage_error("play needs a CLIP or a --camera; see touchable play -h");
@@ -350,7 +352,8 @@ void group_window_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--start", "--rate", "--loop"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--stale-after", "--start", "--rate",
+          "--loop"}},
         {"The window",
          {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
           "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
@@ -369,6 +372,7 @@ void add_play_command(CLI::App& app, Command& command) {
         app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_live_camera_option(*sub, words->options.session);
+    add_stale_after_option(*sub, words->stale_after_ms);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
     // Of commands that come later the person in the window is the one who gives them.

@@ -29,6 +29,7 @@ struct TouchWords {
     double max_stiffness_n_mm = 10;
     double stiffness_slew = 0;  // N/mm per second
     double seconds = 0, picture_seconds = 0;
+    std::optional<double> stale_after_ms;
     std::vector<CLI::Option*> fixed_by_recording;
     CLI::Option* clip_word = nullptr;
     CLI::Option* duration = nullptr;
@@ -71,7 +72,8 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     options.session.clip = std::move(*clip);
     options.session.recorded = options.record.has_value();
     options.session.device_log = options.device_log.has_value();
-    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok())
+    if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
+        !read.ok())
         return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
@@ -183,7 +185,8 @@ void group_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--start", "--rate", "--loop", "--play"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--stale-after", "--start", "--rate",
+          "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
           "--world-from-camera", "--max-force", "--max-stiffness"}},
@@ -213,6 +216,7 @@ void add_touch_command(CLI::App& app, Command& command) {
     words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
     words->fix_by_recording(add_playback_options(*sub, words->playback));
     words->fix_by_recording(add_hand_options(*sub, o.session));
+    words->fix_by_recording({add_stale_after_option(*sub, words->stale_after_ms)});
     words->fix_by_recording(add_held_device_options(*sub, o.held, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));
     words->fix_by_recording({add_interpolation_option(*sub, words->clip.choice)});

@@ -219,6 +219,13 @@ std::string waiting_words(const Json& report) {
            "out";
 }
 
+/// Empty: it never was.
+std::string stale_words(const Json& report) {
+    if (report["stale_ticks"] == 0) return "";
+    return with_number(1e-3 * report["stale_ticks"].get<double>(), "%.3f s ") +
+           "without force, or with a part of it: the surface was too old, because no newer frame came";
+}
+
 /// How much of the clip nobody has said. Empty: nothing was guessed.
 std::string guesses_in_words(const Json& report) {
     const auto notes = report.value("notes", std::vector<std::string>());
@@ -242,7 +249,8 @@ std::string verdict_words(const Json& report) {
     count("late_ticks", " ticks late by 1 ms or more");
     const std::string forceless =
         report.value("device_exerts_force", true) ? "" : "the device exerts no force";
-    for (const std::string& words : {forceless, held_back_words(report), waiting_words(report)})
+    for (const std::string& words :
+         {forceless, held_back_words(report), waiting_words(report), stale_words(report)})
         if (!words.empty()) faults += (faults.empty() ? "" : "; ") + words;
     return faults.empty() ? "sound: every force is finite, and no finger got behind the surface" : faults;
 }
@@ -378,6 +386,7 @@ std::string report_to_text(const Json& r) {
                           (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
     if (const auto words = held_back_words(r); !words.empty()) line("held back", words);
     if (const auto words = waiting_words(r); !words.empty()) line("began inside", words);
+    if (const auto words = stale_words(r); !words.empty()) line("old surface", words);
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");

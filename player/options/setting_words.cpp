@@ -46,6 +46,7 @@ constexpr std::array spellings{
     Spelling{Setting::scene_file, "--scene", "FILE"},
     Spelling{Setting::script, "--script"},
     Spelling{Setting::seconds, "--seconds"},
+    Spelling{Setting::stale_after, "--stale-after"},
     Spelling{Setting::start, "--start"},
     Spelling{Setting::start_buried, "--start-buried"},
     Spelling{Setting::stiffness_rise, "--stiffness-slew"},

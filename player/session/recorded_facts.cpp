@@ -38,6 +38,7 @@ Json recorded_facts(const TouchSetup& setup) {
                  {"paid_rise", guard.rise.paid},
                  {"damping", guard.damping},
                  {"passivity", guard.passivity}}}};
+    if (guard.stale_after_ns > 0) facts["guard"]["stale_after_ns"] = guard.stale_after_ns;
     if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
     const bool says_itself = setup.film || clip.filmed;  // a film has its scene, and maps
     if (clip.scene_file && !says_itself) facts["scene_file"] = clip.scene_file->string();
@@ -220,6 +221,7 @@ void read_guard(const Json& limits, GuardSettings& guard) {
     guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
     guard.damping = number_or(limits, "damping", guard.damping);
     guard.passivity = number_or(limits, "passivity", guard.passivity);
+    guard.stale_after_ns = static_cast<std::int64_t>(number_or(limits, "stale_after_ns", 0));
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
 }
 

@@ -41,6 +41,9 @@ Result<void> check_guard(const GuardSettings& guard) {
 }
 
 Result<void> validate(const SessionOptions& options) {
+    if (options.stale_after_ns && !options.camera)
+        return usage_error("the age of a stale surface needs a live source: a clip's frames are never late",
+                           {{Setting::stale_after}, {Setting::camera}});
     if (auto checked = check_guard(options.guard); !checked.ok()) return checked;
     if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
         return usage_error("stribeck must be a number of m/s, 0 or above", {{Setting::stribeck}});

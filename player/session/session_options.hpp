@@ -38,6 +38,8 @@ struct SessionOptions {
     bool live = false;                  ///< on the wall clock, in real time
     bool start_buried = false;          ///< live: force from the start for a finger that begins inside, too
     bool recorded = false;              ///< frames are hashed, so that a replay knows whether it has the same
+    /// Live source: as GuardSettings has it; nothing: 250 ms of a stream, never of a camera.
+    std::optional<std::int64_t> stale_after_ns;
     std::optional<std::string> camera;  ///< live: what `clip` is as a camera, in words; nothing: it is a clip
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.

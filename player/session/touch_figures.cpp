@@ -20,7 +20,7 @@ bool is_finite(const glm::dvec3& v) {
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
-    bool waiting = false;
+    bool waiting = false, stale = false;
     energy_.resize(tick.contacts.size());
     limited_.resize(tick.contacts.size());
     in_hole_.resize(tick.contacts.size());
@@ -36,6 +36,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         guarded |= tick.forces[k].reasons != guard_none;
         softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
         waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
+        stale |= (tick.forces[k].reasons & guard_stale) != 0;
         const bool limited = all_sent && (tick.forces[k].reasons & guard_force) != 0;
         limited_[k] = limited ? limited_[k] + 1 : 0;
         force_limited_ticks_ += limited;
@@ -63,6 +64,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     guarded_ticks_ += guarded;
     stiffness_limited_ticks_ += softened;
     waiting_ticks_ += waiting;
+    stale_ticks_ += stale;
     tick_us_.add(tick.solve_us);
     late_us_.add(tick.late_us);
     const auto bin = std::upper_bound(late_below_us.begin(), late_below_us.end(), tick.late_us);
@@ -121,6 +123,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"capped_ticks", capped_ticks_},
             {"guarded_ticks", guarded_ticks_},
             {"waiting_ticks", waiting_ticks_},
+            {"stale_ticks", stale_ticks_},
             {"late_ticks", 0},  // a live run knows better
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},

@@ -43,7 +43,7 @@ private:
     std::int64_t ticks_ = 0, finger_ticks_ = 0;
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
-    std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0;
+    std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;
     // That the clip asked for in contact, N/m.
     double largest_stiffness_ = 0, smallest_stiffness_ = std::numeric_limits<double>::infinity();
     std::int64_t events_ = 0;

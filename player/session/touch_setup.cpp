@@ -232,6 +232,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
         clip->reader = with_film(std::move(clip->reader), setup->film);
     }
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    setup->settings.guard.stale_after_ns = options.stale_after_ns.value_or(0);
     if (options.late_playback) setup->settings.playback = options.late_playback();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
     if (auto checked = check_playback(*setup, options); !checked.ok()) return checked.error();

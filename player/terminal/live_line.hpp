@@ -29,6 +29,7 @@ private:
     std::int64_t ticks_ = 0, next_ = 0;  // taken; the tick after the newest
     double newtons_ = 0;
     bool is_kept_back_ = false;  // a finger's force, until it has been free
+    bool is_stale_ = false;      // the surface
 };
 
 }  // namespace touchable

@@ -66,7 +66,10 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     SessionOptions session = options_.session;
     session.clip = clip_;
     session.clip.painted = std::move(painted);
-    if (!clip_.is_camera()) session.camera.reset();  // of another clip, which was there before
+    if (!clip_.is_camera()) {  // they are of another clip, which was there before
+        session.camera.reset();
+        session.stale_after_ns.reset();
+    }
     session.live = session.watched = true;
     session.fingers = fingers_of_hand();
     session.held_device = held_;

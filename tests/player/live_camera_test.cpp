@@ -45,6 +45,21 @@ TEST_F(LiveCamera, ASessionReplaysToItsHash) {
     }
 }
 
+TEST_F(LiveCamera, ThatIsStalledIsFeltNoMoreWhereItsAgeCounts) {
+    const std::string camera = "replay:" + clip + ",fps=100,stall=0.05";
+    const Words words{"--live",        "--camera", camera,     "--seconds", "0.4",
+                      "--stale-after", "20",       "--record", record};
+    const auto live = touch(words);
+    EXPECT_GT(live["stale_ticks"], 0);
+    EXPECT_NE(said.find("the surface was too old"), std::string::npos) << said;
+    const auto replay = touch({"--replay", record});
+    EXPECT_EQ(replay["force_hash"], live["force_hash"]);
+    EXPECT_EQ(replay["stale_ticks"], live["stale_ticks"]);
+    const Outcome refused = run_touchable({"touch", clip, "--stale-after", "20"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("--camera"), std::string::npos) << refused.err;
+}
+
 TEST_F(LiveCamera, ThatIsStalledKeepsNobodyFromEnding) {
     const std::string camera = "replay:" + clip + ",fps=100,stall=0.05";
     const auto live = touch({"--live", "--camera", camera, "--seconds", "0.2", "--record", record,
