@@ -30,6 +30,7 @@ public:
         if (reads_) camera().interrupt();
     }
     std::vector<std::string> remarks() const override { return camera().remarks(); }
+    std::int64_t taken_before(std::int64_t frame) const override { return camera().taken_before(frame); }
 
 private:
     ClipReader& camera() const { return *shared_->camera_; }

@@ -74,6 +74,9 @@ public:
     /// From any thread: a `next` that waits for its source ends with an error of kind interrupted, and so
     /// does every later one of that run.
     virtual void interrupt() {}
+    /// From any thread: how long before its time a frame was taken, ns, as far as that is known of the newest
+    /// frames; 0 where its time is when it was taken.
+    virtual std::int64_t taken_before(std::int64_t /*frame*/) const { return 0; }
     /// Of a run of it that was kept: when a frame was taken, where its number and the rate do not tell.
     virtual std::optional<std::int64_t> taken_at(std::int64_t) const { return std::nullopt; }
     /// From any thread: what a person should know of a run so far, such as that the camera was unplugged. A

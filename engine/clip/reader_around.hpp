@@ -27,6 +27,7 @@ public:
     bool is_live() const override { return reader_->is_live(); }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override { return reader_->begin(zero); }
     void interrupt() override { reader_->interrupt(); }
+    std::int64_t taken_before(std::int64_t frame) const override { return reader_->taken_before(frame); }
     std::optional<std::int64_t> taken_at(std::int64_t frame) const override {
         return reader_->taken_at(frame);
     }

@@ -8,7 +8,8 @@ Result<void> CameraFigures::take(const TouchTick& tick) {
     if (felt.number <= newest_) return {};
     newest_ = felt.number;
     ++shown_;
-    latency_ms_.add(static_cast<double>(tick.time_ns - felt.time_ns) * 1e-6 +
+    const std::int64_t taken_ns = felt.time_ns - source_.taken_before(felt.number);
+    latency_ms_.add(static_cast<double>(tick.time_ns - taken_ns) * 1e-6 +
                     (tick.late_us + tick.solve_us) * 1e-3);
     return {};
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "engine/clip/clip_reader.hpp"
 #include "player/run/time_spread.hpp"
 #include "player/run/touch_session.hpp"
 
@@ -16,13 +17,15 @@ struct CameraFacts {
 /// Finds that out tick by tick.
 class CameraFigures final : public TouchSink {
 public:
-    /// `first`: of the frames that the run waits for; those before it were there when it began.
-    explicit CameraFigures(std::int64_t first) : newest_(first - 1) {}
+    /// `source` outlives it. `first`: of the frames that the run waits for; those before it were there when
+    /// it began.
+    CameraFigures(const ClipReader& source, std::int64_t first) : source_(source), newest_(first - 1) {}
     Result<void> take(const TouchTick& tick) override;
     std::int64_t frames_shown() const { return shown_; }
     CameraFacts facts() const;
 
 private:
+    const ClipReader& source_;
     std::int64_t newest_;  // that was felt
     std::int64_t shown_ = 0;
     TimeSpread latency_ms_;

@@ -87,7 +87,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     PlaybackClock clock(scene_.rate, log_);
     clock.at(0);
     const bool live_source = feed_.reader().is_live();
-    CameraFigures camera(feed_.frames());
+    CameraFigures camera(feed_.reader(), feed_.frames());
     FeedThreads threads(
         feed_,
         [&](const RawFrame& raw) {
