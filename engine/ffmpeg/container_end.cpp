@@ -66,8 +66,8 @@ Result<std::uint64_t> end_of_container(ByteSource& bytes, const std::string& fil
     const std::string begin = first_bytes(bytes, 4);
     if (begin == "\x1a\x45\xdf\xa3") {
         const auto end = check_matroska(bytes, file);
-        if (!end && end.error().kind == ErrorKind::interrupted) return end;
-        return end ? *end : bytes.size();
+        if (!end && end.error().kind == ErrorKind::interrupted) return end.error();
+        return end ? end->at : bytes.size();
     }
     const auto end = begin == "RIFF" ? end_of_riff(bytes) : end_of_boxes(bytes);
     if (!end) return end.error();

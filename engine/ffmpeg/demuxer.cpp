@@ -23,12 +23,21 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
 
 }  // namespace
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file) {
+Error never_completed(const std::string& file) {
+    return input_error(file + ": was never completed: whoever wrote it stopped before the end");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file, bool may_be_stream) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     const auto end = check_matroska(**bytes, file.string());
     if (!end) return end.error();
-    return open(std::move(*bytes), *end, file.string(), "matroska", "Matroska");
+    if (!end->is_stated && !may_be_stream) return never_completed(file.string());
+    auto demuxer = open(std::move(*bytes), end->at, file.string(), "matroska", "Matroska");
+    if (!demuxer) return demuxer;
+    (*demuxer)->is_open_ended_ = !end->is_stated;
+    (*demuxer)->is_cut_ = end->is_cut;
+    return demuxer;
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(std::unique_ptr<ByteSource> bytes,

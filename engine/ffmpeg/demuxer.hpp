@@ -12,10 +12,14 @@
 
 namespace touchable {
 
+/// Of a file that does not say how long it is.
+Error never_completed(const std::string& file);
+
 /// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
 class Demuxer {
 public:
-    static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file);
+    /// Refused is a file that does not say how long it is, unless it may be a stream.
+    static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
     /// QuickTime, and MP4, which is made of the same boxes.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
     /// The same of other bytes than the file's; `file` is how messages call it.
@@ -31,6 +35,9 @@ public:
                                                  const std::string& name);
 
     const AVFormatContext& container() const { return *container_; }
+    /// Of Matroska: it does not say how long it is; and whether it ends within something.
+    bool is_open_ended() const { return is_open_ended_; }
+    bool is_cut() const { return is_cut_; }
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;
     /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
@@ -75,6 +82,7 @@ private:
     InputPtr container_;
     std::map<int, std::deque<PacketPtr>> queues_;
     std::size_t queued_bytes_ = 0;
+    bool is_open_ended_ = false, is_cut_ = false;
 };
 
 }  // namespace touchable

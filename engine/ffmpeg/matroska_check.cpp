@@ -96,15 +96,19 @@ private:
     std::optional<Error> failure_;
 };
 
-Result<void> check_segment(ElementReader& reader, const Element& segment, const std::string& file) {
+Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment, const std::string& file) {
+    const bool is_stated = segment.size != unknown_size;
+    const std::uint64_t end = is_stated ? segment.end() : reader.length();
     std::uint64_t position = segment.content, headers = 0;
-    while (position < segment.end()) {
+    while (position < end) {
         const auto damaged = [&file, position] {
             return input_error(file + ": is damaged near byte " + std::to_string(position));
         };
         const auto element = reader.at(position);
-        if (!element || element->content > segment.end() || element->size > segment.end() - element->content)
-            return damaged();
+        if (!element || element->content > end || element->size > end - element->content) {
+            if (is_stated) return damaged();
+            return MatroskaEnd{position, false, true};
+        }
         position = element->end();
         if (element->id == id_cluster || element->id == id_void) continue;
         headers += element->size;
@@ -113,12 +117,12 @@ Result<void> check_segment(ElementReader& reader, const Element& segment, const 
                 file + ": its headers, tags and attachments are larger than 64 MiB together: must be less");
         if (!reader.crc_holds(*element)) return damaged();
     }
-    return {};
+    return MatroskaEnd{end, is_stated};
 }
 
 }  // namespace
 
-Result<std::uint64_t> check_matroska(ByteSource& bytes, const std::string& file) {
+Result<MatroskaEnd> check_matroska(ByteSource& bytes, const std::string& file) {
     ElementReader reader(bytes);
     if (reader.length() == 0) return input_error(file + ": is empty");
     const auto header = reader.at(0);
@@ -131,16 +135,13 @@ Result<std::uint64_t> check_matroska(ByteSource& bytes, const std::string& file)
         return input_error(file + ": is truncated: it ends at byte " + std::to_string(reader.length()));
     if (segment->id != id_segment)
         return input_error(file + ": is damaged: its header is not followed by a segment");
-    if (segment->size == unknown_size)
-        return input_error(file + ": was never completed: whoever wrote it stopped before the end");
-    if (segment->size > reader.length() - segment->content)
+    if (segment->size != unknown_size && segment->size > reader.length() - segment->content)
         return input_error(file + ": is truncated: it has " +
                            std::to_string(reader.length() - segment->content) + " of " +
                            std::to_string(segment->size) + " bytes");
-    const auto checked = check_segment(reader, *segment, file);
+    const auto end = check_segment(reader, *segment, file);
     if (reader.failure()) return error_at(file, *reader.failure());
-    if (!checked) return checked.error();
-    return segment->end();
+    return end;
 }
 
 }  // namespace touchable

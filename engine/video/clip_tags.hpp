@@ -15,6 +15,8 @@ namespace touchable::clip_tags {
 // attached.
 inline constexpr const char* version_tag = "T3D_VERSION";
 inline constexpr const char* rate_tag = "T3D_RATE";
+/// Of the file: it is a stream, which ends where it was cut off.
+inline constexpr const char* stream_tag = "T3D_STREAM";
 inline constexpr const char* role_tag = "T3D_ROLE";
 inline constexpr const char* lossless_tag = "T3D_LOSSLESS";
 inline constexpr const char* bits_tag = "T3D_BITS";

@@ -1,4 +1,9 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/printable.hpp"
 #include "engine/video/clip_container.hpp"
@@ -7,18 +12,82 @@
 namespace touchable {
 namespace {
 
-/// Tags say what each track is, and attachments what the clip means.
+/// Tags say what each track is, and attachments what the clip means. A stream that was saved is a clip as far
+/// as it goes.
 class MatroskaContainer final : public ClipContainer {
 public:
     explicit MatroskaContainer(const SourceFile& source)
         : ClipContainer(source, {clip_tags::scene_file, clip_tags::times_file}) {}
-    Result<std::unique_ptr<Demuxer>> open() override { return Demuxer::open_matroska(source_); }
-    Result<FrameRate> rate(const Demuxer& file) override {
-        return tagged_rate(file, file.attachment(clip_tags::times_file));
-    }
+    Result<std::unique_ptr<Demuxer>> open() override;
+    Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
     Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
+
+private:
+    Result<void> count_pictures(const Demuxer& file);
+
+    std::optional<WholePart> whole_;      // of a stream, once counted
+    std::vector<std::int64_t> times_ns_;  // of its pictures of depth, from 0 up
 };
+
+Result<std::unique_ptr<Demuxer>> MatroskaContainer::open() {
+    auto file = Demuxer::open_matroska(source_, true);
+    if (file && (*file)->is_open_ended() && !(*file)->tag(clip_tags::stream_tag))
+        return never_completed(file_);
+    return file;
+}
+
+/// By going through all of the stream once, without decoding.
+Result<void> MatroskaContainer::count_pictures(const Demuxer& file) {
+    auto reading = Demuxer::open_matroska(source_, true);
+    if (!reading) return reading.error();
+    const auto tracks = this->tracks(file, {});
+    if (!tracks) return tracks.error();
+    for (const ClipTrack& track : *tracks) (*reading)->select(track.stream);
+    const double tick_ns = av_q2d(file.container().streams[tracks->front().stream]->time_base) * 1e9;
+    WholePart whole{.is_cut = file.is_cut()};
+    std::int64_t first = 0;
+    for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
+        std::size_t there = 0;
+        for (const ClipTrack& track : *tracks) {
+            const auto packet = (*reading)->next(track.stream);
+            if (!packet) return packet.error();
+            there += *packet ? 1 : 0;
+            if (!*packet || track.role != PlaneRole::depth) continue;
+            if (whole.frames == 0) first = (*packet)->pts;
+            const auto ticks = static_cast<double>((*packet)->pts - first);
+            times_ns_.push_back(std::llround(std::clamp(ticks * tick_ns, 0.0, 4e18)));
+        }
+        is_over = there < tracks->size();
+        whole.is_uneven = is_over && there > 0;
+    }
+    times_ns_.resize(static_cast<std::size_t>(whole.frames));
+    whole_ = whole;
+    return {};
+}
+
+Result<std::optional<WholePart>> MatroskaContainer::whole_part(const Demuxer& file) {
+    if (file.is_open_ended() && !whole_)
+        if (auto counted = count_pictures(file); !counted) return counted.error();
+    return whole_;
+}
+
+/// A stream does not know beforehand that its frames will not keep to its rate.
+Result<FrameRate> MatroskaContainer::rate(const Demuxer& file) {
+    auto rate = tagged_rate(file, file.attachment(clip_tags::times_file));
+    if (!rate) return rate;
+    const auto whole = whole_part(file);
+    if (!whole) return whole.error();
+    if (!*whole) return rate;
+    constexpr std::int64_t rounding_ns = 1'000'000;  // of two times
+    for (std::size_t n = 0; n < times_ns_.size(); ++n) {
+        if (std::abs(times_ns_[n] - rate->time_ns(static_cast<std::int64_t>(n))) <= rounding_ns) continue;
+        if (auto own = rate_of_own_times(times_ns_)) rate->own_times = std::move(own->own_times);
+        break;
+    }
+    return rate;
+}
 
 Result<SceneDescription> MatroskaContainer::scene(const Demuxer& file, const FrameRate& recorded) {
     if (const auto json = file.attachment(clip_tags::scene_file)) return described_by(*json, recorded);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +6,7 @@
 #include "engine/clip/clip_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/block_addition.hpp"
+#include "engine/video/clip_muxing.hpp"
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/frame_times_text.hpp"
 #include "engine/video/muxed_clip_writer.hpp"
@@ -32,14 +32,11 @@ private:
     Result<void> add_rest() override;
     Result<void> open_tracks(const RawFrame& first);
     Result<void> begin_file();
-    Result<void> add_track(const TrackWriter& track);
     Result<void> add_copied_track(const AVStream& from, PlaneRole role);
-    bool is_shown(PlaneRole role) const;
     Result<void> copy_until(std::int64_t frame);
     Result<void> write_complete();
     Result<void> write_stored(std::size_t track);
     Result<void> write_picture_of(std::size_t stream, const StoredPicture& picture);
-    Result<void> attach(const char* name, const char* type, const std::string& text);
     Result<void> attach_scene();
 
     std::vector<TrackWriter> tracks_;   // track k is stream k
@@ -49,25 +46,12 @@ private:
 };
 
 Result<void> MatroskaWriter::attach_scene() {
-    if (auto attached = attach(clip_tags::scene_file, "application/json", scene_to_json(to_be_said()));
+    if (auto attached =
+            attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said()));
         !attached)
         return attached;
-    return scene_.rate.own_times ? attach(clip_tags::times_file, "text/plain", frame_times_text(scene_.rate))
-                                 : Result<void>{};
-}
-
-Result<void> MatroskaWriter::attach(const char* name, const char* type, const std::string& text) {
-    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream) return refuse("out of memory");
-    stream->codecpar->codec_type = AVMEDIA_TYPE_ATTACHMENT;
-    stream->codecpar->extradata =
-        static_cast<std::uint8_t*>(av_mallocz(text.size() + AV_INPUT_BUFFER_PADDING_SIZE));
-    if (!stream->codecpar->extradata) return refuse("out of memory");
-    std::memcpy(stream->codecpar->extradata, text.data(), text.size());
-    stream->codecpar->extradata_size = static_cast<int>(text.size());
-    av_dict_set(&stream->metadata, "filename", name, 0);
-    av_dict_set(&stream->metadata, "mimetype", type, 0);
-    return {};
+    if (!scene_.rate.own_times) return {};
+    return attach_text(*muxer_, clip_tags::times_file, "text/plain", frame_times_text(scene_.rate));
 }
 
 Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
@@ -86,31 +70,6 @@ Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
     return {};
 }
 
-Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
-    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream) return refuse("out of memory");
-    if (auto described = track.encoder().describe(*stream->codecpar); !described) return described;
-    stream->time_base = {1, 1000};
-    stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
-    const PlaneRole role = track.role();
-    const std::string name(role_name(role));
-    av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
-    av_dict_set(&stream->metadata, "title", name.c_str(), 0);
-    if (track.coding() != TrackCoding::h264_visual)
-        av_dict_set(&stream->metadata, clip_tags::lossless_tag, "1", 0);
-    if (check_.bytes_per_sample(role) == 2 && track.coding() != TrackCoding::ffv1)
-        av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
-                        role == PlaneRole::depth ? scene_.depth_bits : 16, 0);
-    stream->disposition = is_shown(role) ? AV_DISPOSITION_DEFAULT : 0;
-    return {};
-}
-
-/// Ordinary players show the track that is there to be seen.
-bool MatroskaWriter::is_shown(PlaneRole role) const {
-    const bool has_colour = check_.bytes_per_sample(PlaneRole::colour) > 0;
-    return role == (has_colour ? PlaneRole::colour : PlaneRole::depth);
-}
-
 Result<void> MatroskaWriter::add_copied_track(const AVStream& from, PlaneRole role) {
     AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream || avcodec_parameters_copy(stream->codecpar, from.codecpar) < 0)
@@ -120,13 +79,16 @@ Result<void> MatroskaWriter::add_copied_track(const AVStream& from, PlaneRole ro
     for (const char* tag : {clip_tags::role_tag, "title", clip_tags::lossless_tag, clip_tags::bits_tag})
         if (const AVDictionaryEntry* const entry = av_dict_get(from.metadata, tag, nullptr, 0))
             av_dict_set(&stream->metadata, tag, entry->value, 0);
-    stream->disposition = is_shown(role) ? AV_DISPOSITION_DEFAULT : 0;
+    stream->disposition = is_shown_by_players(role, check_) ? AV_DISPOSITION_DEFAULT : 0;
     return {};
 }
 
 Result<void> MatroskaWriter::begin_file() {
     for (const TrackWriter& track : tracks_)
-        if (auto added = add_track(track); !added) return added;
+        if (auto added =
+                add_plane_stream(*muxer_, track.encoder(), track.role(), track.coding(), check_, scene_);
+            !added)
+            return added;
     for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
         if (auto added = add_copied_track(copy_->stream(k), copy_->role(k)); !added) return added;
     if (auto added = add_sound_stream(); !added) return added;

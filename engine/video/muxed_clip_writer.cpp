@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "engine/video/clip_tags.hpp"
+#include "engine/video/clip_muxing.hpp"
 
 namespace touchable {
 namespace {
@@ -59,15 +59,11 @@ Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
 SceneDescription MuxedClipWriter::to_be_said() const {
     SceneDescription described(scene_);
     described.unstated = unstated_;
-    described.scene.folder.reset();
-    described.scene.video.reset();
-    described.scene.stored = {};  // as codes
-    return described;
+    return said_of_clip(described);
 }
 
 void MuxedClipWriter::add_tags() {
-    av_dict_set_int(&muxer_->metadata, clip_tags::version_tag, clip_format_version, 0);
-    av_dict_set(&muxer_->metadata, clip_tags::rate_tag, clip_tags::rate_text(scene_.rate).c_str(), 0);
+    add_clip_tags(*muxer_, scene_.rate);
 }
 
 Result<void> MuxedClipWriter::add_sound_stream() {

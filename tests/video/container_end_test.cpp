@@ -71,7 +71,7 @@ TEST(ContainerEnd, ZerosBehindItAreNoneOfIt) {
     ZeroTail quicktime(boxes), avi(chunks), matroska(clip);
     EXPECT_EQ(**end_of_boxes(quicktime), boxes.size());
     EXPECT_EQ(**end_of_riff(avi), chunks.size());
-    EXPECT_EQ(*check_matroska(matroska, "NAME"), clip.size());
+    EXPECT_EQ(check_matroska(matroska, "NAME")->at, clip.size());
     for (const ZeroTail* each : {&quicktime, &avi, &matroska}) {
         EXPECT_LT(each->reads(), 1000);
         EXPECT_LE(each->farthest(), 16 + std::max({boxes.size(), chunks.size(), clip.size()}));

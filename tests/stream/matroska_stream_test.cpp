@@ -1,0 +1,207 @@
+#include "engine/stream/matroska_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "engine/video/block_addition.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/video/sounding_clip.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr Planes touch_planes{false, true, true, false}, seen_planes{true, true, true, false};
+constexpr std::int64_t ns_per_second = 1'000'000'000;
+
+/// A stream as a listener saves it who was there from block `from` on.
+struct Saved {
+    std::string header;
+    std::vector<StreamBlock> blocks{};
+
+    std::string from(std::size_t block) const {
+        std::string bytes = header;
+        for (; block < blocks.size(); ++block)
+            bytes.append(blocks[block].bytes.begin(), blocks[block].bytes.end());
+        return bytes;
+    }
+};
+
+PictureLabel label_of(std::int64_t frame) {
+    return {frame, 1'700'000'000 * ns_per_second + frame};
+}
+
+/// A key every 4 frames, as `times` has them; nothing: at the scene's.
+Saved stream_of(const Scene& scene, int frames, const Planes& planes,
+                const std::vector<std::int64_t>& times = {}) {
+    Saved saved;
+    auto muxer = open_matroska_stream(scene);
+    EXPECT_EQ(message(muxer), "");
+    for (int n = 0; n < frames; ++n) {
+        const std::int64_t time = times.empty() ? scene.rate.time_ns(n) : times[static_cast<std::size_t>(n)];
+        auto block = (*muxer)->add(test_frame(scene, n, planes), label_of(n), time, n % 4 == 0);
+        EXPECT_EQ(message(block), "");
+        saved.blocks.push_back(std::move(*block));
+    }
+    const auto header = (*muxer)->header();
+    saved.header.assign(header.begin(), header.end());
+    return saved;
+}
+
+TEST(MatroskaStream, SavedIsAClipWithTheSamePlanes) {
+    const TemporaryFolder folder;
+    for (const int bits : {8, 12, 16})
+        for (const Planes& planes : {Planes{false, false, false, true}, touch_planes}) {
+            const Scene scene = small_scene(53, 37, bits);
+            const Saved saved = stream_of(scene, 9, planes);
+            write_bytes(folder / "saved.mkv", saved.from(0));
+            auto reader = open_clip(folder / "saved.mkv");
+            ASSERT_EQ(message(reader), "");
+            EXPECT_EQ((*reader)->frame_count(), 9);
+            EXPECT_EQ((*reader)->scene().depth, scene.depth);
+            EXPECT_EQ((*reader)->scene().rate.own_times, nullptr);
+            const auto read = read_all(**reader);
+            ASSERT_EQ(message(read), "");
+            ASSERT_EQ(read->size(), 9U);
+            for (int n = 0; n < 9; ++n)
+                EXPECT_TRUE(same_frame((*read)[static_cast<std::size_t>(n)], test_frame(scene, n, planes)))
+                    << bits << " bits, frame " << n;
+        }
+}
+
+TEST(MatroskaStream, WhoJoinsAtAKeyHasTheRest) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(32, 24, 16);
+    const Saved saved = stream_of(scene, 10, seen_planes);
+    write_bytes(folder / "late.mkv", saved.from(4));
+    const auto read = read_clip(folder / "late.mkv");
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), 6U);
+    for (std::size_t n = 0; n < 6; ++n) {
+        const RawFrame sent = test_frame(scene, static_cast<std::int64_t>(n) + 4, seen_planes);
+        EXPECT_TRUE(same_touch_planes((*read)[n], sent)) << n;
+        EXPECT_TRUE(same_form((*read)[n].colour, sent.colour));
+    }
+}
+
+TEST(MatroskaStream, CutAnywhereIsWhatIsWhole) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 12, 12);
+    const Saved saved = stream_of(scene, 5, touch_planes);
+    const std::string bytes = saved.from(0);
+    std::size_t whole = saved.header.size();
+    for (std::size_t n = 0; n < saved.blocks.size(); ++n) {
+        const std::size_t next = whole + saved.blocks[n].bytes.size();
+        for (const std::size_t at : {whole + 3, (whole + next) / 2, next - 1}) {
+            write_bytes(folder / "cut.mkv", bytes.substr(0, at));
+            auto reader = open_clip(folder / "cut.mkv");
+            if (n == 0) {
+                EXPECT_FALSE(reader.ok());
+                continue;
+            }
+            ASSERT_EQ(message(reader), "") << n;
+            EXPECT_EQ((*reader)->frame_count(), static_cast<std::int64_t>(n));
+            const auto notes = (*reader)->notes();
+            EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+                return note.find("is cut") != std::string::npos ||
+                       note.find("end at different frames") != std::string::npos;
+            })) << n;
+            const auto read = read_all(**reader);
+            ASSERT_EQ(message(read), "");
+            EXPECT_EQ(read->size(), n);
+        }
+        whole = next;
+    }
+}
+
+TEST(MatroskaStream, FramesOfACameraComeBackAtTheirTimes) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 12, 12);
+    const std::vector<std::int64_t> times{0, 31'000'000, 140'000'000, 155'000'000};
+    write_bytes(folder / "camera.mkv", stream_of(scene, 4, touch_planes, times).from(0));
+    const auto read = read_clip(folder / "camera.mkv");
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), 4U);
+    for (std::size_t n = 0; n < 4; ++n) EXPECT_EQ((*read)[n].time_ns, times[n]);
+}
+
+TEST(MatroskaStream, EveryPictureIsLabelledAndSound) {
+    const TemporaryFolder folder;
+    const Saved saved = stream_of(small_scene(32, 24, 16), 6, seen_planes);
+    write_bytes(folder / "saved.mkv", saved.from(0));
+    const auto demuxer = Demuxer::open_matroska(folder / "saved.mkv", true);
+    ASSERT_EQ(message(demuxer), "");
+    for (int stream = 0; stream < 4; ++stream) (*demuxer)->select(stream);
+    for (std::int64_t n = 0; n < 6; ++n)
+        for (int stream = 0; stream < 4; ++stream) {
+            const auto packet = (*demuxer)->next(stream);
+            ASSERT_EQ(message(packet), "");
+            ASSERT_TRUE(*packet);
+            const auto addition = block_addition_of(**packet);
+            ASSERT_TRUE(addition && addition->label);
+            EXPECT_TRUE(addition->sound);
+            EXPECT_EQ(addition->frames, 1);
+            EXPECT_EQ(*addition->label, label_of(n));
+            const bool is_key = ((*packet)->flags & AV_PKT_FLAG_KEY) != 0;
+            EXPECT_TRUE(is_key || n % 4 != 0) << "decoding of all planes begins with each key";
+        }
+}
+
+// In a loop, from the beginning with each round.
+TEST(MatroskaStream, SoundGoesAlong) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 12);
+    constexpr int frames = 15, rounds = 2;  // 0.5 s each
+    ASSERT_EQ(message(write_clip(folder / "mute.mkv", scene, frames, {})), "");
+    const auto sound = tone(20, 0.8);  // longer than the pictures
+    write_sounding_clip(folder / "clip.mkv", sound, folder / "mute.mkv");
+    auto muxer = open_matroska_stream(scene, SoundPart{folder / "clip.mkv", 0, ns_per_second});
+    ASSERT_EQ(message(muxer), "");
+    std::string bytes;
+    for (int n = 0; n < frames * rounds; ++n) {
+        RawFrame frame = test_frame(scene, n % frames, {});
+        frame.epoch = static_cast<std::uint64_t>(n / frames);
+        const auto block = (*muxer)->add(frame, label_of(n), scene.rate.time_ns(n), n % frames == 0);
+        ASSERT_EQ(message(block), "");
+        if (n == 0) bytes.assign((*muxer)->header().begin(), (*muxer)->header().end());
+        bytes.append(block->bytes.begin(), block->bytes.end());
+    }
+    write_bytes(folder / "saved.mkv", bytes);
+    const auto read = read_clip(folder / "saved.mkv");
+    ASSERT_EQ(message(read), "");
+    EXPECT_EQ(std::ssize(*read), frames * rounds);
+    auto track = SoundTrack::open(folder / "saved.mkv");
+    ASSERT_EQ(message(track), "");
+    ASSERT_TRUE(*track);
+    std::vector<StereoSample> heard(static_cast<std::size_t>(SoundTrack::rate));
+    (*track)->read(heard);
+    constexpr std::size_t packet = SoundTrack::rate / 50;
+    const std::size_t round = static_cast<std::size_t>(SoundTrack::rate) / rounds;
+    for (std::size_t k = 0; k + packet < heard.size(); ++k) {
+        if (k % round < packet || k % round + 2 * packet > round) continue;  // one packet over another
+        ASSERT_NEAR(heard[k].left, sound[k % round].left, 2 * 3.15 * 20 * 0.001) << k;
+    }
+}
+
+TEST(MatroskaStream, RefusesWhatBreaksIt) {
+    const Scene scene = small_scene(16, 12, 12);
+    auto muxer = open_matroska_stream(scene);
+    ASSERT_EQ(message(muxer), "");
+    EXPECT_TRUE((*muxer)->header().empty());
+    ASSERT_EQ(message((*muxer)->add(test_frame(scene, 7, touch_planes), {}, 0, true)), "");
+    EXPECT_FALSE((*muxer)->header().empty());
+    const auto refusal = [](const Result<StreamBlock>& block) {
+        return block.ok() ? std::nullopt : std::optional(block.error().kind);
+    };
+    // One plane fewer; a value that the scene does not allow; a size that no clip has.
+    EXPECT_EQ(refusal((*muxer)->add(test_frame(scene, 8, {}), {}, 1, true)), ErrorKind::internal);
+    const RawFrame wide = test_frame(small_scene(16, 12, 16), 8, {false, true, true, true});
+    EXPECT_EQ(refusal((*muxer)->add(wide, {}, 1, true)), ErrorKind::input);
+    EXPECT_FALSE(open_matroska_stream(small_scene(16400, 2)).ok());
+    EXPECT_FALSE(open_matroska_stream(scene, SoundPart{"/nowhere.wav", 0, 1}).ok());
+}
+
+}  // namespace
+}  // namespace touchable::test
