@@ -1,7 +1,6 @@
 #include "engine/video/mp4_writer.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/frame_times_text.hpp"
 #include "engine/video/muxed_clip_writer.hpp"
+#include "engine/video/plane_part.hpp"
 #include "engine/video/read_along.hpp"
 #include "engine/video/track_encoder.hpp"
 
@@ -38,36 +38,19 @@ std::uint16_t object_of(PlaneRole role) {
     return mpeg4::depth_object;
 }
 
-/// Eight bits of each sample of a plane.
-enum class Part { whole, high, low };
-
 struct Mp4Track {
     PlaneRole role;
-    Part part = Part::whole;
+    PlanePart part = PlanePart::whole;
     int low_bits = 0;  // of a sample that is in two parts
     std::unique_ptr<TrackEncoder> encoder{};
     std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
     std::string name() const {
-        return std::string(role_name(role)) + (part == Part::low ? low_track_suffix : "");
+        return std::string(role_name(role)) + (part == PlanePart::low ? low_track_suffix : "");
     }
 };
 
 PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
-    if (track.part == Part::whole) return plane;
-    const auto width = static_cast<std::size_t>(plane.width);
-    track.bytes.resize(width * static_cast<std::size_t>(plane.height));
-    const unsigned low = (1U << track.low_bits) - 1;
-    for (int y = 0; y < plane.height; ++y) {
-        const std::uint8_t* from = plane.row(y);
-        std::uint8_t* to = track.bytes.data() + width * static_cast<std::size_t>(y);
-        for (std::size_t x = 0; x < width; ++x) {
-            std::uint16_t sample;
-            std::memcpy(&sample, from + 2 * x, 2);
-            to[x] =
-                static_cast<std::uint8_t>(track.part == Part::high ? sample >> track.low_bits : sample & low);
-        }
-    }
-    return {track.bytes.data(), plane.width, plane.width, plane.height, 1, 1};
+    return part_of(plane, track.part, track.low_bits, track.bytes);
 }
 
 /// That of a fragment at most, where frames are not longer.
@@ -141,14 +124,14 @@ Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
 
 /// Those with the low bits come last: the scene does not know them.
 Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
-    for (const Part part : {Part::high, Part::low}) {
+    for (const PlanePart part : {PlanePart::high, PlanePart::low}) {
         for (const PlaneRole role : track_order) {
             const PlaneView& plane = plane_of(first, role);
             const bool is_wide = plane.bytes_per_sample == 2;
-            if (plane.empty() || (part == Part::low && !is_wide)) continue;
+            if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
             const int bits =
                 role == PlaneRole::depth ? scene_.depth_bits : std::max(8, height_bits(scene_.height_coding));
-            Mp4Track track{role, is_wide ? part : Part::whole, is_wide ? bits - 8 : 0};
+            Mp4Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits - 8 : 0};
             if (auto opened = open_track(std::move(track), plane); !opened) return opened;
         }
     }
@@ -241,7 +224,7 @@ Result<void> Mp4Writer::make_scene_stream() {
         mpeg4::nodes_from(scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
     mpeg4::SceneStream& stream = scene_stream_;
     for (std::size_t k = 0; k < tracks_.size(); ++k)
-        if (tracks_[k].part != Part::low)
+        if (tracks_[k].part != PlanePart::low)
             stream.objects[object_of(tracks_[k].role)] = static_cast<std::uint32_t>(k + 1);
     const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
     stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);

@@ -10,7 +10,6 @@
 namespace touchable {
 namespace {
 
-constexpr std::int64_t most_pixels = std::int64_t{16384} * 16384;
 /// From this many pixels on a picture is worth waking threads for.
 constexpr std::int64_t pixels_for_threads = 100'000;
 
@@ -104,7 +103,8 @@ Error damaged_header(const std::string& where, const std::string& what) {
 
 }  // namespace
 
-Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& stream, const std::string& where) {
+Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& stream, const std::string& where,
+                                                           std::int64_t most_pixels) {
     const AVCodecParameters& stored = *stream.codecpar;
     if (const auto version = rank_zstd_version(stored)) {
         if (stored.width <= 0 || stored.height <= 0 ||

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -12,8 +13,11 @@ namespace touchable {
 /// gives pictures as FFmpeg's do, with FFmpeg's error numbers.
 class PacketDecoder {
 public:
-    /// For a stream whose codec `is_read`. Messages begin with `where`.
-    static Result<std::unique_ptr<PacketDecoder>> open(const AVStream& stream, const std::string& where);
+    /// For a stream whose codec `is_read`. Messages begin with `where`. Of larger pictures nothing is
+    /// decoded.
+    static Result<std::unique_ptr<PacketDecoder>> open(const AVStream& stream, const std::string& where,
+                                                       std::int64_t most_pixels = largest_picture);
+    static constexpr std::int64_t largest_picture = std::int64_t{16384} * 16384;  ///< pixels
     virtual ~PacketDecoder() = default;
 
     /// The next packet; null after the last.

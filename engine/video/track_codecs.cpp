@@ -46,10 +46,12 @@ Settings settings_of(TrackCoding coding, AVPixelFormat format) {
     if (coding == TrackCoding::ffv1)
         return {"ffv1", "FFV1", {{"slicecrc", "1"}, {"coder", "1"}, {"context", "1"}}};
     // A packet comes out for each picture that goes in, and begins anew only where it is told to.
-    Settings h264{
-        format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
-        "H.264",
-        {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"x264-params", "keyint=infinite:scenecut=0"}}};
+    Settings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
+                  "H.264",
+                  {{"tune", "zerolatency"},
+                   {"forced-idr", "1"},
+                   {"udu_sei", "1"},
+                   {"x264-params", "keyint=infinite:scenecut=0"}}};
     if (coding == TrackCoding::h264_visual) {
         h264.options.insert(h264.options.end(), {{"preset", "superfast"}, {"crf", "18"}});
     } else {

@@ -86,12 +86,28 @@ ScalerPtr scaler_to(const AVFrame& picture) {
     return scaler;
 }
 
+/// In place of those of the picture before.
+bool attach(std::span<const std::string> messages, AVFrame& picture) {
+    av_frame_remove_side_data(&picture, AV_FRAME_DATA_SEI_UNREGISTERED);
+    for (const std::string& message : messages) {
+        AVBufferRef* const buffer = av_buffer_alloc(message.size());
+        if (!buffer) return false;
+        std::memcpy(buffer->data, message.data(), message.size());
+        if (av_frame_new_side_data_from_buf(&picture, AV_FRAME_DATA_SEI_UNREGISTERED, buffer)) continue;
+        AVBufferRef* lost = buffer;
+        av_buffer_unref(&lost);
+        return false;
+    }
+    return true;
+}
+
 class FfmpegEncoder final : public TrackEncoder {
 public:
     explicit FfmpegEncoder(PlaneRole role) : role_(role) {}
     Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene);
     Result<void> describe(AVCodecParameters& stored) const override;
-    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
+                             std::span<const std::string> messages) override;
 
 private:
     PlaneRole role_;
@@ -126,7 +142,8 @@ Result<void> FfmpegEncoder::describe(AVCodecParameters& stored) const {
     return {};
 }
 
-Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own) {
+Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own,
+                                        std::span<const std::string> messages) {
     PacketPtr packet(av_packet_alloc());
     if (!packet || av_frame_make_writable(picture_.get()) < 0) return encoder_error(role_, "out of memory");
     if (scaler_) {
@@ -138,6 +155,7 @@ Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own)
     }
     ++picture_->pts;
     picture_->pict_type = on_its_own ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+    if (!attach(messages, *picture_)) return encoder_error(role_, "out of memory");
     int status = avcodec_send_frame(codec_.get(), picture_.get());
     if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
     if (status < 0) return encoder_error(role_, ffmpeg_text(status));
@@ -149,7 +167,8 @@ public:
     RankZstdTrack(PlaneRole role, const PlaneView& first)
         : role_(role), width_(first.width), height_(first.height) {}
     Result<void> describe(AVCodecParameters& stored) const override;
-    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
+                             std::span<const std::string> messages) override;
 
 private:
     const PlaneRole role_;
@@ -166,7 +185,9 @@ Result<void> RankZstdTrack::describe(AVCodecParameters& stored) const {
     return {};
 }
 
-Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own) {
+Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own,
+                                        std::span<const std::string> messages) {
+    if (!messages.empty()) return encoder_error(role_, "its codec has no room for messages");
     const auto bytes = encoder_.encode(plane, on_its_own);
     PacketPtr packet(av_packet_alloc());
     if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/plane_role.hpp"
@@ -31,7 +33,10 @@ public:
     /// Says in a container how the track is encoded. An error where memory runs out.
     virtual Result<void> describe(AVCodecParameters& stored) const = 0;
     /// The packet of a plane like the first; without a time. Where `on_its_own`, decoding can begin with it.
-    virtual Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) = 0;
+    /// `messages`: what H.264 says in it beside the picture, each an unregistered SEI message (ISO/IEC
+    /// 14496-10, D.1.7): a UUID of 16 bytes, and what follows it. No other coding has room for them.
+    virtual Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
+                                     std::span<const std::string> messages = {}) = 0;
 };
 
 }  // namespace touchable

@@ -1,0 +1,73 @@
+#include "engine/stream/memory_muxer.hpp"
+
+#include <new>
+#include <utility>
+
+namespace touchable {
+
+Result<std::unique_ptr<MemoryMuxer>> MemoryMuxer::open(const char* format) {
+    silence_ffmpeg();
+    AVFormatContext* context = nullptr;
+    const int status = avformat_alloc_output_context2(&context, nullptr, format, nullptr);
+    if (status < 0)
+        return Error{ErrorKind::internal, "muxer " + std::string(format) + ": " + ffmpeg_text(status)};
+    std::unique_ptr<MemoryMuxer> muxer(new MemoryMuxer(context));
+    context->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
+    constexpr int buffer_bytes = 1 << 16;
+    auto* const buffer = static_cast<unsigned char*>(av_malloc(buffer_bytes));
+    if (buffer)
+        context->pb = avio_alloc_context(buffer, buffer_bytes, 1, muxer.get(), nullptr, append, nullptr);
+    if (context->pb) return muxer;
+    av_free(buffer);
+    return muxer->check(AVERROR(ENOMEM)).error();
+}
+
+MemoryMuxer::~MemoryMuxer() {
+    if (AVIOContext* io = context_->pb) {
+        av_freep(&io->buffer);
+        avio_context_free(&io);
+    }
+    avformat_free_context(context_);
+}
+
+int MemoryMuxer::append(void* own, std::uint8_t* bytes, int count) {
+    auto& all = static_cast<MemoryMuxer*>(own)->bytes_;
+    try {
+        all.insert(all.end(), bytes, bytes + count);
+    } catch (const std::bad_alloc&) {
+        return AVERROR(ENOMEM);
+    }
+    return count;
+}
+
+Result<void> MemoryMuxer::check(int status) const {
+    if (status >= 0 && context_->pb && context_->pb->error < 0) status = context_->pb->error;
+    if (status >= 0) return {};
+    const std::string format = context_->oformat->name;
+    return Error{ErrorKind::internal, "muxer " + format + ": " + ffmpeg_text(status)};
+}
+
+Result<void> MemoryMuxer::begin(const std::string& options) {
+    AVDictionary* read = nullptr;
+    int status = av_dict_parse_string(&read, options.c_str(), "=", ":", 0);
+    if (status >= 0) status = avformat_write_header(context_, &read);
+    av_dict_free(&read);
+    return check(status);
+}
+
+Result<void> MemoryMuxer::write(AVPacket& packet, int stream, AVRational tick) {
+    packet.stream_index = stream;
+    av_packet_rescale_ts(&packet, tick, context_->streams[stream]->time_base);
+    return check(av_write_frame(context_, &packet));
+}
+
+Result<void> MemoryMuxer::flush() {
+    return check(av_write_frame(context_, nullptr));
+}
+
+std::vector<std::uint8_t> MemoryMuxer::take() {
+    avio_flush(context_->pb);
+    return std::exchange(bytes_, {});
+}
+
+}  // namespace touchable

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/clip/plane_role.hpp"
+#include "engine/stream/labelled_decoder.hpp"
+#include "engine/stream/labelled_encoder.hpp"
+#include "tests/clip/clip_fixture.hpp"
+
+namespace touchable::test {
+
+inline PictureLabel label_of(std::int64_t number) {
+    return {1000 + number, 1'700'000'000'000'000'000 + number * 33'000'000};
+}
+
+/// Packets of a clip, as an encoder gives them, and what tells a decoder of its tracks.
+struct LabelledClip {
+    struct StreamCloser {
+        void operator()(AVFormatContext* context) const { avformat_free_context(context); }
+    };
+    std::unique_ptr<AVFormatContext, StreamCloser> streams{avformat_alloc_context()};
+    std::vector<std::vector<PacketPtr>> packets;  // of each frame, by track
+    std::vector<RawFrame> frames;
+
+    std::size_t tracks() const { return streams->nb_streams; }
+};
+
+inline LabelledClip labelled_clip(const Scene& scene, int frames, const Planes& planes, int keys_apart = 4) {
+    LabelledClip clip;
+    std::optional<LabelledEncoder> encoder;
+    for (int n = 0; n < frames; ++n) {
+        clip.frames.push_back(test_frame(scene, n, planes));
+        if (!encoder) {
+            auto opened = LabelledEncoder::open(clip.frames[0], scene, TrackCoding::h264_quick);
+            EXPECT_EQ(message(opened), "");
+            encoder.emplace(std::move(*opened));
+            for (std::size_t k = 0; k < encoder->tracks(); ++k) {
+                AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
+                EXPECT_EQ(message(encoder->describe(k, *stream->codecpar)), "");
+                stream->time_base = {1, 1000};
+            }
+        }
+        auto packets = encoder->encode(clip.frames.back(), label_of(n), n % keys_apart == 0);
+        EXPECT_EQ(message(packets), "");
+        for (const auto& packet : *packets) packet->pts = packet->dts = 33 * n;
+        clip.packets.push_back(std::move(*packets));
+    }
+    return clip;
+}
+
+inline LabelledDecoder decoder_for(const LabelledClip& clip) {
+    LabelledDecoder decoder(1 << 22);
+    for (std::size_t k = 0; k < clip.tracks(); ++k)
+        EXPECT_EQ(message(decoder.add_track(*clip.streams->streams[k], "clip")), "");
+    return decoder;
+}
+
+/// Which plane of which frame came, and how often.
+using Came = std::map<std::pair<PlaneRole, std::int64_t>, int>;
+
+/// Every plane of touch must be that of its frame.
+inline void take_pictures(const std::vector<StreamPicture>& pictures, const std::vector<RawFrame>& frames,
+                          Came& came) {
+    for (const StreamPicture& picture : pictures) {
+        const std::int64_t number = picture.label.frame - label_of(0).frame;
+        ASSERT_GE(number, 0);
+        ASSERT_LT(number, static_cast<std::int64_t>(frames.size()));
+        const PlaneView& sent = plane_of(frames[static_cast<std::size_t>(number)], picture.role);
+        EXPECT_EQ(picture.label, label_of(number));
+        if (picture.role != PlaneRole::colour)
+            EXPECT_TRUE(same_plane(picture.plane.view, sent))
+                << role_name(picture.role) << ", frame " << number;
+        else
+            EXPECT_EQ(picture.plane.view.width, sent.width);
+        ++came[{picture.role, number}];
+    }
+}
+
+}  // namespace touchable::test
