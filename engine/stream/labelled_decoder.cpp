@@ -70,7 +70,7 @@ Result<std::size_t> LabelledDecoder::add_track(const AVStream& stream, const std
     return tracks_.size() - 1;
 }
 
-Result<std::vector<StreamPicture>> LabelledDecoder::add(std::size_t track, const AVPacket& packet) {
+Result<std::vector<LabelledPicture>> LabelledDecoder::add(std::size_t track, const AVPacket& packet) {
     Pictures pictures;
     Track& of = tracks_[track];
     of.has_begun = of.has_begun || (packet.flags & AV_PKT_FLAG_KEY) != 0;
@@ -79,7 +79,7 @@ Result<std::vector<StreamPicture>> LabelledDecoder::add(std::size_t track, const
     return pictures;
 }
 
-Result<std::vector<StreamPicture>> LabelledDecoder::end() {
+Result<std::vector<LabelledPicture>> LabelledDecoder::end() {
     Pictures pictures;
     for (Track& track : tracks_)
         if (auto sent = send(track, nullptr, pictures); !sent) return sent.error();
@@ -139,7 +139,7 @@ Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictu
         return {};
     }
     const PictureMessage message = said.picture->picture.value();
-    StreamPicture picture{message.role, message.label, frame->key_frame != 0, 0, {}, std::move(said.scene)};
+    LabelledPicture picture{message.role, message.label, frame->key_frame != 0, 0, {}, std::move(said.scene)};
     if (frame->best_effort_timestamp != AV_NOPTS_VALUE)
         picture.time_ns = av_rescale_q(frame->best_effort_timestamp, track.time_base, nanosecond);
     if (!follows(track, message, picture.is_key)) {
@@ -176,7 +176,7 @@ std::optional<Plane> LabelledDecoder::plane_in(Track& track, FramePtr frame, con
     return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
 }
 
-void LabelledDecoder::join(const PictureMessage& message, StreamPicture picture, Pictures& pictures) {
+void LabelledDecoder::join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures) {
     auto& halves = halves_[static_cast<std::size_t>(message.role)];
     PictureMessage other = message;
     other.part = message.part == PlanePart::high ? PlanePart::low : PlanePart::high;
@@ -191,8 +191,8 @@ void LabelledDecoder::join(const PictureMessage& message, StreamPicture picture,
     }
     Half half = std::move(*found);
     halves.erase(found);
-    StreamPicture& high = message.part == PlanePart::high ? picture : half.picture;
-    const StreamPicture& low = message.part == PlanePart::high ? half.picture : picture;
+    LabelledPicture& high = message.part == PlanePart::high ? picture : half.picture;
+    const LabelledPicture& low = message.part == PlanePart::high ? half.picture : picture;
     auto plane = joined_plane(high.plane.view, low.plane.view, message.bits);
     if (!plane) {
         ++faults_.damaged;

@@ -19,7 +19,7 @@
 namespace touchable {
 
 /// A plane of a frameset as it was sent: every value of it where it is felt.
-struct StreamPicture {
+struct LabelledPicture {
     PlaneRole role = PlaneRole::depth;
     PictureLabel label;
     bool is_key = false;                       ///< decoding could have begun with it
@@ -48,9 +48,9 @@ public:
     /// and more than 16.
     Result<std::size_t> add_track(const AVStream& stream, const std::string& where);
     /// The pictures that are whole with this packet. An error only of kind internal: out of memory.
-    Result<std::vector<StreamPicture>> add(std::size_t track, const AVPacket& packet);
+    Result<std::vector<LabelledPicture>> add(std::size_t track, const AVPacket& packet);
     /// Those that are left, once no packet comes any more.
-    Result<std::vector<StreamPicture>> end();
+    Result<std::vector<LabelledPicture>> end();
     /// Packets from here on do not follow those before.
     void restart();
 
@@ -70,13 +70,13 @@ private:
     /// A plane that is in two parts, of which one came.
     struct Half {
         PictureMessage message;
-        StreamPicture picture;
+        LabelledPicture picture;
     };
-    using Pictures = std::vector<StreamPicture>;
+    using Pictures = std::vector<LabelledPicture>;
     Result<void> send(Track& track, const AVPacket* packet, Pictures& pictures);
     Result<void> take(Track& track, FramePtr frame, Pictures& pictures);
     bool follows(Track& track, const PictureMessage& message, bool is_key);
-    void join(const PictureMessage& message, StreamPicture picture, Pictures& pictures);
+    void join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures);
     std::optional<Plane> plane_in(Track& track, FramePtr frame, const ReadSei& sei);
 
     const std::int64_t most_pixels_;

@@ -51,7 +51,7 @@ TEST(LabelledPictures, EachKeyframeOfDepthHasTheScene) {
         for (std::size_t k = 0; k < packets.size(); ++k) {
             auto pictures = decoder.add(k, *packets[k]);
             ASSERT_EQ(message(pictures), "");
-            for (const StreamPicture& picture : *pictures) {
+            for (const LabelledPicture& picture : *pictures) {
                 EXPECT_EQ(picture.scene != nullptr, picture.role == PlaneRole::depth && picture.is_key);
                 if (!picture.scene) continue;
                 ++scenes;

@@ -67,9 +67,9 @@ inline LabelledDecoder decoder_for(const LabelledClip& clip) {
 using Came = std::map<std::pair<PlaneRole, std::int64_t>, int>;
 
 /// Every plane of touch must be that of its frame.
-inline void take_pictures(const std::vector<StreamPicture>& pictures, const std::vector<RawFrame>& frames,
+inline void take_pictures(const std::vector<LabelledPicture>& pictures, const std::vector<RawFrame>& frames,
                           Came& came) {
-    for (const StreamPicture& picture : pictures) {
+    for (const LabelledPicture& picture : pictures) {
         const std::int64_t number = picture.label.frame - label_of(0).frame;
         ASSERT_GE(number, 0);
         ASSERT_LT(number, static_cast<std::int64_t>(frames.size()));
