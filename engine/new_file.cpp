@@ -143,14 +143,15 @@ int NewFile::give_name(const fs::path& name) {
 Result<void> NewFile::commit_as(const fs::path& name) {
     if (auto usable = check(); !usable.ok()) return usable;
     // Some file systems and pipes cannot; that is no fault.
-    if (fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS) return failed(errno);
+    if (lasts_ && fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS)
+        return failed(errno);
     const int why = give_name(name);
     if (why == EEXIST)
         return input_error(target_.string() +
                            ": is there by now, and was not when this run began; it stays as it is");
     if (why != 0) return failed(why);
     committed_ = true;
-    sync_folder(folder_of(name));
+    if (lasts_) sync_folder(folder_of(name));
     return {};
 }
 

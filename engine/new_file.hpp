@@ -31,6 +31,8 @@ public:
     Result<void> check() const;
     /// All that it shall hold, at once. An error names the target and the reason.
     Result<void> write(std::string_view text);
+    /// `commit` does not wait for the disk: of a file that is soon replaced or removed.
+    void need_not_last() { lasts_ = false; }
     /// Safe on the disk first, then named. Refused where `keep` was asked for and there is such a file by
     /// now.
     Result<void> commit() { return commit_as(target_); }
@@ -52,6 +54,7 @@ private:
     int file_ = -1;
     int failure_ = 0;  ///< errno of opening it
     bool committed_ = false;
+    bool lasts_ = true;
 };
 
 /// A name that nobody else has or can foresee, in `folder`.

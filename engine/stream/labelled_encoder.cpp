@@ -5,6 +5,7 @@
 
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/picture_message.hpp"
+#include "engine/video/clip_muxing.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 namespace touchable {
@@ -13,12 +14,11 @@ namespace {
 constexpr PlaneRole labelled_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
                                         PlaneRole::height};
 
-/// What is sent of a scene: where its pictures came from is nobody's business there.
-std::string sent_scene(SceneDescription described) {
-    described.scene.folder.reset();
-    described.scene.video.reset();
-    described.scene.stored = {};
-    return scene_to_json(described);
+/// Of frames at times of their own the mean rate: each picture says when it was taken.
+std::string sent_scene(const SceneDescription& described) {
+    SceneDescription said = said_of_clip(described);
+    said.scene.rate.own_times = nullptr;
+    return scene_to_json(said);
 }
 
 bool fits(const PlaneView& plane, const PlaneView& form) {

@@ -6,6 +6,7 @@
 
 #include "engine/stream/labelled_encoder.hpp"
 #include "engine/stream/memory_muxer.hpp"
+#include "engine/video/matroska_writer.hpp"
 
 extern "C" {
 #include <libavutil/opt.h>
@@ -80,6 +81,7 @@ Result<StreamBlock> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& 
 }  // namespace
 
 Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described) {
+    if (auto storable = check_storable("the stream", described); !storable) return storable.error();
     return std::unique_ptr<StreamMuxer>(std::make_unique<MpegtsMuxer>(described));
 }
 

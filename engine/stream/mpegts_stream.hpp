@@ -10,7 +10,7 @@ namespace touchable {
 
 /// Framesets as MPEG-TS, which stock tools read: each plane a track of H.264 that says what it is
 /// (LabelledEncoder), colour first. It has no header: everything that a listener needs is in each key block.
-/// A block is whole packets of 188 bytes. The scene is of the first frame's form; an error of `add` as there.
+/// A block is whole packets of 188 bytes. Refused is a scene that no clip can have.
 Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described);
 
 }  // namespace touchable

@@ -17,7 +17,7 @@
 
 namespace touchable::test {
 
-inline PictureLabel label_of(std::int64_t number) {
+inline PictureLabel sent_label(std::int64_t number) {
     return {1000 + number, 1'700'000'000'000'000'000 + number * 33'000'000};
 }
 
@@ -48,7 +48,7 @@ inline LabelledClip labelled_clip(const Scene& scene, int frames, const Planes& 
                 stream->time_base = {1, 1000};
             }
         }
-        auto packets = encoder->encode(clip.frames.back(), label_of(n), n % keys_apart == 0);
+        auto packets = encoder->encode(clip.frames.back(), sent_label(n), n % keys_apart == 0);
         EXPECT_EQ(message(packets), "");
         for (const auto& packet : *packets) packet->pts = packet->dts = 33 * n;
         clip.packets.push_back(std::move(*packets));
@@ -70,11 +70,11 @@ using Came = std::map<std::pair<PlaneRole, std::int64_t>, int>;
 inline void take_pictures(const std::vector<LabelledPicture>& pictures, const std::vector<RawFrame>& frames,
                           Came& came) {
     for (const LabelledPicture& picture : pictures) {
-        const std::int64_t number = picture.label.frame - label_of(0).frame;
+        const std::int64_t number = picture.label.frame - sent_label(0).frame;
         ASSERT_GE(number, 0);
         ASSERT_LT(number, static_cast<std::int64_t>(frames.size()));
         const PlaneView& sent = plane_of(frames[static_cast<std::size_t>(number)], picture.role);
-        EXPECT_EQ(picture.label, label_of(number));
+        EXPECT_EQ(picture.label, sent_label(number));
         if (picture.role != PlaneRole::colour)
             EXPECT_TRUE(same_plane(picture.plane.view, sent))
                 << role_name(picture.role) << ", frame " << number;

@@ -31,9 +31,9 @@ TransportStream transport_stream(int frames, const Planes& planes) {
     for (int n = 0; n < frames; ++n) {
         stream.frames.push_back(test_frame(scene, n, planes));
         auto block =
-            (*muxer)->add(stream.frames.back(), label_of(n), scene.rate.time_ns(n), n % keys_apart == 0);
+            (*muxer)->add(stream.frames.back(), sent_label(n), scene.rate.time_ns(n), n % keys_apart == 0);
         EXPECT_EQ(message(block), "");
-        EXPECT_EQ(block->frame, label_of(n).frame);
+        EXPECT_EQ(block->frame, sent_label(n).frame);
         stream.blocks.push_back(std::move(*block));
     }
     EXPECT_TRUE((*muxer)->header().empty());

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene_description.hpp"
+#include "engine/sound/stored_sound.hpp"
+#include "engine/video/picture_label.hpp"
+
+namespace touchable {
+
+struct HlsSettings {
+    std::filesystem::path folder;
+    std::int64_t segment_ns = 1'000'000'000;  ///< from 0.5 s to 10 s
+    /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
+    /// playlists come with the end.
+    std::int64_t window_ns = 0;
+};
+
+/// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
+/// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
+/// same frames, and a master playlist in which ordinary players find the colour alone. Each picture says what
+/// it is (LabelledEncoder). Each file appears whole; segments go some time after the last playlist that names
+/// them. One thread.
+class HlsWriter {
+public:
+    virtual ~HlsWriter() = default;
+    /// Refused: a folder with files of others (HlsFolder), a scene that no clip can have, a length that is
+    /// out of range (ErrorKind::usage). Sound that is not AAC is left out, which a note says.
+    static Result<std::unique_ptr<HlsWriter>> open(const HlsSettings& settings,
+                                                   const SceneDescription& described,
+                                                   const std::optional<SoundPart>& sound = {});
+
+    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    virtual Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) = 0;
+    /// The last segment, and that nothing comes after it.
+    virtual Result<void> finish() = 0;
+    /// What a person should know, once the first frame was added.
+    virtual const std::vector<std::string>& notes() const = 0;
+};
+
+}  // namespace touchable

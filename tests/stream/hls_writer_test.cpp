@@ -1,0 +1,234 @@
+#include "engine/stream/hls_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "engine/ffmpeg/ffmpeg_input.hpp"
+#include "engine/stream/hls_text.hpp"
+#include "tests/stream/labelled_stream.hpp"
+#include "tests/video/sounding_clip.hpp"
+
+namespace touchable::test {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::int64_t second = 1'000'000'000;
+
+Scene small_hls_scene() {
+    Scene scene = small_scene(32, 24, 16);
+    scene.rate = {10, 1};
+    return scene;
+}
+
+struct Written {
+    Result<void> outcome;
+    std::vector<RawFrame> frames;
+    std::vector<std::string> notes;
+};
+
+Written write_hls(const HlsSettings& settings, int frames, const Planes& planes,
+                  const std::optional<SoundPart>& sound = {}) {
+    const Scene scene = small_hls_scene();
+    Written written;
+    auto writer = HlsWriter::open(settings, scene, sound);
+    if (!writer) {
+        written.outcome = writer.error();
+        return written;
+    }
+    for (int n = 0; n < frames && written.outcome; ++n) {
+        written.frames.push_back(test_frame(scene, n, planes));
+        written.outcome = (*writer)->add(written.frames.back(), sent_label(n), scene.rate.time_ns(n));
+    }
+    written.notes = (*writer)->notes();
+    if (written.outcome) written.outcome = (*writer)->finish();
+    return written;
+}
+
+std::vector<std::string> lines_of(const fs::path& file) {
+    std::istringstream in(read_bytes(file));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+bool has_line(const fs::path& file, const std::string& line) {
+    return std::ranges::count(lines_of(file), line) == 1;
+}
+
+/// The header's name, then those of the segments.
+std::vector<std::string> files_of(const fs::path& playlist) {
+    std::vector<std::string> files(1);
+    for (const std::string& line : lines_of(playlist)) {
+        if (line.starts_with("#EXT-X-MAP:URI=\"")) files[0] = line.substr(16, line.size() - 17);
+        if (!line.starts_with('#')) files.push_back(line);
+    }
+    return files;
+}
+
+std::vector<fs::path> all_files(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path().filename());
+    return files;
+}
+
+/// Pictures of a segment alone behind its header, as a player has them who begins there.
+Came pictures_of(const std::string& bytes, const std::vector<RawFrame>& frames, int* sounds = nullptr) {
+    Came came;
+    auto input = open_input(bytes_in_memory(bytes), bytes.size(), "segment", {.format = "mov"});
+    EXPECT_EQ(message(input), "");
+    if (!input) return came;
+    LabelledDecoder decoder(1 << 22);
+    std::map<int, std::size_t> tracks;
+    const PacketPtr packet(av_packet_alloc());
+    for (; av_read_frame(input->get(), packet.get()) >= 0; av_packet_unref(packet.get())) {
+        const AVStream& stream = *(*input)->streams[packet->stream_index];
+        if (stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO && sounds) ++*sounds;
+        if (stream.codecpar->codec_id != AV_CODEC_ID_H264) continue;
+        if (!tracks.contains(stream.index)) tracks[stream.index] = *decoder.add_track(stream, "segment");
+        auto pictures = decoder.add(tracks[stream.index], *packet);
+        EXPECT_EQ(message(pictures), "");
+        take_pictures(*pictures, frames, came);
+    }
+    EXPECT_EQ(decoder.faults().all(), 0);
+    return came;
+}
+
+TEST(HlsWriter, AWholeClipIsThereSegmentBySegment) {
+    const TemporaryFolder folder;
+    const fs::path home = folder / "web";
+    const Written written = write_hls({home}, 25, {true, true, false});
+    ASSERT_EQ(message(written.outcome), "");
+    EXPECT_TRUE(has_line(home / "master.m3u8", "colour.m3u8"));
+    EXPECT_TRUE(has_line(home / "master.m3u8",
+                         "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\""));
+    for (const std::string name : {"colour.m3u8", "touch.m3u8"}) {
+        EXPECT_TRUE(has_line(home / name, "#EXT-X-TARGETDURATION:1"));
+        EXPECT_TRUE(has_line(home / name, "#EXT-X-PLAYLIST-TYPE:VOD"));
+        EXPECT_TRUE(has_line(home / name, "#EXT-X-ENDLIST"));
+        EXPECT_EQ(std::ranges::count(lines_of(home / name), "#EXTINF:1.000000,"), 2);
+        EXPECT_TRUE(has_line(home / name, "#EXTINF:0.500000,"));
+        const auto files = files_of(home / name);
+        ASSERT_EQ(files.size(), 4U);
+        for (std::size_t k = 1; k < files.size(); ++k) {
+            const Came came =
+                pictures_of(read_bytes(home / files[0]) + read_bytes(home / files[k]), written.frames);
+            const std::size_t frames = k < 3 ? 10 : 5;
+            EXPECT_EQ(came.size(), name == "colour.m3u8" ? frames : 2 * frames) << files[k];
+            EXPECT_EQ(came.begin()->first.second, static_cast<std::int64_t>(k - 1) * 10);
+        }
+    }
+    EXPECT_EQ(all_files(home).size(), 3U + 2U * 4U);
+}
+
+TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
+    const TemporaryFolder folder;
+    const fs::path home = folder / "web";
+    const Scene scene = small_hls_scene();
+    auto writer = HlsWriter::open({home, second, 4 * second}, scene);
+    ASSERT_EQ(message(writer), "");
+    std::set<std::string> named;
+    std::size_t most_files = 0;
+    for (int n = 0; n < 600; ++n) {
+        const RawFrame frame = test_frame(scene, n, {true, false, false, false});
+        ASSERT_EQ(message((*writer)->add(frame, sent_label(n), scene.rate.time_ns(n))), "");
+        if (n % 10 != 0 || n == 0) continue;
+        for (const char* const name : {"colour.m3u8", "touch.m3u8"}) {
+            const auto files = files_of(home / name);
+            EXPECT_EQ(files.size(), 1U + static_cast<std::size_t>(std::min(n / 10, 4)));
+            EXPECT_TRUE(
+                has_line(home / name, "#EXT-X-MEDIA-SEQUENCE:" + std::to_string(std::max(0, n / 10 - 4))));
+            for (const std::string& file : files) {
+                EXPECT_TRUE(fs::exists(home / file)) << file;
+                named.insert(file);
+            }
+        }
+        most_files = std::max(most_files, all_files(home).size());
+    }
+    EXPECT_FALSE(has_line(home / "touch.m3u8", "#EXT-X-ENDLIST"));
+    EXPECT_EQ(named.size(), 2U + 2U * 59U);  // of the last one nothing is there yet
+    // 4 in the playlist, 4 s + 2 s + 10 s that they stay, of two renditions
+    EXPECT_LE(most_files, 3U + 2U + 2U * 22U);
+    EXPECT_GE(most_files, 3U + 2U + 2U * 16U);
+    ASSERT_EQ(message((*writer)->finish()), "");
+    EXPECT_TRUE(has_line(home / "touch.m3u8", "#EXT-X-ENDLIST"));
+    EXPECT_FALSE(has_line(home / "touch.m3u8", "#EXT-X-PLAYLIST-TYPE:VOD"));
+}
+
+TEST(HlsWriter, TheNextRunGoesOnWhereTheLastOneEnded) {
+    const TemporaryFolder folder;
+    const HlsSettings live{folder / "web", second, 4 * second};
+    ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
+    const auto before = files_of(folder / "web/touch.m3u8");
+    ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
+    EXPECT_TRUE(has_line(folder / "web/touch.m3u8", "#EXT-X-MEDIA-SEQUENCE:3"));
+    EXPECT_TRUE(has_line(folder / "web/touch.m3u8", "#EXT-X-DISCONTINUITY"));
+    for (const std::string& file : before) EXPECT_TRUE(fs::exists(folder / ("web/" + file))) << file;
+    // A clip that is whole has nobody who fetches what was there before.
+    ASSERT_EQ(message(write_hls({folder / "web"}, 5, {true}).outcome), "");
+    EXPECT_EQ(all_files(folder / "web").size(), 3U + 2U * 2U);
+}
+
+TEST(HlsWriter, ASourceThatStoodStillIsABreak) {
+    const TemporaryFolder folder;
+    const Scene scene = small_hls_scene();
+    auto writer = HlsWriter::open({folder / "web"}, scene);
+    ASSERT_EQ(message(writer), "");
+    const std::int64_t times[] = {0, 100, 200, 7000, 7100};
+    for (int n = 0; n < 5; ++n)
+        ASSERT_EQ(message((*writer)->add(test_frame(scene, n, {}), sent_label(n), times[n] * 1'000'000)), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    const auto lines = lines_of(folder / "web/touch.m3u8");
+    const auto first = std::ranges::find(lines, "#EXTINF:0.300000,");
+    ASSERT_NE(first, lines.end());
+    EXPECT_EQ(first[2], "#EXT-X-DISCONTINUITY");
+    EXPECT_TRUE(has_line(folder / "web/touch.m3u8", "#EXTINF:0.200000,"));
+}
+
+TEST(HlsWriter, WithoutColourPlayersShowDepth) {
+    const TemporaryFolder folder;
+    const Written written = write_hls({folder / "web"}, 5, {});
+    ASSERT_EQ(message(written.outcome), "");
+    EXPECT_TRUE(has_line(folder / "web/master.m3u8", "touch.m3u8"));
+    EXPECT_FALSE(fs::exists(folder / "web/colour.m3u8"));
+    ASSERT_EQ(written.notes.size(), 1U);
+}
+
+TEST(HlsWriter, FilesOfOthersAreNeverTouched) {
+    for (const std::string name :
+         {"holiday.jpg", "master.m3u8", "touch-12345678-1.txt", "colour-1234567-1.m4s", "touch-12345678-.m4s",
+          "touch-12345678-x.m4s", "sub/a"}) {
+        const TemporaryFolder folder;
+        fs::create_directories((folder / name).parent_path());
+        write_bytes(folder / name, "mine");
+        const Written written = write_hls({folder.path()}, 5, {true});
+        ASSERT_FALSE(written.outcome.ok()) << name;
+        EXPECT_EQ(written.outcome.error().kind, ErrorKind::input) << name;
+        EXPECT_EQ(read_bytes(folder / name), "mine");
+        EXPECT_EQ(folder.file_count(), 1U) << name;
+    }
+}
+
+TEST(HlsWriter, TwoNeverWriteOneFolder) {
+    const TemporaryFolder folder;
+    const Scene scene = small_hls_scene();
+    const auto first = HlsWriter::open({folder.path()}, scene);
+    ASSERT_EQ(message(first), "");
+    EXPECT_NE(message(HlsWriter::open({folder.path()}, scene)).find("another program"), std::string::npos);
+}
+
+TEST(HlsWriter, SettingsOutOfRangeAreRefused) {
+    const TemporaryFolder folder;
+    for (const HlsSettings& settings :
+         {HlsSettings{folder.path(), second / 4}, HlsSettings{folder.path(), 11 * second},
+          HlsSettings{folder.path(), second, -1}}) {
+        const auto writer = HlsWriter::open(settings, small_hls_scene());
+        ASSERT_FALSE(writer.ok());
+        EXPECT_EQ(writer.error().kind, ErrorKind::usage);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
