@@ -14,7 +14,7 @@ namespace touchable::test {
 namespace {
 
 constexpr Planes touch_planes{false, true, true, false}, seen_planes{true, true, true, false};
-constexpr std::int64_t ns_per_second = 1'000'000'000;
+constexpr std::int64_t stream_second_ns = 1'000'000'000;
 
 /// A stream as a listener saves it who was there from block `from` on.
 struct Saved {
@@ -30,7 +30,7 @@ struct Saved {
 };
 
 PictureLabel label_of(std::int64_t frame) {
-    return {frame, 1'700'000'000 * ns_per_second + frame};
+    return {frame, 1'700'000'000 * stream_second_ns + frame};
 }
 
 /// A key every 4 frames, as `times` has them; nothing: at the scene's.
@@ -157,7 +157,7 @@ TEST(MatroskaStream, SoundGoesAlong) {
     ASSERT_EQ(message(write_clip(folder / "mute.mkv", scene, frames, {})), "");
     const auto sound = tone(20, 0.8);  // longer than the pictures
     write_sounding_clip(folder / "clip.mkv", sound, folder / "mute.mkv");
-    auto muxer = open_matroska_stream(scene, SoundPart{folder / "clip.mkv", 0, ns_per_second});
+    auto muxer = open_matroska_stream(scene, SoundPart{folder / "clip.mkv", 0, stream_second_ns});
     ASSERT_EQ(message(muxer), "");
     std::string bytes;
     for (int n = 0; n < frames * rounds; ++n) {

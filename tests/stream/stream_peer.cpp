@@ -1,0 +1,48 @@
+#include "tests/stream/stream_peer.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "engine/stream/stream_url.hpp"
+
+namespace touchable::test {
+
+StreamPeer::StreamPeer(const std::string& address, int receive_bytes)
+    : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const auto url = read_stream_url(address);
+    EXPECT_TRUE(url.ok());
+    if (receive_bytes > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
+    sockaddr_in to = {};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(url->port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+}
+
+StreamPeer::~StreamPeer() {
+    ::close(socket_);
+}
+
+void StreamPeer::say(const std::string& bytes) const {
+    EXPECT_EQ(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL), static_cast<ssize_t>(bytes.size()));
+}
+
+void StreamPeer::hang_up_saying() const {
+    ::shutdown(socket_, SHUT_WR);
+}
+
+std::optional<std::string> StreamPeer::hear(std::size_t most) const {
+    std::string bytes(most, '\0');
+    const auto got = ::recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return "";
+    if (got <= 0) return std::nullopt;
+    bytes.resize(static_cast<std::size_t>(got));
+    return bytes;
+}
+
+}  // namespace touchable::test
