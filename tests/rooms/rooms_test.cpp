@@ -129,9 +129,9 @@ std::string library_of_header(const std::string& header) {
 }
 
 bool is_of_the_machine(const std::string& header) {
-    static const Names files{"dlfcn.h",   "fcntl.h",   "grp.h",    "link.h",     "malloc.h",
-                             "poll.h",    "pthread.h", "pwd.h",    "sched.h",    "spawn.h",
-                             "termios.h", "time.h",    "unistd.h", "emmintrin.h"};
+    static const Names files{"dlfcn.h", "fcntl.h",   "grp.h",     "link.h",   "malloc.h",
+                             "netdb.h", "poll.h",    "pthread.h", "pwd.h",    "sched.h",
+                             "spawn.h", "termios.h", "time.h",    "unistd.h", "emmintrin.h"};
     const bool is_standard = header.find_first_of("./") == std::string::npos;
     return is_standard || files.contains(header) || header.starts_with("sys/") ||
            header.starts_with("linux/") || header.starts_with("arpa/") || header.starts_with("netinet/");
