@@ -51,6 +51,11 @@ public:
     requires std::is_convertible_v<Path, std::filesystem::path> SourceFile(Path&& path)
         : opened_(std::make_shared<Opened>(std::filesystem::path(std::forward<Path>(path)))) {}
 
+    /// One that is open already, wherever its bytes are.
+    SourceFile(std::filesystem::path path, const GivenFile& file) : SourceFile(std::move(path)) {
+        opened_->file = std::make_unique<const GivenFile>(file);
+    }
+
     const std::filesystem::path& path() const { return opened_->path; }
     std::string string() const { return path().string(); }
     /// As GivenFile::open, of what was there when it was opened first.

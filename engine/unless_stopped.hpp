@@ -15,15 +15,16 @@
 
 namespace touchable {
 
-/// What `work` returns; nothing where somebody asks the program to stop before it does. It may take as long
+/// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because
+/// somebody asks the program to stop or, if the caller says so, for another reason. It may take as long
 /// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
 /// to its end alone, so `work` owns all that it uses. Where no thread is to be had the caller does it.
-template <class Work>
-std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
+template <class Work, class IsOver = bool (*)()>
+std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_over = stop_requested) {
     struct Errand {
         Work work;
         std::mutex mutex{};
-        std::condition_variable is_over{};
+        std::condition_variable has_ended{};
         std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
         std::exception_ptr fault{};
         bool over = false;
@@ -40,7 +41,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
             outcome = std::move(made);
             fault = std::move(thrown);
             over = true;
-            is_over.notify_one();
+            has_ended.notify_one();
         }
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
@@ -51,8 +52,8 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
         errand->run();
     std::unique_lock lock(errand->mutex);
     constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes nobody
-    while (!errand->is_over.wait_for(lock, look_again, [&] { return errand->over; }))
-        if (stop_requested()) return std::nullopt;
+    while (!errand->has_ended.wait_for(lock, look_again, [&] { return errand->over; }))
+        if (is_over()) return std::nullopt;
     if (errand->fault) std::rethrow_exception(errand->fault);
     return std::move(errand->outcome);
 }

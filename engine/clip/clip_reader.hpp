@@ -88,6 +88,8 @@ public:
     const std::vector<std::filesystem::path>& inputs() const { return inputs_; }
     /// A file that was read to open it.
     void add_input(std::filesystem::path file) { inputs_.push_back(std::move(file)); }
+    /// It is read from none that is on this machine.
+    void forget_inputs() { inputs_.clear(); }
 
 private:
     std::vector<std::filesystem::path> inputs_;

@@ -89,6 +89,16 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes
     return demuxer;
 }
 
+Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
+                                                    const char* format) {
+    auto container = open_flow(std::move(flow), {.format = format, .most_streams = 16});
+    if (!container) return error_at(file, container.error());
+    auto demuxer = std::make_unique<Demuxer>();
+    demuxer->file_ = file;
+    demuxer->container_ = std::move(*container);
+    return demuxer;
+}
+
 std::optional<std::string> Demuxer::tag(const char* name) const {
     return entry(container_->metadata, name);
 }
@@ -126,6 +136,15 @@ std::optional<std::string> Demuxer::attachment(const std::string& file_name) con
                            static_cast<std::size_t>(stream.codecpar->extradata_size));
     }
     return std::nullopt;
+}
+
+Result<PacketPtr> Demuxer::next_packet() {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    const int status = av_read_frame(container_.get(), packet.get());
+    if (status == AVERROR_EOF && container_->pb->error >= 0) return PacketPtr();
+    if (status < 0) return error_at(file_, input_failure(*container_, status));
+    return packet;
 }
 
 /// Puts one packet into its queue; false at the end of the file.

@@ -34,6 +34,11 @@ public:
                                                  const std::string& file, const char* format,
                                                  const std::string& name);
 
+    /// Of bytes as they come, in which what is damaged is passed over where that is possible: `next_packet`
+    /// alone. At most 16 tracks.
+    static Result<std::unique_ptr<Demuxer>> open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
+                                                      const char* format);
+
     const AVFormatContext& container() const { return *container_; }
     /// Of Matroska: it does not say how long it is; and whether it ends within something.
     bool is_open_ended() const { return is_open_ended_; }
@@ -50,6 +55,8 @@ public:
     void select(int stream) { queues_[stream]; }
     /// The next packet of a selected stream; null after the last.
     Result<PacketPtr> next(int stream);
+    /// The next packet of any stream, whatever is selected; null after the last.
+    Result<PacketPtr> next_packet();
     /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
     /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
     bool seek(int stream, std::int64_t timestamp);

@@ -22,6 +22,15 @@ struct InputKind {
     const char* format = nullptr;  ///< as FFmpeg calls it; null: what the bytes look like, of `formats`
     const char* formats = nullptr;
     int error_recognition = 0;  ///< AV_EF_
+    int most_streams = 0;       ///< 0: as many as FFmpeg allows
+};
+
+/// Bytes that come one after the other, and once.
+class ByteFlow {
+public:
+    virtual ~ByteFlow() = default;
+    /// At most `count` bytes, as soon as there are any: how many; 0 at the end.
+    virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
 };
 
 /// Lets FFmpeg see the first `end` bytes, under the name `file`. Once somebody asks the program to stop it is
@@ -29,6 +38,9 @@ struct InputKind {
 /// the name and a colon (error_at).
 Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end, const std::string& file,
                             const InputKind& kind);
+
+/// The same of bytes as they come. What keeps them from coming is for `flow` to say, and to end.
+Result<InputPtr> open_flow(std::shared_ptr<ByteFlow> flow, const InputKind& kind);
 
 /// Why it reads no further with this status, likewise: what its bytes say, or FFmpeg.
 Error input_failure(const AVFormatContext& container, int status);

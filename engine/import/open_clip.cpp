@@ -26,6 +26,8 @@
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
+#include "engine/stream/http_source.hpp"
+#include "engine/stream/stream_clip.hpp"
 #include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
 
@@ -371,9 +373,50 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
         guessed->inputs);
 }
 
+/// A file on a server that names other files: they are not fetched.
+std::optional<Error> names_others(const SourceFile& file) {
+    if (!is_gltf(file) && !is_scene_text(file) && !is_scene_file(file.path())) return std::nullopt;
+    return input_error(file.string() +
+                       ": names other files, which are not fetched from there; fetch them all, and open "
+                       "them here");
+}
+
+/// A stream, or a file on a server.
+Opened open_url(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
+                const std::optional<SourceDescription>& known, const Wanted& wanted) {
+    const auto url = read_stream_url(path.string());
+    if (!url) return url.error();
+    StreamSource source{.url = *url};
+    if (scene_file) {
+        auto described = read_scene_file(*scene_file);
+        if (!described) return described.error();
+        source.described = std::move(*described);
+    }
+    if (url->transport == StreamTransport::http) {
+        auto found = open_http(*url);
+        if (!found) return found.error();
+        if (found->file) {
+            if (auto refused = names_others(*found->file)) return std::move(*refused);
+            auto reader =
+                open_file(*found->file, source.described, known.value_or(SourceDescription()), wanted);
+            if (reader) (*reader)->forget_inputs();
+            return scene_file ? with_inputs(std::move(reader), {*scene_file}) : std::move(reader);
+        }
+        source.connection = std::move(found->stream);
+        source.wait = source.connection->waits();
+    }
+    if (known)
+        return usage_error(
+            url->name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
+            of_bare_pictures());
+    auto reader = open_stream_clip(source, wanted.colour);
+    return scene_file ? with_inputs(std::move(reader), {*scene_file}) : std::move(reader);
+}
+
 /// With the pixels of depth and colour as they are stored. `known` says no least confidence.
 Opened open_stored(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
                    const std::optional<SourceDescription>& known, const Wanted& wanted) {
+    if (is_stream_url(path.string())) return open_url(path, scene_file, known, wanted);
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
@@ -447,6 +490,9 @@ std::optional<Error> nothing_to_guess(const Candidate& candidate) {
 }
 
 Result<GuessedScene> guess_stored(const std::filesystem::path& path, const SourceDescription& known) {
+    if (is_stream_url(path.string()))
+        return usage_error(in_quotes(path.string()) + " is no file here; save it first: touchable convert " +
+                           shell_word(path.string()) + " clip.mkv");
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");

@@ -124,6 +124,13 @@ Result<StreamUrl> read_stream_url(std::string_view words) {
     return url;
 }
 
+std::string StreamUrl::name() const {
+    std::string name = text;
+    if (const std::string secret = value("passphrase"); !secret.empty())
+        name.replace(name.find("passphrase=" + secret), 11 + secret.size(), "passphrase=...");
+    return printable(name, 200);
+}
+
 std::string StreamUrl::protocols() const {
     switch (transport) {
         case StreamTransport::tcp:

@@ -21,6 +21,8 @@ struct StreamUrl {
     std::string query;    ///< behind "?"
     bool is_tls = false;  ///< https
 
+    /// As messages have it: without a passphrase.
+    std::string name() const;
     /// FFmpeg's protocols that it may use, as `protocol_whitelist`.
     std::string protocols() const;
     /// One of the query's values; empty: it has none.

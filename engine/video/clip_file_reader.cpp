@@ -10,7 +10,7 @@
 #include "engine/picture/decoded_picture.hpp"
 #include "engine/video/clip_container.hpp"
 #include "engine/video/clip_tags.hpp"
-#include "engine/video/codecs.hpp"
+#include "engine/video/plane_notes.hpp"
 #include "engine/video/track_thread.hpp"
 
 namespace touchable {
@@ -309,22 +309,13 @@ Result<void> ClipFileReader::describe() {
 }
 
 Result<void> ClipFileReader::describe_tracks() {
-    bool has_haptic = false;
     for (const Track& track : tracks_) {
         TrackInfo& info = infos_.emplace_back(track.pictures->info());
         info.lossless = info.lossless || track.is_lossless;
         if (track.low) info.pixel_format = std::to_string(8 + track.low_bits) + " bits in two tracks";
-        const PlaneRole role = track.pictures->role();
-        has_haptic = has_haptic || role == PlaneRole::haptic;
-        if (role == PlaneRole::haptic && info.pixel_format.starts_with("gray"))
-            notes_.push_back(take_grey_haptic(scene_));
-        if (info.width != scene_.width || info.height != scene_.height)
-            notes_.push_back(resampling_note(role, info.width, info.height, scene_));
-        if (info.lossless) continue;
-        if (auto note = lossy_note(role, info.codec)) notes_.push_back(std::move(*note));
     }
-    if (auto note = no_depth_note(*first_, scene_.depth)) notes_.push_back(std::move(*note));
-    if (auto note = default_touch_note(has_haptic, scene_)) notes_.push_back(std::move(*note));
+    const auto notes = describe_planes(infos_, *first_, scene_);
+    notes_.insert(notes_.end(), notes.begin(), notes.end());
     return {};
 }
 

@@ -29,7 +29,7 @@ struct Saved {
     }
 };
 
-PictureLabel label_of(std::int64_t frame) {
+PictureLabel label_in_stream(std::int64_t frame) {
     return {frame, 1'700'000'000 * stream_second_ns + frame};
 }
 
@@ -41,7 +41,7 @@ Saved stream_of(const Scene& scene, int frames, const Planes& planes,
     EXPECT_EQ(message(muxer), "");
     for (int n = 0; n < frames; ++n) {
         const std::int64_t time = times.empty() ? scene.rate.time_ns(n) : times[static_cast<std::size_t>(n)];
-        auto block = (*muxer)->add(test_frame(scene, n, planes), label_of(n), time, n % 4 == 0);
+        auto block = (*muxer)->add(test_frame(scene, n, planes), label_in_stream(n), time, n % 4 == 0);
         EXPECT_EQ(message(block), "");
         saved.blocks.push_back(std::move(*block));
     }
@@ -143,7 +143,7 @@ TEST(MatroskaStream, EveryPictureIsLabelledAndSound) {
             ASSERT_TRUE(addition && addition->label);
             EXPECT_TRUE(addition->sound);
             EXPECT_EQ(addition->frames, 1);
-            EXPECT_EQ(*addition->label, label_of(n));
+            EXPECT_EQ(*addition->label, label_in_stream(n));
             const bool is_key = ((*packet)->flags & AV_PKT_FLAG_KEY) != 0;
             EXPECT_TRUE(is_key || n % 4 != 0) << "decoding of all planes begins with each key";
         }
@@ -163,7 +163,7 @@ TEST(MatroskaStream, SoundGoesAlong) {
     for (int n = 0; n < frames * rounds; ++n) {
         RawFrame frame = test_frame(scene, n % frames, {});
         frame.epoch = static_cast<std::uint64_t>(n / frames);
-        const auto block = (*muxer)->add(frame, label_of(n), scene.rate.time_ns(n), n % frames == 0);
+        const auto block = (*muxer)->add(frame, label_in_stream(n), scene.rate.time_ns(n), n % frames == 0);
         ASSERT_EQ(message(block), "");
         if (n == 0) bytes.assign((*muxer)->header().begin(), (*muxer)->header().end());
         bytes.append(block->bytes.begin(), block->bytes.end());

@@ -1,0 +1,230 @@
+#include "engine/stream/frameset_assembler.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_held = 64, most_missed = 256;
+constexpr int most_of_before = 256;
+/// Beyond these a number is of another count.
+constexpr std::int64_t most_behind = 64, most_ahead = 1'000'000;
+
+constexpr std::size_t index_of(PlaneRole role) {
+    return static_cast<std::size_t>(role);
+}
+constexpr std::uint32_t bit_of(PlaneRole role) {
+    return std::uint32_t{1} << index_of(role);
+}
+
+}  // namespace
+
+FramesetAssembler::FramesetAssembler(const std::vector<PlaneRole>& roles) {
+    for (const PlaneRole role : roles)
+        if (role == PlaneRole::colour)
+            has_colour_ = true;
+        else
+            needed_ |= bit_of(role);
+}
+
+bool FramesetAssembler::begins_anew(const StreamPicture& picture) const {
+    if (!last_) return false;
+    if (picture.number > *last_ + most_ahead || picture.number + picture.frames < *last_ - most_behind)
+        return true;
+    // Whoever sends began again.
+    return picture.number <= *last_ && picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
+}
+
+bool FramesetAssembler::is_of_before(const StreamPicture& picture) {
+    if (before_.left == 0) return false;
+    --before_.left;
+    return picture.taken_ns > 0 && picture.taken_ns < before_.since_ns &&
+           picture.number > before_.last - most_behind;
+}
+
+void FramesetAssembler::add(StreamPicture picture) {
+    if (is_of_before(picture)) return;
+    if (begins_anew(picture)) {
+        before_ = {picture.taken_ns, *last_, most_of_before};
+        restart();
+    }
+    const PlaneRole role = picture.role;
+    if (last_ && picture.number + picture.frames <= *last_ + 1 && role != PlaneRole::colour)
+        return add_late(picture);
+    if (last_ && picture.number + picture.frames <= *last_ + 1) return;
+    if (!hold(std::move(picture))) return;
+    give_whole();
+}
+
+void FramesetAssembler::add_late(const StreamPicture& picture) {
+    const auto missed = missed_.find(picture.number);
+    if (missed == missed_.end() || (missed->second & bit_of(picture.role)) != 0) {
+        ++counts_.repeated;
+        return;
+    }
+    missed->second |= bit_of(picture.role);
+    if (missed->second != needed_) return;
+    missed_.erase(missed);
+    ++counts_.late;
+    --counts_.lost;
+}
+
+/// False where it was there.
+bool FramesetAssembler::hold(StreamPicture&& picture) {
+    auto& held = held_[index_of(picture.role)];
+    const auto at =
+        std::lower_bound(held.begin(), held.end(), picture.number,
+                         [](const Held& other, std::int64_t number) { return other.first < number; });
+    if (at != held.end() && at->first == picture.number && at->taken_ns == picture.taken_ns) {
+        ++counts_.repeated;
+        return false;
+    }
+    Held made{picture.number, picture.number + picture.frames, picture.taken_ns, std::move(picture.plane)};
+    if (at != held.begin()) std::prev(at)->end = std::min(std::prev(at)->end, made.first);
+    if (at != held.end() && at->first == made.first)
+        *at = std::move(made);
+    else {
+        if (at != held.end()) made.end = std::min(made.end, at->first);
+        held.insert(at, std::move(made));
+    }
+    if (held.size() > most_held) held.pop_front();
+    return true;
+}
+
+const FramesetAssembler::Held* FramesetAssembler::of(PlaneRole role, std::int64_t number) const {
+    for (const Held& held : held_[index_of(role)])
+        if (held.first <= number && number < held.end) return &held;
+    return nullptr;
+}
+
+FramesetAssembler::Roles FramesetAssembler::there(std::int64_t number) const {
+    Roles roles = 0;
+    for (const PlaneRole role : all_roles)
+        if ((needed_ & bit_of(role)) != 0 && of(role, number)) roles |= bit_of(role);
+    return roles;
+}
+
+/// Or it will not come any more.
+bool FramesetAssembler::has_its_colour(std::int64_t number) const {
+    constexpr std::size_t most_without = 30;  // framesets that wait for the first colour
+    if (!has_colour_ || ended_ || of(PlaneRole::colour, number)) return true;
+    const auto& depth = held_[index_of(PlaneRole::depth)];
+    if (!colour_came_) return depth.size() > most_without;
+    const auto is_beyond = [&](PlaneRole role, std::int64_t than) {
+        const auto& held = held_[index_of(role)];
+        return !held.empty() && held.back().first > than;
+    };
+    return is_beyond(PlaneRole::colour, number) || is_beyond(PlaneRole::depth, number + 1);
+}
+
+void FramesetAssembler::give_whole() {
+    for (bool gave = true; gave;) {
+        gave = false;
+        for (const Held& depth : held_[index_of(PlaneRole::depth)]) {
+            std::int64_t number = last_ ? std::max(depth.first, *last_ + 1) : depth.first;
+            while (number < depth.end && there(number) != needed_) ++number;
+            if (number >= depth.end) continue;
+            if (!has_its_colour(number)) return;
+            give(number);
+            gave = true;
+            break;
+        }
+    }
+}
+
+void FramesetAssembler::give(std::int64_t number) {
+    Frameset frameset;
+    frameset.number = number;
+    bool is_one = true;
+    const Held* const depth = of(PlaneRole::depth, number);
+    for (const PlaneRole role : all_roles) {
+        const Held* const held = of(role, number);
+        if (!held) continue;
+        const bool is_of_another =
+            depth->first == number && held->first == number && held->taken_ns != depth->taken_ns;
+        if (is_of_another && role == PlaneRole::colour) continue;
+        is_one = is_one && !is_of_another;
+        frameset.planes[index_of(role)] = held->plane;
+    }
+    frameset.taken_ns = depth->first == number ? depth->taken_ns : 0;
+    auto& colour = frameset.planes[index_of(PlaneRole::colour)];
+    if (!colour.view.empty()) newest_colour_ = colour;
+    colour_came_ = colour_came_ || !colour.view.empty();
+    colour = newest_colour_;
+    count_missing(number);
+    last_ = number;
+    forget();
+    if (!is_one) {  // of the same number, but not of the same moment
+        ++counts_.lost;
+        return;
+    }
+    if (frameset.taken_ns > 0) last_taken_ns_ = frameset.taken_ns;
+    ++counts_.whole;
+    whole_.push_back(std::move(frameset));
+}
+
+/// Between the last one given and this.
+void FramesetAssembler::count_missing(std::int64_t next) {
+    if (!last_) return;
+    for (std::int64_t number = std::max(*last_ + 1, next - std::int64_t{most_missed}); number < next;
+         ++number) {
+        const Roles roles = there(number);
+        missed_[number] = roles;
+        for (const PlaneRole role : all_roles) {
+            if ((needed_ & bit_of(role)) == 0 || (roles & bit_of(role)) != 0) continue;
+            auto& torn = torn_[index_of(role)];
+            if (torn > 0) {
+                --torn;
+                ++counts_.torn;
+                --counts_.lost;
+            } else {
+                ++counts_.lost_of[index_of(role)];
+            }
+            break;
+        }
+    }
+    counts_.lost += next - *last_ - 1;
+    while (missed_.size() > most_missed) missed_.erase(missed_.begin());
+}
+
+void FramesetAssembler::forget() {
+    for (const PlaneRole role : all_roles) {
+        auto& held = held_[index_of(role)];
+        while (!held.empty() && held.front().end <= *last_ + 1) {
+            if (role == PlaneRole::colour) newest_colour_ = held.front().plane;
+            held.pop_front();
+        }
+    }
+}
+
+void FramesetAssembler::end() {
+    ended_ = true;
+    give_whole();
+}
+
+void FramesetAssembler::restart() {
+    for (auto& held : held_) held.clear();
+    torn_ = {};
+    missed_.clear();
+    last_.reset();
+    last_taken_ns_ = 0;
+    ended_ = false;
+    ++counts_.restarts;
+}
+
+bool FramesetAssembler::has_part() const {
+    for (const PlaneRole role : all_roles)
+        for (const Held& held : held_[index_of(role)])
+            if ((needed_ & bit_of(role)) != 0 && (!last_ || held.end > *last_ + 1)) return true;
+    return false;
+}
+
+std::optional<Frameset> FramesetAssembler::take() {
+    if (whole_.empty()) return std::nullopt;
+    Frameset frameset = std::move(whole_.front());
+    whole_.pop_front();
+    return frameset;
+}
+
+}  // namespace touchable

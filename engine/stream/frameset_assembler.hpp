@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "engine/clip/plane_role.hpp"
+
+namespace touchable {
+
+/// A decoded picture of a stream.
+struct StreamPicture {
+    PlaneRole role = PlaneRole::depth;
+    std::int64_t number = 0;    ///< of the first frame that shows it
+    std::int64_t frames = 1;    ///< that show it
+    std::int64_t taken_ns = 0;  ///< of that frame, by the sender's clock; 0: not known
+    Plane plane{};
+};
+
+/// Planes of one frame. What is not there is empty.
+struct Frameset {
+    std::int64_t number = 0, taken_ns = 0;
+    std::array<Plane, all_roles.size()> planes{};  ///< by PlaneRole
+};
+
+/// What became of framesets, by cause.
+struct FramesetCounts {
+    std::int64_t whole = 0;     ///< given
+    std::int64_t late = 0;      ///< whole once a later one had been given
+    std::int64_t lost = 0;      ///< never whole
+    std::int64_t torn = 0;      ///< likewise, because a checksum of theirs was wrong
+    std::int64_t repeated = 0;  ///< pictures that came twice
+    std::int64_t restarts = 0;  ///< numbers began anew
+    std::array<std::int64_t, all_roles.size()> lost_of{};  ///< of those lost, by the first plane missing
+};
+
+/// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes
+/// that are felt are there, of its number and no other; colour may be that of a frame before. They are given
+/// in order: what becomes whole behind a later one is late. Keeps a bounded number of pictures.
+class FramesetAssembler {
+public:
+    /// `roles`: those of the stream.
+    explicit FramesetAssembler(const std::vector<PlaneRole>& roles);
+
+    void add(StreamPicture picture);
+    /// A picture of this plane had a wrong checksum.
+    void add_torn(PlaneRole role) { ++torn_[static_cast<std::size_t>(role)]; }
+    /// Nobody looks at colour: it is not waited for.
+    void leave_out_colour() { has_colour_ = false; }
+    /// No more will come: what waits for its colour does so no longer.
+    void end();
+    /// Numbers begin anew.
+    void restart();
+    /// The next whole one.
+    std::optional<Frameset> take();
+    /// Whether there are pictures of a frame that is not whole.
+    bool has_part() const;
+    const FramesetCounts& counts() const { return counts_; }
+
+private:
+    struct Held {
+        std::int64_t first = 0, end = 0, taken_ns = 0;
+        Plane plane;
+    };
+    using Roles = std::uint32_t;  // a bit for each
+    /// Where numbers began anew: what was sent before may still come.
+    struct Before {
+        std::int64_t since_ns = 0, last = 0;
+        int left = 0;  // pictures
+    };
+    bool begins_anew(const StreamPicture& picture) const;
+    bool is_of_before(const StreamPicture& picture);
+    void add_late(const StreamPicture& picture);
+    bool hold(StreamPicture&& picture);
+    const Held* of(PlaneRole role, std::int64_t number) const;
+    Roles there(std::int64_t number) const;
+    bool has_its_colour(std::int64_t number) const;
+    void give_whole();
+    void give(std::int64_t number);
+    void count_missing(std::int64_t next);
+    void forget();
+
+    Roles needed_ = 0;
+    bool has_colour_ = false, colour_came_ = false, ended_ = false;
+    std::array<std::deque<Held>, all_roles.size()> held_;
+    std::array<std::int64_t, all_roles.size()> torn_{};
+    std::optional<std::int64_t> last_;  // given
+    std::int64_t last_taken_ns_ = 0;
+    Before before_;
+    Plane newest_colour_;
+    std::map<std::int64_t, Roles> missed_;  // not whole when a later one was given, and what there was of it
+    std::deque<Frameset> whole_;
+    FramesetCounts counts_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,73 @@
+#include "engine/stream/jitter_buffer.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace touchable {
+
+void JitterBuffer::forget() {
+    shortest_ = {};
+}
+
+void JitterBuffer::restart() {
+    forget();
+    last_sent_ns_ = 0;
+}
+
+/// Of the last ten seconds.
+std::int64_t JitterBuffer::shortest_way(std::int64_t way_ns, std::int64_t arrived_ns) {
+    const std::int64_t bucket = arrived_ns / bucket_ns;
+    auto& now = shortest_[static_cast<std::size_t>(bucket) % buckets];
+    if (!now || now->bucket != bucket) now = Shortest{bucket, way_ns};
+    now->way_ns = std::min(now->way_ns, way_ns);
+    std::int64_t shortest = now->way_ns;
+    for (const auto& one : shortest_)
+        if (one && bucket - one->bucket < static_cast<std::int64_t>(buckets))
+            shortest = std::min(shortest, one->way_ns);
+    return shortest;
+}
+
+void JitterBuffer::adapt(std::int64_t jitter_ns, std::int64_t arrived_ns) {
+    constexpr std::int64_t fall_ns = 8'000'000'000;  // in which a delay falls to about a third
+    jitters_[jitter_count_++ % kept] = jitter_ns;
+    std::vector<std::int64_t> all(
+        jitters_.begin(), jitters_.begin() + static_cast<std::ptrdiff_t>(std::min(jitter_count_, kept)));
+    const auto high = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) * 97 / 100);
+    std::nth_element(all.begin(), high, all.end());
+    const std::int64_t wanted = std::clamp<std::int64_t>(*high, 0, latency_ns_);
+    const std::int64_t passed = std::clamp<std::int64_t>(arrived_ns - last_arrived_ns_, 0, fall_ns);
+    if (wanted >= delay_ns_)
+        delay_ns_ = wanted;
+    else
+        delay_ns_ -= static_cast<std::int64_t>(static_cast<double>(delay_ns_ - wanted) *
+                                               static_cast<double>(passed) / static_cast<double>(fall_ns));
+}
+
+JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arrived_ns) {
+    constexpr std::int64_t most_known = std::int64_t{1} << 61U;
+    const bool goes_on = sent_ns > 0 && sent_ns < most_known && sent_ns > last_sent_ns_;
+    const bool is_first = last_sent_ns_ == 0;
+    Moments moments{arrived_ns, arrived_ns};
+    if (goes_on) {
+        const std::int64_t way_ns = arrived_ns - sent_ns;
+        std::int64_t jitter_ns = way_ns - shortest_way(way_ns, arrived_ns);
+        if (jitter_ns > most_way_ns) {  // the clock went back, or all was held up on the way
+            forget();
+            (void)shortest_way(way_ns, arrived_ns);
+            jitter_ns = 0;
+        } else if (!is_first) {
+            adapt(jitter_ns, arrived_ns);
+        }
+        moments.taken_ns = arrived_ns - jitter_ns;
+        moments.shown_ns = std::max(arrived_ns, moments.taken_ns + delay_ns_);
+    } else {
+        forget();
+    }
+    last_sent_ns_ = sent_ns > 0 && sent_ns < most_known ? sent_ns : 0;
+    last_arrived_ns_ = arrived_ns;
+    moments.shown_ns = std::max(moments.shown_ns, last_shown_ns_);
+    last_shown_ns_ = moments.shown_ns;
+    return moments;
+}
+
+}  // namespace touchable

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace touchable {
+
+/// When framesets of a sender are shown, so that most of them are there in time, and none waits longer than
+/// it must. The shortest way of the last seconds tells how the sender's clock stands to ours, and is followed
+/// as they drift apart. How much longer others take is their jitter: all wait so long as nearly all of the
+/// last ones took (97 of 100). That rises at once and falls slowly, up to a bound. A clock that jumps,
+/// forward, back or by years, begins anew with the frameset that says so; of one that stands still every
+/// frameset counts from its arrival. No clock is read: it is a function of what it is given.
+class JitterBuffer {
+public:
+    /// The longest that a frameset waits for others' sake, ns.
+    explicit JitterBuffer(std::int64_t latency_ns) : latency_ns_(latency_ns) {}
+
+    struct Moments {
+        std::int64_t taken_ns = 0;  ///< as it would have come by the shortest way; at most `most_way_ns` ago
+        std::int64_t shown_ns = 0;  ///< never before that of the frameset before
+    };
+    /// Of the next frameset, by our clock: `sent_ns` by the sender's (0: not known), `arrived_ns` by ours,
+    /// ever later.
+    Moments add(std::int64_t sent_ns, std::int64_t arrived_ns);
+    /// The sender was connected to anew.
+    void restart();
+    /// What framesets wait for others' sake now.
+    std::int64_t delay_ns() const { return delay_ns_; }
+
+    static constexpr std::int64_t most_way_ns = 1'000'000'000;
+
+private:
+    static constexpr std::size_t buckets = 20, kept = 128;
+    static constexpr std::int64_t bucket_ns = 500'000'000;
+    struct Shortest {
+        std::int64_t bucket = 0, way_ns = 0;
+    };
+    std::int64_t shortest_way(std::int64_t way_ns, std::int64_t arrived_ns);
+    void adapt(std::int64_t jitter_ns, std::int64_t arrived_ns);
+    void forget();
+
+    const std::int64_t latency_ns_;
+    std::array<std::optional<Shortest>, buckets> shortest_{};
+    std::array<std::int64_t, kept> jitters_{};  // a ring
+    std::size_t jitter_count_ = 0;
+    std::int64_t delay_ns_ = 0, last_sent_ns_ = 0, last_arrived_ns_ = 0, last_shown_ns_ = 0;
+};
+
+}  // namespace touchable

@@ -1,0 +1,144 @@
+#include "engine/stream/stream_clip.hpp"
+
+#include <utility>
+
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+/// Whoever chooses filters looks at 16 frames.
+constexpr std::size_t most_kept = 48, most_kept_bytes = std::size_t{512} << 20;
+constexpr std::int64_t most_in_place = 1'000;  // frames in place of those that were lost
+
+std::size_t stored_bytes_of(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
+                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
+    return bytes;
+}
+
+class StreamClip final : public ClipReader {
+public:
+    StreamClip(const StreamSource& source, std::unique_ptr<StreamReceiver> receiver)
+        : url_(source.url), patience_(source.patience.frameset), receiver_(std::move(receiver)) {}
+
+    const Scene& scene() const override { return receiver_->scene(); }
+    UnstatedFilters unstated_filters() const override { return receiver_->unstated().filters; }
+    const std::vector<TrackInfo>& tracks() const override { return receiver_->tracks(); }
+    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
+    const std::vector<std::string>& notes() const override { return receiver_->notes(); }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    void leave_out_colour() override { receiver_->leave_out_colour(); }
+    std::vector<std::string> remarks() const override;
+
+private:
+    Result<std::optional<RawFrame>> read();
+    void keep(const RawFrame& frame);
+    bool ends_by_itself() const {
+        return url_.transport == StreamTransport::srt || url_.transport == StreamTransport::udp;
+    }
+
+    const StreamUrl url_;
+    const std::chrono::milliseconds patience_;
+    std::unique_ptr<StreamReceiver> receiver_;
+    std::optional<Received> coming_;
+    std::optional<RawFrame> newest_;
+    std::int64_t first_number_ = 0;  // the stream's, of frame 0
+    std::int64_t read_ = 0;          // frames
+    std::int64_t position_ = 0;      // of the frame that `next` gives
+    std::int64_t held_ = 0;
+    std::vector<RawFrame> first_;  // all that were read, as long as they are few
+    std::size_t first_bytes_ = 0;
+    bool keeps_ = true;
+};
+
+Result<std::optional<RawFrame>> StreamClip::read() {
+    if (!coming_) {
+        auto received = receiver_->next(patience_);
+        if (!received)
+            return received.error().kind == ErrorKind::interrupted
+                       ? received.error()
+                       : error_at(url_.name() + ": frame " + std::to_string(read_), received.error());
+        if (!*received && receiver_->was_broken_off() && !ends_by_itself())
+            return input_error(url_.name() + ": frame " + std::to_string(read_) + ": the sender " +
+                               receiver_->how_it_ended() + " in the middle of it");
+        if (!*received) return std::optional<RawFrame>();
+        coming_ = std::move(*received);
+    }
+    const std::int64_t missing = coming_->number - first_number_ - read_;
+    const bool holds = newest_ && missing > 0 && missing <= most_in_place;
+    if (!holds) {
+        first_number_ = coming_->number - read_;
+        newest_ = std::move(coming_->frame);
+        coming_.reset();
+    }
+    held_ += holds ? 1 : 0;
+    newest_->number = read_;
+    newest_->time_ns = scene().rate.time_ns(read_);
+    ++read_;
+    keep(*newest_);
+    return newest_;
+}
+
+void StreamClip::keep(const RawFrame& frame) {
+    if (!keeps_) return;
+    first_.push_back(frame);
+    first_bytes_ += stored_bytes_of(frame);
+    if (first_.size() <= most_kept && first_bytes_ <= most_kept_bytes) return;
+    keeps_ = false;
+    first_ = {};
+}
+
+Result<std::optional<RawFrame>> StreamClip::next() {
+    if (position_ < std::ssize(first_)) return std::optional(first_[static_cast<std::size_t>(position_++)]);
+    auto frame = read();
+    if (frame && *frame) ++position_;
+    return frame;
+}
+
+Result<void> StreamClip::seek(std::int64_t frame) {
+    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+    if (frame < read_ && !keeps_)
+        return usage_error(url_.name() +
+                           ": is a stream, which goes on and not back; save it first: touchable convert " +
+                           shell_word(url_.text) + " clip.mkv");
+    position_ = std::min(frame, read_);
+    while (position_ < frame) {
+        const auto passed = next();
+        if (!passed) return passed.error();
+        if (!*passed)
+            return usage_error(url_.name() + ": has no frame " + std::to_string(frame) + ": its last is " +
+                               std::to_string(read_ - 1));
+    }
+    return {};
+}
+
+std::vector<std::string> StreamClip::remarks() const {
+    std::vector<std::string> all;
+    const FramesetCounts counts = receiver_->counts();
+    const auto tell = [&](std::int64_t count, const char* what) {
+        if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
+    };
+    tell(counts.lost, "were lost on the way");
+    tell(counts.late, "came late");
+    tell(counts.torn, "were damaged on the way");
+    if (held_ > 0)
+        all.push_back("in place of them the one before was held, for " + std::to_string(held_) + " frames");
+    return all;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source, Colour colour) {
+    auto receiver = StreamReceiver::open(source);
+    if (!receiver) return receiver.error();
+    auto clip = std::make_unique<StreamClip>(source, std::move(*receiver));
+    if (colour == Colour::left_out) clip->leave_out_colour();
+    return std::unique_ptr<ClipReader>(std::move(clip));
+}
+
+}  // namespace touchable

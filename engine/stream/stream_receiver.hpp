@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/clip/clip_reader.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/stream/frameset_assembler.hpp"
+#include "engine/stream/stream_bytes.hpp"
+#include "engine/stream/stream_track.hpp"
+#include "engine/stream/stream_url.hpp"
+#include "engine/stream/stream_wait.hpp"
+
+namespace touchable {
+
+/// Of a stream: what it is, how long it is waited for, and what is wanted of it.
+struct StreamSource {
+    StreamUrl url;
+    StreamPatience patience{};
+    std::shared_ptr<StreamWait> wait = std::make_shared<StreamWait>();
+    std::optional<SceneDescription> described{};  ///< in place of its own scene
+    /// One that is there already, for the first to receive by.
+    std::shared_ptr<StreamBytes> connection{};
+};
+
+/// A frameset as it came.
+struct Received {
+    std::int64_t number = 0;
+    std::int64_t sent_ns = 0;  ///< by the sender's clock, or by its frames' times; 0: not known
+    RawFrame frame;            ///< its planes; number and time are for whoever shows it
+};
+
+/// One connection to a sender: framesets in order, those alone that are whole, each with what `Scene` says.
+class StreamReceiver {
+public:
+    /// Connects, and reads what it sends up to the first whole frameset. Errors name the stream.
+    static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source);
+
+    const Scene& scene() const { return scene_; }
+    const Unstated& unstated() const { return unstated_; }
+    const std::vector<TrackInfo>& tracks() const { return infos_; }
+    const std::vector<std::string>& notes() const { return notes_; }
+    /// Whether both say the same of scene and planes.
+    bool is_like(const StreamReceiver& other) const;
+
+    /// The next whole frameset, within `longest`; nothing once the sender has ended.
+    Result<std::optional<Received>> next(std::chrono::milliseconds longest);
+    void leave_out_colour() {
+        with_colour_ = false;
+        assembler_->leave_out_colour();
+    }
+    FramesetCounts counts() const { return assembler_->counts(); }
+    /// Once it has ended.
+    const std::string& how_it_ended() const { return bytes_->how_it_ended(); }
+    /// Likewise: in the middle of a frameset, or of the connection.
+    bool was_broken_off() const { return bytes_->was_lost() || assembler_->has_part(); }
+
+private:
+    explicit StreamReceiver(std::string name) : name_(std::move(name)) {}
+    Result<void> open_matroska(const StreamSource& source);
+    Result<void> read_first();
+    Result<bool> read_packet();
+    Result<void> take(StreamTrack& track, Result<StreamTrack::Outcome> outcome);
+    std::int64_t number_of(int stream, std::int64_t timestamp);
+    Received received(Frameset frameset) const;
+
+    const std::string name_;
+    std::shared_ptr<StreamWait> wait_;
+    std::shared_ptr<StreamBytes> bytes_;
+    std::unique_ptr<Demuxer> demuxer_;
+    std::string scene_text_;
+    Scene scene_;
+    Unstated unstated_;
+    FrameRate recorded_rate_;
+    std::optional<double> origin_seconds_;
+    std::vector<StreamTrack> tracks_;
+    std::optional<FramesetAssembler> assembler_;
+    std::vector<TrackInfo> infos_;
+    std::vector<std::string> notes_;
+    std::optional<Received> first_;
+    bool with_colour_ = true, has_ended_ = false;
+};
+
+}  // namespace touchable

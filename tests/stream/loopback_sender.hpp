@@ -1,0 +1,59 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+namespace touchable::test {
+
+/// Somebody on this machine who listens at a free port, and to each who connects, one after the other, says
+/// what it is told to. It ends when this does.
+class LoopbackSender {
+public:
+    /// One who connected.
+    class Listener {
+    public:
+        Listener(int socket, const std::atomic<bool>& stopping) : socket_(socket), stopping_(stopping) {}
+        /// False where it is gone, or the sender ends.
+        bool send(std::string_view bytes) const;
+        /// What it asked, up to an empty line, as of HTTP.
+        std::string request() const;
+        /// Waits, but not beyond the sender's end; false there.
+        bool wait(std::chrono::milliseconds time) const;
+        bool is_to_end() const { return stopping_; }
+
+    private:
+        const int socket_;
+        const std::atomic<bool>& stopping_;
+    };
+    /// `number`: of the connection, from 0. When it returns the connection is closed.
+    using Say = std::function<void(const Listener&, int number)>;
+    explicit LoopbackSender(Say say, int port = 0);
+    /// These bytes to everybody.
+    explicit LoopbackSender(std::string bytes)
+        : LoopbackSender([bytes = std::move(bytes)](const Listener& to, int) { (void)to.send(bytes); }) {}
+    ~LoopbackSender();
+    LoopbackSender(const LoopbackSender&) = delete;
+    LoopbackSender& operator=(const LoopbackSender&) = delete;
+
+    int port() const { return port_; }
+    std::string url(const std::string& scheme = "tcp", const std::string& path = "") const {
+        return scheme + "://127.0.0.1:" + std::to_string(port_) + path;
+    }
+    int connections() const { return connections_; }
+
+private:
+    void run();
+
+    const Say say_;
+    int listening_ = -1, port_ = 0;
+    std::atomic<bool> stopping_{false};
+    std::atomic<int> connections_{0};
+    std::thread thread_;
+};
+
+}  // namespace touchable::test

@@ -1,0 +1,271 @@
+// Streams as clips that are read as they come.
+#include "engine/stream/stream_clip.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "engine/stop_request.hpp"
+#include "tests/stream/loopback_sender.hpp"
+#include "tests/stream/stream_of_frames.hpp"
+
+namespace touchable::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+Result<std::unique_ptr<ClipReader>> open(const std::string& url,
+                                         milliseconds patience = milliseconds(20'000)) {
+    StreamSource source = source_of(url);
+    source.patience.frameset = patience;
+    return open_stream_clip(source);
+}
+
+std::string refusal(const std::string& bytes, milliseconds patience = milliseconds(20'000)) {
+    const LoopbackSender sender(bytes);
+    const auto clip = open(sender.url(), patience);
+    EXPECT_FALSE(clip.ok());
+    const std::string why = message(clip);
+    EXPECT_TRUE(why.starts_with(sender.url() + ": ")) << why;
+    return why;
+}
+
+void are_the_frames(const std::vector<RawFrame>& read, const StreamOfFrames& sent) {
+    ASSERT_EQ(read.size(), sent.frames.size());
+    for (std::size_t n = 0; n < read.size(); ++n) {
+        EXPECT_EQ(read[n].number, static_cast<std::int64_t>(n));
+        EXPECT_EQ(read[n].time_ns, sent.frames[n].time_ns);
+        EXPECT_TRUE(same_plane(read[n].depth, sent.frames[n].depth)) << n;
+        EXPECT_TRUE(same_plane(read[n].haptic, sent.frames[n].haptic)) << n;
+        EXPECT_TRUE(same_plane(read[n].height, sent.frames[n].height)) << n;
+        EXPECT_EQ(read[n].colour.empty(), sent.frames[n].colour.empty()) << n;
+    }
+}
+
+TEST(StreamClip, IsWhatWasSentToTheBit) {
+    for (const Planes& planes : {all_planes, Planes{}, Planes{true, false, false}}) {
+        for (const int bits : {8, 16}) {
+            const auto sent = make_stream(small_scene(64, 48, bits), 17, planes, 1'000);
+            const LoopbackSender sender(sent.bytes());
+            const auto clip = open(sender.url());
+            ASSERT_EQ(message(clip), "");
+            EXPECT_EQ((*clip)->scene().name, "small");
+            EXPECT_EQ((*clip)->frame_count(), std::nullopt);
+            EXPECT_FALSE((*clip)->is_live());
+            EXPECT_TRUE((*clip)->inputs().empty());
+            const auto frames = read_all(**clip);
+            ASSERT_EQ(message(frames), "");
+            are_the_frames(*frames, sent);
+            EXPECT_TRUE((*clip)->remarks().empty());
+        }
+    }
+}
+
+/// Which says of its pictures how long they stay, and labels none.
+TEST(StreamClip, AFileIsAStreamToo) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "clip.mkv";
+    const Scene scene = small_scene(64, 48, 16);
+    ASSERT_EQ(message(write_clip(file, scene, 40, {true, true, true, false})), "");
+    const LoopbackSender sender(read_bytes(file));
+    const auto stored = read_clip(file);
+    const auto clip = open_clip(sender.url());
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), stored->size());
+    for (std::size_t n = 0; n < frames->size(); ++n) EXPECT_TRUE(same_frame((*frames)[n], (*stored)[n])) << n;
+}
+
+TEST(StreamClip, ComesThroughAPipe) {
+    const auto sent = make_stream(small_scene(64, 48, 16), 6, all_planes);
+    int ends[2];
+    ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    std::thread writer([&sent, in = ends[1]] {
+        const std::string bytes = sent.bytes();
+        for (std::size_t at = 0; at < bytes.size();) {
+            const auto some = ::write(in, bytes.data() + at, bytes.size() - at);
+            if (some <= 0) break;
+            at += static_cast<std::size_t>(some);
+        }
+        ::close(in);
+    });
+    const auto clip = open("pipe:" + std::to_string(ends[0]));
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    writer.join();
+    ::close(ends[0]);
+    ASSERT_EQ(message(frames), "");
+    are_the_frames(*frames, sent);
+    EXPECT_NE(message(open("pipe:" + std::to_string(ends[0]))).find("no open descriptor"), std::string::npos);
+}
+
+TEST(StreamClip, ComesByHttpThatDoesNotSayHowLongItIs) {
+    const auto sent = make_stream(small_scene(64, 48), 6, all_planes);
+    const LoopbackSender sender([&sent](const LoopbackSender::Listener& to, int) {
+        (void)to.request();
+        (void)to.send("HTTP/1.1 200 OK\r\nConnection: close\r\nContent-Type: video/x-matroska\r\n\r\n" +
+                      sent.bytes());
+    });
+    const auto clip = open_clip(sender.url("http", "/live.mkv"));
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    are_the_frames(*frames, sent);
+    EXPECT_EQ(sender.connections(), 1);
+}
+
+TEST(StreamClip, ItsFirstFramesAreReadAgain) {
+    const auto sent = make_stream(small_scene(64, 48), 70, {});
+    const LoopbackSender sender(sent.bytes());
+    auto clip = open(sender.url());
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->seek(20)), "");
+    EXPECT_EQ((**(*clip)->next()).number, 20);
+    ASSERT_EQ(message((*clip)->rewind()), "");
+    EXPECT_TRUE(same_plane((**(*clip)->next()).depth, sent.frames[0].depth));
+    ASSERT_EQ(message((*clip)->seek(60)), "");
+    EXPECT_TRUE(same_plane((**(*clip)->next()).depth, sent.frames[60].depth));
+    const auto back = (*clip)->rewind();
+    ASSERT_FALSE(back.ok());
+    EXPECT_EQ(back.error().kind, ErrorKind::usage);
+    EXPECT_NE(back.error().message.find("save it first: touchable convert"), std::string::npos);
+    const auto beyond = (*clip)->seek(71);
+    EXPECT_NE(message(beyond).find("its last is 69"), std::string::npos) << message(beyond);
+}
+
+TEST(StreamClip, WhoComesLateBeginsAtAKey) {
+    const auto sent = make_stream(small_scene(64, 48), 12, all_planes);
+    std::string bytes = sent.header;
+    for (std::size_t n = 3; n < sent.blocks.size(); ++n) bytes += sent.blocks[n];
+    const LoopbackSender sender(bytes);
+    const auto clip = open(sender.url());
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 7U);
+    EXPECT_TRUE(same_plane(frames->front().depth, sent.frames[5].depth));
+    EXPECT_TRUE(same_plane(frames->front().haptic, sent.frames[5].haptic));
+}
+
+/// In place of a frame that is missing, damaged or half there the one before is given, and what depends on
+/// it is not decoded.
+TEST(StreamClip, WhatIsLostOrDamagedIsHeld) {
+    const auto sent = make_stream(small_scene(64, 48), 20, all_planes);
+    for (const int harm : {0, 1, 2, 3}) {
+        StreamOfFrames harmed = sent;
+        std::string& block = harmed.blocks[7];
+        if (harm == 0) block.clear();
+        if (harm == 1) block.resize(block.size() / 2);
+        if (harm == 2) block.erase(0, block.size() / 2);
+        if (harm == 3) block[block.size() / 2] = static_cast<char>(block[block.size() / 2] ^ 1);
+        const LoopbackSender sender(harmed.bytes());
+        const auto clip = open(sender.url());
+        ASSERT_EQ(message(clip), "");
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "") << harm;
+        ASSERT_EQ(frames->size(), 20U) << harm;
+        for (std::size_t n = 0; n < 20; ++n) {
+            const RawFrame& frame = (*frames)[n];
+            const auto is_of = [&](std::size_t other) {
+                return same_plane(frame.depth, sent.frames[other].depth) &&
+                       same_plane(frame.haptic, sent.frames[other].haptic) &&
+                       same_plane(frame.height, sent.frames[other].height);
+            };
+            const bool is_held = n >= 7 && n < 10;
+            EXPECT_TRUE(is_of(n) || (is_held && (is_of(6) || is_of(n - 1)))) << harm << ": " << n;
+        }
+        EXPECT_FALSE((*clip)->remarks().empty()) << harm;
+    }
+}
+
+TEST(StreamClip, ASenderThatBreaksOffIsAnError) {
+    const auto sent = make_stream(small_scene(64, 48), 8, all_planes);
+    std::string bytes = sent.header;
+    for (std::size_t n = 0; n < 6; ++n) bytes += sent.blocks[n];
+    bytes += sent.blocks[6].substr(0, sent.blocks[6].size() * 9 / 10);
+    const LoopbackSender sender(bytes);
+    const auto clip = open(sender.url());
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_FALSE(frames.ok());
+    EXPECT_NE(frames.error().message.find(": frame 6: the sender closed the connection in the middle of it"),
+              std::string::npos)
+        << frames.error().message;
+    const std::string none = refusal(sent.header + sent.blocks[0].substr(0, 50));
+    EXPECT_NE(none.find("before it sent a whole frameset"), std::string::npos) << none;
+}
+
+TEST(StreamClip, WhatIsNoStreamIsRefused) {
+    refusal("");
+    refusal(std::string(100'000, 'x'));
+    Numbers numbers(1);
+    std::string noise;
+    for (int n = 0; n < 100'000; ++n) noise += static_cast<char>(numbers.below(256));
+    refusal(noise);
+    const auto sent = make_stream(small_scene(64, 48), 2, {});
+    refusal(sent.header);
+    refusal(sent.header + noise);
+    refusal(sent.header.substr(0, sent.header.size() / 2) + noise);
+}
+
+TEST(StreamClip, OneThatSaysNothingIsWaitedForNotForEver) {
+    const auto sent = make_stream(small_scene(64, 48), 3, {});
+    for (const std::string& before : {std::string(), sent.header.substr(0, 100), sent.header}) {
+        const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
+            (void)to.send(before);
+            while (to.wait(milliseconds(20)) && to.send("\xec")) {
+            }  // a byte, now and then
+        });
+        const auto clip = open(sender.url(), milliseconds(300));
+        ASSERT_FALSE(clip.ok());
+        EXPECT_NE(message(clip).find("sent no whole frameset in time"), std::string::npos) << message(clip);
+    }
+    const LoopbackSender stalls([&](const LoopbackSender::Listener& to, int) {
+        (void)to.send(sent.header + sent.blocks[0]);
+        (void)to.wait(milliseconds(100'000));
+    });
+    const auto clip = open(stalls.url(), milliseconds(300));
+    ASSERT_EQ(message(clip), "");
+    EXPECT_NE(message(read_all(**clip)).find("frame 1: "), std::string::npos);
+}
+
+TEST(StreamClip, AWaitEndsWhenItIsTold) {
+    const LoopbackSender silent(
+        [](const LoopbackSender::Listener& to, int) { (void)to.wait(milliseconds(100'000)); });
+    std::stop_source told;
+    std::jthread teller([&] {
+        while (silent.connections() == 0) std::this_thread::yield();
+        told.request_stop();
+    });
+    const auto clip = open_clip(silent.url(), {}, {}, Colour::wanted, told.get_token());
+    ASSERT_FALSE(clip.ok());
+    EXPECT_EQ(clip.error().kind, ErrorKind::interrupted);
+}
+
+TEST(StreamClip, NobodyThereIsSaid) {
+    int port = 0;
+    {
+        const LoopbackSender gone("");
+        port = gone.port();
+    }
+    const auto clip = open("tcp://127.0.0.1:" + std::to_string(port));
+    EXPECT_NE(message(clip).find("does the sender listen there?"), std::string::npos) << message(clip);
+}
+
+TEST(StreamClip, ARedirectIsNotFollowed) {
+    for (const char* to : {"file:///etc/passwd", "http://127.0.0.2:1/", "tcp://127.0.0.1:1"}) {
+        const LoopbackSender sender([&](const LoopbackSender::Listener& listener, int) {
+            (void)listener.request();
+            (void)listener.send("HTTP/1.1 302 Found\r\nLocation: " + std::string(to) +
+                                "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+        });
+        const auto clip = open_clip(sender.url("http", "/a.mkv"));
+        ASSERT_FALSE(clip.ok()) << to;
+        EXPECT_EQ(clip.error().kind, ErrorKind::input);
+        EXPECT_EQ(sender.connections(), 1);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test

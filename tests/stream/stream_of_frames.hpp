@@ -1,0 +1,57 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "engine/stream/matroska_stream.hpp"
+#include "engine/stream/stream_receiver.hpp"
+#include "tests/clip/clip_fixture.hpp"
+
+namespace touchable::test {
+
+/// A stream of test frames, as its listeners get it.
+struct StreamOfFrames {
+    std::string header;
+    std::vector<std::string> blocks;
+    std::vector<RawFrame> frames;
+
+    std::string bytes() const {
+        std::string all = header;
+        for (const std::string& block : blocks) all += block;
+        return all;
+    }
+};
+
+inline constexpr std::int64_t labelled_from_ns = 1'700'000'000'000'000'000, labelled_step_ns = 33'333'333;
+
+/// Frame n has number first + n. Every fifth is a key.
+inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& planes,
+                                  std::int64_t first = 0) {
+    StreamOfFrames made;
+    auto muxer = open_matroska_stream(scene);
+    EXPECT_EQ(message(muxer), "");
+    if (!muxer) return made;
+    const auto text = [](const auto& bytes) { return std::string(bytes.begin(), bytes.end()); };
+    for (int n = 0; n < frames; ++n) {
+        made.frames.push_back(test_frame(scene, n, planes));
+        const PictureLabel label{first + n, labelled_from_ns + (first + n) * labelled_step_ns};
+        const auto block = (*muxer)->add(made.frames.back(), label, scene.rate.time_ns(n), n % 5 == 0);
+        EXPECT_EQ(message(block), "");
+        if (!block) return made;
+        if (n == 0) made.header = text((*muxer)->header());
+        made.blocks.push_back(text(block->bytes));
+    }
+    return made;
+}
+
+inline StreamSource source_of(const std::string& url) {
+    StreamSource source;
+    const auto read = read_stream_url(url);
+    EXPECT_EQ(message(read), "");
+    if (read) source.url = *read;
+    return source;
+}
+
+}  // namespace touchable::test
