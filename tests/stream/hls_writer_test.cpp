@@ -15,7 +15,7 @@ namespace touchable::test {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t second = 1'000'000'000;
+constexpr std::int64_t hls_second = 1'000'000'000;
 
 Scene small_hls_scene() {
     Scene scene = small_scene(32, 24, 16);
@@ -127,7 +127,7 @@ TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
     const TemporaryFolder folder;
     const fs::path home = folder / "web";
     const Scene scene = small_hls_scene();
-    auto writer = HlsWriter::open({home, second, 4 * second}, scene);
+    auto writer = HlsWriter::open({home, hls_second, 4 * hls_second}, scene);
     ASSERT_EQ(message(writer), "");
     std::set<std::string> named;
     std::size_t most_files = 0;
@@ -159,7 +159,7 @@ TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
 
 TEST(HlsWriter, TheNextRunGoesOnWhereTheLastOneEnded) {
     const TemporaryFolder folder;
-    const HlsSettings live{folder / "web", second, 4 * second};
+    const HlsSettings live{folder / "web", hls_second, 4 * hls_second};
     ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
     const auto before = files_of(folder / "web/touch.m3u8");
     ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
@@ -222,8 +222,8 @@ TEST(HlsWriter, TwoNeverWriteOneFolder) {
 TEST(HlsWriter, SettingsOutOfRangeAreRefused) {
     const TemporaryFolder folder;
     for (const HlsSettings& settings :
-         {HlsSettings{folder.path(), second / 4}, HlsSettings{folder.path(), 11 * second},
-          HlsSettings{folder.path(), second, -1}}) {
+         {HlsSettings{folder.path(), hls_second / 4}, HlsSettings{folder.path(), 11 * hls_second},
+          HlsSettings{folder.path(), hls_second, -1}}) {
         const auto writer = HlsWriter::open(settings, small_hls_scene());
         ASSERT_FALSE(writer.ok());
         EXPECT_EQ(writer.error().kind, ErrorKind::usage);
