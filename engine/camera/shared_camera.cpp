@@ -31,6 +31,7 @@ public:
     }
     std::vector<std::string> remarks() const override { return camera().remarks(); }
     std::int64_t taken_before(std::int64_t frame) const override { return camera().taken_before(frame); }
+    std::optional<StreamFigures> stream_figures() const override { return camera().stream_figures(); }
 
 private:
     ClipReader& camera() const { return *shared_->camera_; }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/clip/stream_figures.hpp"
 #include "engine/frame/raw_frame.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
@@ -82,6 +83,9 @@ public:
     /// From any thread: what a person should know of a run so far, such as that the camera was unplugged. A
     /// source that is gone has no next frame.
     virtual std::vector<std::string> remarks() const { return {}; }
+
+    /// Likewise, of one that comes over a network; nothing of others.
+    virtual std::optional<StreamFigures> stream_figures() const { return std::nullopt; }
 
     /// Every file that this clip is read from: first that with its pictures, or each of them, then what lies
     /// beside it, its scene file. Nobody may write there.

@@ -32,6 +32,7 @@ public:
         return reader_->taken_at(frame);
     }
     std::vector<std::string> remarks() const override { return reader_->remarks(); }
+    std::optional<StreamFigures> stream_figures() const override { return reader_->stream_figures(); }
 
 protected:
     explicit ReaderAround(std::unique_ptr<ClipReader> reader) : reader_(std::move(reader)) {

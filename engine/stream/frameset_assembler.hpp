@@ -35,6 +35,17 @@ struct FramesetCounts {
     std::int64_t repeated = 0;  ///< pictures that came twice
     std::int64_t restarts = 0;  ///< numbers began anew
     std::array<std::int64_t, all_roles.size()> lost_of{};  ///< of those lost, by the first plane missing
+
+    FramesetCounts& operator+=(const FramesetCounts& more) {
+        whole += more.whole;
+        late += more.late;
+        lost += more.lost;
+        torn += more.torn;
+        repeated += more.repeated;
+        restarts += more.restarts;
+        for (std::size_t k = 0; k < lost_of.size(); ++k) lost_of[k] += more.lost_of[k];
+        return *this;
+    }
 };
 
 /// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes

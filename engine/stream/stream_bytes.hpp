@@ -27,6 +27,8 @@ public:
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) final;
     /// So many more bytes may be read from now on; beyond them is an error.
     void allow(std::uint64_t bytes) { left_ = bytes; }
+    /// Whether nobody has read of it.
+    bool is_unread() const { return left_ == 0 && !has_ended_; }
     /// Of what HTTP has as a file, which can be read anywhere: its size.
     virtual std::optional<std::uint64_t> file_size() const { return std::nullopt; }
     /// Of such a file: all of these bytes, or false.

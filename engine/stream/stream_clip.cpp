@@ -11,14 +11,6 @@ namespace {
 constexpr std::size_t most_kept = 48, most_kept_bytes = std::size_t{512} << 20;
 constexpr std::int64_t most_in_place = 1'000;  // frames in place of those that were lost
 
-std::size_t stored_bytes_of(const RawFrame& frame) {
-    std::size_t bytes = 0;
-    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
-        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
-                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
-    return bytes;
-}
-
 class StreamClip final : public ClipReader {
 public:
     StreamClip(const StreamSource& source, std::unique_ptr<StreamReceiver> receiver)
@@ -87,7 +79,7 @@ Result<std::optional<RawFrame>> StreamClip::read() {
 void StreamClip::keep(const RawFrame& frame) {
     if (!keeps_) return;
     first_.push_back(frame);
-    first_bytes_ += stored_bytes_of(frame);
+    first_bytes_ += bytes_of_planes(frame);
     if (first_.size() <= most_kept && first_bytes_ <= most_kept_bytes) return;
     keeps_ = false;
     first_ = {};

@@ -17,6 +17,14 @@ constexpr std::uint64_t most_of_a_header = std::uint64_t{16} << 20,
 
 }  // namespace
 
+std::size_t bytes_of_planes(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
+                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
+    return bytes;
+}
+
 Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource& source) {
     std::unique_ptr<StreamReceiver> receiver(new StreamReceiver(source.url.name()));
     receiver->wait_ = source.wait;

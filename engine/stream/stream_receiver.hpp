@@ -33,6 +33,9 @@ struct Received {
     RawFrame frame;            ///< its planes; number and time are for whoever shows it
 };
 
+/// Of its samples.
+std::size_t bytes_of_planes(const RawFrame& frame);
+
 /// One connection to a sender: framesets in order, those alone that are whole, each with what `Scene` says.
 class StreamReceiver {
 public:
@@ -48,6 +51,11 @@ public:
 
     /// The next whole frameset, within `longest`; nothing once the sender has ended.
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);
+    /// Closes the connection, after which there is no `next`.
+    void hang_up() {
+        demuxer_.reset();
+        bytes_.reset();
+    }
     void leave_out_colour() {
         with_colour_ = false;
         assembler_->leave_out_colour();

@@ -13,6 +13,7 @@
 #include "engine/content/materials/segment_names.hpp"
 #include "engine/given_file.hpp"
 #include "engine/printable.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/own_folder.hpp"
 #include "player/options/builder_options.hpp"
@@ -46,6 +47,7 @@ struct PlayWords {
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
+    CLI::Option* latency = nullptr;
     double seconds_value = 0;
     std::optional<double> stale_after_ms;
     bool kiosk = false;
@@ -172,11 +174,15 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
         !read.ok())
         return read.error();
+    if (auto read = read_live_stream(words.latency->count() > 0, options.session); !read.ok())
+        return read.error();
     if (words.clip_word->count() == 0 && !options.session.camera)
         return usage_error("play needs a CLIP or a --camera; see touchable play -h");
     std::error_code ignored;
-    if (!options.session.clip.plugged && !std::filesystem::exists(options.session.clip.file, ignored))
-        return input_error(options.session.clip.file.string() + ": does not exist");
+    const std::filesystem::path& file = options.session.clip.file;
+    if (!options.session.clip.plugged && !is_stream_url(file.string()) &&
+        !std::filesystem::exists(file, ignored))
+        return input_error(file.string() + ": does not exist");
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);
@@ -352,7 +358,7 @@ void group_window_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--stale-after", "--start", "--rate",
+          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start", "--rate",
           "--loop"}},
         {"The window",
          {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
@@ -372,6 +378,7 @@ void add_play_command(CLI::App& app, Command& command) {
         app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_live_camera_option(*sub, words->options.session);
+    words->latency = add_latency_option(*sub, words->options.session);
     add_stale_after_option(*sub, words->stale_after_ms);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);

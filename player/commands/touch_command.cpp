@@ -35,6 +35,7 @@ struct TouchWords {
     CLI::Option* duration = nullptr;
     CLI::Option* picture_moment = nullptr;
     CLI::Option* slew = nullptr;
+    CLI::Option* latency = nullptr;
 
     void fix_by_recording(const std::vector<CLI::Option*>& more) {
         fixed_by_recording.insert(fixed_by_recording.end(), more.begin(), more.end());
@@ -74,6 +75,8 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     options.session.device_log = options.device_log.has_value();
     if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
         !read.ok())
+        return read.error();
+    if (auto read = read_live_stream(words.latency->count() > 0, options.session); !read.ok())
         return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
@@ -185,7 +188,7 @@ void group_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--stale-after", "--start", "--rate",
+          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start", "--rate",
           "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
@@ -216,6 +219,8 @@ void add_touch_command(CLI::App& app, Command& command) {
     words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
     words->fix_by_recording(add_playback_options(*sub, words->playback));
     words->fix_by_recording(add_hand_options(*sub, o.session));
+    words->latency = add_latency_option(*sub, o.session);
+    words->fix_by_recording({words->latency});
     words->fix_by_recording({add_stale_after_option(*sub, words->stale_after_ms)});
     words->fix_by_recording(add_held_device_options(*sub, o.held, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));

@@ -54,6 +54,8 @@ std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& f
     std::vector<std::string> warnings;
     if (live)
         add_live_warnings(*live, feed.frames(), feed.dropped_frames(), feed.reader().remarks(), warnings);
+    else
+        warnings = feed.reader().remarks();
     if (!feed.any_valid())
         warnings.emplace_back(
             "100 % of the pixels are invalid: there is no surface; is depth.invalid of the scene right?");
@@ -92,6 +94,18 @@ std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigure
     for (const std::string& remark : setup.hand ? setup.hand->remarks() : std::vector<std::string>())
         notes.push_back("hand: " + remark);
     return notes;
+}
+
+Json to_json(const StreamFigures& stream) {
+    return {{"whole", stream.whole},
+            {"held", stream.held},
+            {"late", stream.late},
+            {"lost", stream.lost},
+            {"torn", stream.torn},
+            {"repeated", stream.repeated},
+            {"connections", stream.connections},
+            {"delay_ms", stream.delay_ms},
+            {"longest_gap_ms", stream.longest_gap_ms}};
 }
 
 void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live,
@@ -154,6 +168,16 @@ std::string energy_words(const Json& report) {
                       "%.3g mJ of it",
                       created, bound);
     return words;
+}
+
+/// What came over the network.
+std::string stream_words(const Json& stream) {
+    const auto count = [&](const char* what) { return std::to_string(stream[what].get<std::int64_t>()); };
+    char words[96];
+    std::snprintf(words, sizeof words, "; held back %.1f ms now, longest gap %.0f ms",
+                  stream["delay_ms"].get<double>(), stream["longest_gap_ms"].get<double>());
+    return count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") + " late, " +
+           count("torn") + " damaged" + words;
 }
 
 /// What a builder does, for a person who has not heard of builders.
@@ -290,6 +314,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         add_hand_figures(report, setup.control->figures(), setup.held_device->capabilities().axes_driven > 0,
                          live);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
+    if (const auto stream = setup.feed->reader().stream_figures()) report["stream"] = to_json(*stream);
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     const Spread built = setup.feed->build_ms().spread();
     report["frame_ms"] = to_json(built);
@@ -407,6 +432,7 @@ std::string report_to_text(const Json& r) {
                                     " left out" +
                                     (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
     if (r.contains("exposure_to_force_ms")) {
+        if (r.contains("stream")) line("stream", stream_words(r["stream"]));
         line("camera's frames", count("frames_shown") + " felt, " + count("dropped_frames") + " left out");
         line("exposure to force", spread(r["exposure_to_force_ms"]) + " ms");
     }

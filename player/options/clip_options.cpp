@@ -37,8 +37,10 @@ CLI::Validator is_median_side() {
 }  // namespace
 
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
-    auto* clip = add_file_option(sub, "CLIP", typed.choice.file,
-                                 "a clip, a folder of images, a depth picture, or a scene file");
+    auto* clip = add_file_option(
+        sub, "CLIP", typed.choice.file,
+        "a clip, a folder of images, a depth picture, a scene file, or the address of a stream "
+        "or a clip (tcp://, http://, srt://, udp://, -)");
     add_file_option(sub, "--scene", typed.choice.scene_file,
                     "scene file that describes the clip instead of its own");
     add_file_option(sub, "--haptic", typed.choice.maps.haptic,

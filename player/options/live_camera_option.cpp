@@ -1,8 +1,12 @@
 #include "player/options/live_camera_option.hpp"
 
 #include <cmath>
+#include <variant>
 
+#include "engine/stream/http_source.hpp"
+#include "engine/stream/live_stream.hpp"
 #include "player/options/number_option.hpp"
+#include "player/options/whole_option.hpp"
 #include "player/session/camera_words.hpp"
 
 namespace touchable {
@@ -11,7 +15,8 @@ CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session) {
     return sub.add_option(
         "--camera", session.camera,
         "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; pipe:CMD or "
-        "tcp://HOST:PORT, a program that sends framesets; or replay:PATH[,key=value,...], a recording that "
+        "tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may be; or "
+        "replay:PATH[,key=value,...], a recording that "
         "behaves like one (docs/camera.md)");
 }
 
@@ -21,6 +26,46 @@ CLI::Option* add_stale_after_option(CLI::App& sub, std::optional<double>& millis
         "ms: a live surface whose newest frame is older is not felt any more, until a "
         "newer one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
         0, 3'600'000);
+}
+
+CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {
+    return add_whole_option(sub, "--latency", session.stream_latency_ms,
+                            "live, of a stream: the longest that framesets wait until nearly all come in "
+                            "time, ms; they wait no longer than its jitter",
+                            1, 5000)
+        ->type_name("MS")
+        ->capture_default_str();
+}
+
+namespace {
+
+Result<void> take_stream(SessionOptions& session) {
+    const std::string words = session.clip.file.string();
+    if (session.camera || !session.live || !is_stream_url(words)) return {};
+    auto url = read_stream_url(words);
+    if (!url.ok()) return url.error();
+    StreamChoice choice{.url = *url};
+    if (url->transport == StreamTransport::http) {
+        auto found = open_http(*url);
+        if (!found.ok()) return found.error();
+        if (found->file) return {};
+        choice.connection = std::move(found->stream);
+    }
+    session.camera = "stream:" + url->name();
+    session.clip.take({std::move(choice), {}, {}});
+    return {};
+}
+
+}  // namespace
+
+Result<void> read_live_stream(bool has_latency, SessionOptions& session) {
+    if (auto taken = take_stream(session); !taken.ok()) return taken;
+    auto& plugged = session.clip.plugged;
+    auto* const stream = plugged ? std::get_if<StreamChoice>(&*plugged) : nullptr;
+    if (stream) stream->latency = std::chrono::milliseconds(session.stream_latency_ms);
+    if (stream || !has_latency) return {};
+    return usage_error(
+        "--latency is for a stream that is touched live, such as touchable touch --live tcp://HOST:PORT");
 }
 
 Result<void> read_live_camera(bool has_clip, const std::optional<double>& stale_after_ms,

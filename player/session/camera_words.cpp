@@ -16,7 +16,7 @@ namespace touchable {
 namespace {
 
 constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:", pipe_kind = "pipe:",
-                           tcp_kind = "tcp://";
+                           tcp_kind = "tcp://", stream_kind = "stream:";
 
 constexpr std::array plugged_keys{
     HandKey{.name = "size", .unit = "", .kind = HandKey::Kind::words},
@@ -95,6 +95,12 @@ Result<LiveCamera> read_sender(const std::string& words) {
     return LiveCamera{std::move(choice), {}, {}};
 }
 
+Result<LiveCamera> read_stream(const std::string& words) {
+    auto url = read_stream_url(words.substr(stream_kind.size()));
+    if (!url.ok()) return url.error();
+    return LiveCamera{StreamChoice{.url = std::move(*url)}, {}, {}};
+}
+
 Result<LiveCamera> read_replay(const std::string& words) {
     const auto [recording, keys] = parts_of(words, replay_kind);
     if (recording.empty())
@@ -121,11 +127,12 @@ Result<LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(plugged_kind)) return read_plugged(words);
     if (words.starts_with(replay_kind)) return read_replay(words);
     if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
+    if (words.starts_with(stream_kind)) return read_stream(words);
     return usage_error(
         "unknown camera '" + printable(words) +
         "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
-        "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, and replay:PATH, a "
-        "recording that behaves like one");
+        "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, "
+        "stream:ADDRESS, what touchable serve sends, and replay:PATH, a recording that behaves like one");
 }
 
 }  // namespace touchable

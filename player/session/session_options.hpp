@@ -41,6 +41,7 @@ struct SessionOptions {
     /// Live source: as GuardSettings has it; nothing: 250 ms of a stream, never of a camera.
     std::optional<std::int64_t> stale_after_ns;
     std::optional<std::string> camera;  ///< live: what `clip` is as a camera, in words; nothing: it is a clip
+    int stream_latency_ms = 200;        ///< of a stream: the longest that framesets wait for others' sake
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
     std::shared_ptr<HapticDevice> held_device;

@@ -44,6 +44,11 @@ std::string LoopbackSender::Listener::request() const {
     return asked;
 }
 
+bool LoopbackSender::Listener::is_gone() const {
+    char byte = 0;
+    return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
 bool LoopbackSender::Listener::wait(std::chrono::milliseconds time) const {
     const auto until = std::chrono::steady_clock::now() + time;
     while (!stopping_ && std::chrono::steady_clock::now() < until)

@@ -24,7 +24,8 @@ public:
         std::string request() const;
         /// Waits, but not beyond the sender's end; false there.
         bool wait(std::chrono::milliseconds time) const;
-        bool is_to_end() const { return stopping_; }
+        /// It has closed the connection.
+        bool is_gone() const;
 
     private:
         const int socket_;

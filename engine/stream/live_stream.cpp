@@ -1,0 +1,321 @@
+#include "engine/stream/live_stream.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <cstdio>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "engine/clip/camera_run.hpp"
+#include "engine/clip/wake.hpp"
+#include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
+#include "engine/stream/jitter_buffer.hpp"
+#include "engine/stream/stream_receiver.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_waiting = 256, most_waiting_bytes = std::size_t{512} << 20;
+
+std::int64_t now_ns() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string in_words(const char* format, double number) {
+    char words[160];
+    std::snprintf(words, sizeof words, format, number);
+    return words;
+}
+
+class LiveStream final : public ClipReader {
+public:
+    LiveStream(const StreamChoice& choice, const std::optional<SceneDescription>& described)
+        : source_{.url = choice.url, .patience = choice.patience, .described = described},
+          run_(choice.url.name()),
+          buffer_(std::chrono::nanoseconds(choice.latency).count()) {
+        if (choice.connection && choice.connection->is_unread()) {
+            source_.connection = choice.connection;
+            source_.wait = choice.connection->waits();
+        }
+    }
+    ~LiveStream() override;
+    LiveStream(const LiveStream&) = delete;
+    LiveStream& operator=(const LiveStream&) = delete;
+    Result<void> open();
+
+    const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override { return run_.seek(frame); }
+    void leave_out_colour() override { leaves_out_colour_ = true; }
+    bool is_live() const override { return true; }
+    Result<void> begin(std::chrono::steady_clock::time_point zero) override;
+    void interrupt() override { run_.interrupt(); }
+    std::vector<std::string> remarks() const override;
+    std::optional<StreamFigures> stream_figures() const override;
+
+private:
+    struct Waiting {
+        Received received;
+        JitterBuffer::Moments moments;
+    };
+    void receive();
+    bool connect_again(const std::string& why);
+    void put(Received received);
+    void note(const StreamReceiver& receiver);
+    void is_over(const std::string& why);
+    std::optional<Waiting> due(std::int64_t& wait_ns);
+    std::optional<RawFrame> frame_of(Waiting waiting);
+
+    StreamSource source_;
+    CameraRun run_;
+    Scene scene_;
+    UnstatedFilters unstated_filters_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::atomic<bool> leaves_out_colour_{false};
+    Wake came_;
+    // Of the thread that receives.
+    std::unique_ptr<StreamReceiver> receiver_;
+    JitterBuffer buffer_;
+    FramesetCounts before_;  // of connections that are no more
+
+    mutable std::mutex mutex_;
+    std::condition_variable stopped_;
+    // Guarded by it.
+    std::deque<Waiting> waiting_;
+    std::size_t waiting_bytes_ = 0;
+    StreamFigures figures_{.connections = 1};
+    std::int64_t newest_ns_ = 0;  // when the last one came
+    std::string why_again_;       // it is being connected to again; empty: it is connected
+    std::string over_;            // why no more will come; empty: they may
+    bool stopping_ = false;
+    std::thread thread_;
+};
+
+Result<void> LiveStream::open() {
+    if (run_.descriptor() < 0 || came_.descriptor() < 0)
+        return Error{ErrorKind::internal, "no event can be made to wait for"};
+    auto receiver = StreamReceiver::open(source_);
+    if (!receiver) return receiver.error();
+    receiver_ = std::move(*receiver);
+    source_.connection.reset();
+    scene_ = receiver_->scene();
+    scene_.interpolation = FrameInterpolation::hold;
+    unstated_filters_ = receiver_->unstated().filters;
+    tracks_ = receiver_->tracks();
+    notes_ = receiver_->notes();
+    newest_ns_ = now_ns();
+    return start_thread(thread_, "stream", "that receives the stream", [this] {
+        try {
+            receive();
+        } catch (const std::exception& fault) {
+            is_over(std::string("cannot be received: ") + fault.what());
+        }
+    });
+}
+
+LiveStream::~LiveStream() {
+    source_.wait->interrupt();
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+        stopped_.notify_all();
+    }
+    if (thread_.joinable()) thread_.join();
+}
+
+void LiveStream::is_over(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    over_ = why;
+    why_again_.clear();
+    came_.wake();
+}
+
+void LiveStream::receive() {
+    const WorkAfterStop until_this_ends;  // which is told otherwise
+    while (true) {
+        if (leaves_out_colour_) receiver_->leave_out_colour();
+        auto received = receiver_->next(source_.patience.silence);
+        note(*receiver_);
+        if (received && *received) {
+            put(std::move(**received));
+            continue;
+        }
+        if (source_.wait->is_interrupted()) return;
+        if (!received && received.error().kind == ErrorKind::internal)
+            return is_over(received.error().message);
+        const std::string why = received ? receiver_->how_it_ended() : "sent no whole frameset for long";
+        if (source_.url.transport == StreamTransport::pipe) return is_over(why);
+        if (!connect_again(why)) return;
+    }
+}
+
+/// False where it is told to end, or nothing of use is sent any more.
+bool LiveStream::connect_again(const std::string& why) {
+    constexpr int most_doublings = 4;
+    before_ += receiver_->counts();
+    receiver_->hang_up();
+    for (int attempt = 0;; ++attempt) {
+        {
+            std::unique_lock lock(mutex_);
+            why_again_ = why;
+            const auto pause = source_.patience.back_off * (1 << std::min(attempt, most_doublings));
+            if (stopped_.wait_for(lock, pause, [this] { return stopping_; })) return false;
+        }
+        auto receiver = StreamReceiver::open(source_);
+        if (source_.wait->is_interrupted()) return false;
+        if (!receiver) continue;
+        if (!(*receiver)->is_like(*receiver_)) {
+            is_over("sends another scene or other planes than before: begin again to touch them");
+            return false;
+        }
+        receiver_ = std::move(*receiver);
+        buffer_.restart();
+        const std::lock_guard lock(mutex_);
+        ++figures_.connections;
+        why_again_.clear();
+        return true;
+    }
+}
+
+void LiveStream::note(const StreamReceiver& receiver) {
+    FramesetCounts counts = before_;
+    counts += receiver.counts();
+    const std::lock_guard lock(mutex_);
+    figures_.whole = counts.whole;
+    figures_.late = counts.late;
+    figures_.lost = counts.lost;
+    figures_.torn = counts.torn;
+    figures_.repeated = counts.repeated;
+    figures_.held = figures_.late + figures_.lost + figures_.torn;
+    figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
+}
+
+/// Where nobody takes them, the oldest are left out.
+void LiveStream::put(Received received) {
+    const std::int64_t now = now_ns();
+    const auto moments = buffer_.add(received.sent_ns, now);
+    const std::lock_guard lock(mutex_);
+    figures_.longest_gap_ms = std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
+    newest_ns_ = now;
+    waiting_bytes_ += bytes_of_planes(received.frame);
+    waiting_.push_back({std::move(received), moments});
+    while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes)) {
+        waiting_bytes_ -= bytes_of_planes(waiting_.front().received.frame);
+        waiting_.pop_front();
+    }
+    came_.wake();
+}
+
+/// Before a run the oldest, in it the newest that is to be shown by now; else how long to wait, -1: until
+/// something comes.
+std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
+    const std::lock_guard lock(mutex_);
+    came_.forget();
+    const std::int64_t now = now_ns();
+    const auto take = [this] {
+        Waiting front = std::move(waiting_.front());
+        waiting_.pop_front();
+        waiting_bytes_ -= bytes_of_planes(front.received.frame);
+        return front;
+    };
+    wait_ns = -1;
+    if (waiting_.empty()) {
+        if (!over_.empty()) run_.gone(over_);
+        return std::nullopt;
+    }
+    if (!run_.has_begun()) return take();
+    while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take();
+    wait_ns = waiting_.front().moments.shown_ns - now;
+    if (wait_ns > 0) return std::nullopt;
+    return take();
+}
+
+/// Nothing: it was taken before the run.
+std::optional<RawFrame> LiveStream::frame_of(Waiting waiting) {
+    const auto place =
+        run_.place(static_cast<std::uint32_t>(waiting.received.number), waiting.moments.taken_ns);
+    if (!place) return std::nullopt;
+    RawFrame frame = std::move(waiting.received.frame);
+    frame.number = place->number;
+    frame.time_ns = place->time_ns;
+    return frame;
+}
+
+Result<std::optional<RawFrame>> LiveStream::next() {
+    const auto begun = std::chrono::steady_clock::now();
+    while (!run_.is_gone()) {
+        if (auto end = run_.told_to_end()) return *end;
+        std::int64_t wait_ns = -1;
+        if (auto waiting = due(wait_ns)) {
+            if (auto frame = frame_of(std::move(*waiting))) return frame;
+            continue;
+        }
+        if (run_.is_gone()) break;
+        if (!run_.has_begun() && std::chrono::steady_clock::now() - begun > source_.patience.frameset)
+            return input_error(source_.url.name() + ": sent no whole frameset in time");
+        constexpr std::int64_t look_again_ns = 100'000'000;  // a signal wakes nobody
+        if (!run_.has_begun()) wait_ns = look_again_ns;
+        std::array<pollfd, 2> all{pollfd{run_.descriptor(), POLLIN, 0}, {came_.descriptor(), POLLIN, 0}};
+        const timespec longest{wait_ns / 1'000'000'000, wait_ns % 1'000'000'000};
+        (void)::ppoll(all.data(), all.size(), wait_ns < 0 ? nullptr : &longest, nullptr);
+    }
+    if (!run_.has_begun()) return input_error(run_.remarks().back());
+    return std::optional<RawFrame>();
+}
+
+Result<void> LiveStream::begin(std::chrono::steady_clock::time_point zero) {
+    run_.begin(zero);
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();  // of before
+    waiting_bytes_ = 0;
+    return {};
+}
+
+std::vector<std::string> LiveStream::remarks() const {
+    constexpr std::int64_t is_silent_ns = 1'000'000'000;
+    std::vector<std::string> all = run_.remarks();
+    const std::lock_guard lock(mutex_);
+    if (!why_again_.empty())
+        all.push_back("the sender " + why_again_ + "; connecting again");
+    else if (const std::int64_t silent = now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
+        all.push_back(in_words("the sender has sent no whole frameset for %.0f s; it is waited for",
+                               1e-9 * static_cast<double>(silent)));
+    if (figures_.connections > 1)
+        all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
+                      (figures_.connections == 2 ? " time" : " times"));
+    const auto tell = [&all](std::int64_t count, const char* what) {
+        if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
+    };
+    tell(figures_.lost, "were lost on the way");
+    tell(figures_.late, "came late");
+    tell(figures_.torn, "were damaged on the way, and left out");
+    return all;
+}
+
+std::optional<StreamFigures> LiveStream::stream_figures() const {
+    const std::lock_guard lock(mutex_);
+    return figures_;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamChoice& choice,
+                                                     const std::optional<SceneDescription>& described) {
+    auto stream = std::make_unique<LiveStream>(choice, described);
+    if (auto opened = stream->open(); !opened) return opened.error();
+    return std::unique_ptr<ClipReader>(std::move(stream));
+}
+
+}  // namespace touchable
