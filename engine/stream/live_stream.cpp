@@ -27,6 +27,16 @@ std::int64_t now_ns() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// When a frameset was taken, by our clock; `sent_ns` is the sender's word, ns since 1970. Where that cannot
+/// be, because his clock is not set as ours is, as it would have come by the shortest way.
+std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments, std::int64_t arrived_ns) {
+    constexpr std::int64_t longest_way_ns = 60'000'000'000, most_apart_ns = 5'000'000;
+    const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+    const std::int64_t way_ns = std::chrono::nanoseconds(since_1970).count() - sent_ns;
+    if (way_ns < -most_apart_ns || way_ns > longest_way_ns) return moments.taken_ns;
+    return arrived_ns - std::max<std::int64_t>(way_ns, 0);
+}
+
 std::string in_words(const char* format, double number) {
     char words[160];
     std::snprintf(words, sizeof words, format, number);
@@ -62,6 +72,7 @@ public:
     Result<void> begin(std::chrono::steady_clock::time_point zero) override;
     void interrupt() override { run_.interrupt(); }
     std::vector<std::string> remarks() const override;
+    std::int64_t taken_before(std::int64_t frame) const override;
     std::optional<StreamFigures> stream_figures() const override;
 
 private:
@@ -95,6 +106,10 @@ private:
     // Guarded by it.
     std::deque<Waiting> waiting_;
     std::size_t waiting_bytes_ = 0;
+    struct Way {
+        std::int64_t frame = -1, ns = 0;
+    };
+    std::array<Way, 128> ways_;  // of the newest frames, from being taken to being shown
     StreamFigures figures_{.connections = 1};
     std::int64_t newest_ns_ = 0;  // when the last one came
     std::string why_again_;       // it is being connected to again; empty: it is connected
@@ -205,7 +220,8 @@ void LiveStream::note(const StreamReceiver& receiver) {
 /// Where nobody takes them, the oldest are left out.
 void LiveStream::put(Received received) {
     const std::int64_t now = now_ns();
-    const auto moments = buffer_.add(received.sent_ns, now);
+    auto moments = buffer_.add(received.sent_ns, now);
+    moments.taken_ns = taken_ns(received.sent_ns, moments, now);
     const std::lock_guard lock(mutex_);
     figures_.longest_gap_ms = std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
     newest_ns_ = now;
@@ -244,13 +260,21 @@ std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
 
 /// Nothing: it was taken before the run.
 std::optional<RawFrame> LiveStream::frame_of(Waiting waiting) {
-    const auto place =
-        run_.place(static_cast<std::uint32_t>(waiting.received.number), waiting.moments.taken_ns);
+    const auto& [taken_ns, shown_ns] = waiting.moments;
+    const auto place = run_.place(static_cast<std::uint32_t>(waiting.received.number), shown_ns);
     if (!place) return std::nullopt;
     RawFrame frame = std::move(waiting.received.frame);
     frame.number = place->number;
     frame.time_ns = place->time_ns;
+    const std::lock_guard lock(mutex_);
+    ways_[static_cast<std::size_t>(frame.number) % ways_.size()] = {frame.number, shown_ns - taken_ns};
     return frame;
+}
+
+std::int64_t LiveStream::taken_before(std::int64_t frame) const {
+    const std::lock_guard lock(mutex_);
+    const Way& way = ways_[static_cast<std::size_t>(frame) % ways_.size()];
+    return way.frame == frame ? way.ns : 0;
 }
 
 Result<std::optional<RawFrame>> LiveStream::next() {

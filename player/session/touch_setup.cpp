@@ -4,6 +4,7 @@
 #include <glm/matrix.hpp>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "engine/stop_request.hpp"
 #include "engine/surface/surface_builder.hpp"
@@ -55,6 +56,16 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
         setup.builder_why = watched;
     }
     return {};
+}
+
+/// What a stream shows is not there for sure once nothing has come for a quarter of a second, or for three
+/// frames.
+std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate) {
+    if (options.stale_after_ns) return *options.stale_after_ns;
+    constexpr std::int64_t usual_ns = 250'000'000;
+    const auto& plugged = options.clip.plugged;
+    const bool is_stream = plugged && std::holds_alternative<StreamChoice>(*plugged);
+    return is_stream ? std::max(usual_ns, 3 * rate.time_ns(1)) : 0;
 }
 
 /// The clip's frames on their way to the surface.
@@ -232,7 +243,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
         clip->reader = with_film(std::move(clip->reader), setup->film);
     }
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
-    setup->settings.guard.stale_after_ns = options.stale_after_ns.value_or(0);
+    setup->settings.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
     if (options.late_playback) setup->settings.playback = options.late_playback();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
     if (auto checked = check_playback(*setup, options); !checked.ok()) return checked.error();
