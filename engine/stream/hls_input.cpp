@@ -1,0 +1,97 @@
+#include "engine/stream/hls_input.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "engine/stop_request.hpp"
+#include "engine/stream/hls_rendition.hpp"
+
+namespace touchable {
+namespace {
+
+class BothRenditions final : public HlsInput {
+public:
+    BothRenditions(std::unique_ptr<HlsRendition> touch, WaitIsOver is_over)
+        : touch_(std::move(touch)), is_over_(std::move(is_over)), is_live_(!touch_->has_ended()) {}
+    void add_colour(Result<std::unique_ptr<HlsRendition>> colour);
+    Result<std::optional<Packet>> next() override;
+    bool is_live() const override { return is_live_; }
+    std::int64_t segments_lost() const override {
+        return touch_->segments_lost() + (colour_ ? colour_->segments_lost() : 0);
+    }
+    const std::vector<std::string>& remarks() const override { return remarks_; }
+
+private:
+    Result<const AVPacket*> next_of_colour();
+    void leave_out_colour(const Error& why);
+
+    const std::unique_ptr<HlsRendition> touch_;
+    const WaitIsOver is_over_;
+    const bool is_live_;
+    std::unique_ptr<HlsRendition> colour_;  // null: there is none, or none any more
+    std::vector<std::string> remarks_;
+};
+
+void BothRenditions::leave_out_colour(const Error& why) {
+    remarks_.push_back("its colour cannot be had: " + why.message);
+    colour_.reset();
+}
+
+void BothRenditions::add_colour(Result<std::unique_ptr<HlsRendition>> colour) {
+    if (colour)
+        colour_ = std::move(*colour);
+    else
+        leave_out_colour(colour.error());
+}
+
+/// Nothing is felt of colour: the stream goes on without it.
+Result<const AVPacket*> BothRenditions::next_of_colour() {
+    if (!colour_) return static_cast<const AVPacket*>(nullptr);
+    auto packet = colour_->peek();
+    if (packet || is_over_()) return packet;
+    leave_out_colour(packet.error());
+    return static_cast<const AVPacket*>(nullptr);
+}
+
+Result<std::optional<HlsInput::Packet>> BothRenditions::next() {
+    const auto touch = touch_->peek();
+    if (!touch) return touch.error();
+    const auto colour = next_of_colour();
+    if (!colour) return colour.error();
+    if (!*touch && !*colour) return std::optional<Packet>();
+    const bool is_touch = *touch && (!*colour || touch_->time_ns(**touch) <= colour_->time_ns(**colour));
+    HlsRendition& of = is_touch ? *touch_ : *colour_;
+    const AVStream* const stream = &of.stream_of(is_touch ? **touch : **colour);
+    return std::optional(Packet{is_touch, stream, of.take()});
+}
+
+/// As hls_playlist.hpp has places.
+std::string place_of(const std::string& named) {
+    if (named.starts_with("http://") || named.starts_with("https://")) {
+        const auto plain = resolved_place(named, named);
+        return plain ? *plain : named;
+    }
+    std::error_code ignored;
+    return "file:" + std::filesystem::absolute(named, ignored).lexically_normal().string();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over,
+                                                 HlsHosts hosts) {
+    const std::string place = place_of(named);
+    auto text = fetch_place(place, largest_hls_playlist, is_over);
+    if (!text) return error_at(named, text.error());
+    const auto places = places_in_playlist(*text, place, hosts);
+    if (!places) return error_at(named, places.error());
+    const bool is_media = places->touch == place;
+    auto touch = HlsRendition::open(places->touch, is_over, hosts,
+                                    is_media ? std::optional(std::move(*text)) : std::nullopt);
+    if (!touch) return touch.error();
+    auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over);
+    if (!places->colour.empty()) input->add_colour(HlsRendition::open(places->colour, is_over, hosts));
+    if (is_over()) return interrupted_error();
+    return std::unique_ptr<HlsInput>(std::move(input));
+}
+
+}  // namespace touchable

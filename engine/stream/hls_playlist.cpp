@@ -1,0 +1,266 @@
+#include "engine/stream/hls_playlist.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/printable.hpp"
+#include "engine/stream/hls_text.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::string_view file_scheme = "file:";
+
+/// "http://host:80" and "/path/", "file:" and "/folder/".
+struct PlaceParts {
+    std::string origin, path;  // path without query
+};
+
+/// A scheme and its colon; empty where there is none.
+std::string_view scheme_in(std::string_view uri) {
+    const std::size_t colon = uri.find_first_of(":/?#");
+    if (colon == std::string_view::npos || colon == 0 || uri[colon] != ':') return "";
+    return uri.substr(0, colon + 1);
+}
+
+std::string in_small_letters(std::string_view text) {
+    std::string small(text);
+    for (char& letter : small)
+        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+    return small;
+}
+
+PlaceParts parts_of(std::string_view place) {
+    std::string_view rest = place.substr(0, place.find_first_of("?#"));
+    if (place.starts_with(file_scheme))
+        return {std::string(file_scheme), std::string(place.substr(file_scheme.size()))};
+    const std::size_t host = rest.find("://");
+    const std::size_t path = host == std::string_view::npos ? host : rest.find('/', host + 3);
+    if (path == std::string_view::npos) return {in_small_letters(rest), "/"};
+    return {in_small_letters(rest.substr(0, path)), std::string(rest.substr(path))};
+}
+
+/// Without "." and "..".
+std::string plain_path(std::string_view path) {
+    std::vector<std::string_view> steps;
+    while (!path.empty()) {
+        const std::size_t end = std::min(path.find('/', 1), path.size());
+        const std::string_view step = path.substr(0, end);
+        path.remove_prefix(end);
+        if (step == "/.." && !steps.empty()) steps.pop_back();
+        if (step != "/.." && step != "/.") steps.push_back(step);
+    }
+    std::string plain;
+    for (const std::string_view step : steps) plain += step;
+    return plain;
+}
+
+bool has_step_up(std::string_view path) {
+    return ("/" + std::string(path) + "/").find("/../") != std::string::npos;
+}
+
+Error foreign_place(std::string_view named) {
+    return input_error("it names " + in_quotes(named) +
+                       ", which is elsewhere: a playlist may name only what its own host has");
+}
+
+Result<std::string> absolute_place(std::string_view base, std::string_view named, HlsHosts hosts) {
+    const PlaceParts own = parts_of(base), other = parts_of(named);
+    const bool is_web = other.origin.starts_with("http://") || other.origin.starts_with("https://");
+    const bool is_own = other.origin == own.origin;
+    if (!is_web || own.origin == file_scheme || (!is_own && hosts == HlsHosts::own))
+        return foreign_place(named);
+    const std::size_t query = std::min(named.find('?'), named.size());
+    return other.origin + plain_path(other.path) + std::string(named.substr(query));
+}
+
+/// Lines of a playlist, without what ends them.
+class PlaylistLines {
+public:
+    explicit PlaylistLines(std::string_view text) : rest_(text) {}
+    std::optional<std::string_view> next() {
+        while (!rest_.empty()) {
+            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+            std::string_view line = rest_.substr(0, end);
+            rest_.remove_prefix(std::min(end + 1, rest_.size()));
+            while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t'))
+                line.remove_suffix(1);
+            if (!line.empty()) return line;
+        }
+        return std::nullopt;
+    }
+
+private:
+    std::string_view rest_;
+};
+
+/// What follows a tag's name; nothing where it is another.
+std::optional<std::string_view> after_tag(std::string_view line, std::string_view tag) {
+    if (!line.starts_with(tag)) return std::nullopt;
+    line.remove_prefix(tag.size());
+    if (line.empty()) return line;
+    return line.front() == ':' ? std::optional(line.substr(1)) : std::nullopt;
+}
+
+/// Of a list KEY=VALUE,KEY="VALUE": the value of a key; nothing where it has none.
+std::optional<std::string_view> attribute(std::string_view list, std::string_view key) {
+    while (!list.empty()) {
+        const std::size_t equals = list.find('=');
+        if (equals == std::string_view::npos) return std::nullopt;
+        const std::string_view name = list.substr(0, equals);
+        list.remove_prefix(equals + 1);
+        const bool quoted = list.starts_with('"');
+        if (quoted) list.remove_prefix(1);
+        const std::size_t end = std::min(list.find(quoted ? '"' : ','), list.size());
+        const std::string_view value = list.substr(0, end);
+        list.remove_prefix(end);
+        list.remove_prefix(std::min(list.size(), std::min(list.find(','), list.size()) + 1));
+        if (name == key) return value;
+    }
+    return std::nullopt;
+}
+
+Result<void> check_size(std::string_view text) {
+    if (text.size() > largest_hls_playlist)
+        return input_error("is longer than 1 MiB: no playlist of a stream is");
+    if (!is_hls_playlist(text)) return input_error("is no playlist of HLS: it does not begin with #EXTM3U");
+    if (text.find('\0') != std::string_view::npos) return input_error("is no playlist of HLS: it has zeros");
+    return {};
+}
+
+bool is_master_line(std::string_view line) {
+    return after_tag(line, "#EXT-X-STREAM-INF") || after_tag(line, "#EXT-X-I-FRAME-STREAM-INF") ||
+           after_tag(line, "#EXT-X-MEDIA") || after_tag(line, "#EXT-X-SESSION-DATA");
+}
+
+/// What a master playlist names, as it stands there.
+struct NamedPlaylists {
+    bool is_master = false;
+    std::optional<std::string_view> touch, colour;
+};
+
+NamedPlaylists named_in(std::string_view text) {
+    NamedPlaylists named;
+    PlaylistLines lines(text);
+    bool is_variant = false;
+    while (const auto line = lines.next()) {
+        named.is_master = named.is_master || is_master_line(*line);
+        if (after_tag(*line, "#EXT-X-STREAM-INF")) is_variant = true;
+        if (const auto data = after_tag(*line, "#EXT-X-SESSION-DATA");
+            data && attribute(*data, "DATA-ID") == hls_planes_id)
+            named.touch = attribute(*data, "VALUE");
+        if (line->starts_with('#')) continue;
+        if (is_variant && !named.colour) named.colour = *line;
+        is_variant = false;
+    }
+    return named;
+}
+
+/// A tag that names a place, or what cannot be read.
+Result<void> check_media_tag(std::string_view line, const std::string& place, HlsHosts hosts,
+                             HlsMediaFacts& facts) {
+    if (is_master_line(line)) return input_error("leads to further playlists, where segments should be");
+    if (const auto key = after_tag(line, "#EXT-X-KEY"); key && attribute(*key, "METHOD") != "NONE")
+        return input_error("is encrypted, which is not read");
+    const auto map = after_tag(line, "#EXT-X-MAP");
+    if (!map) return {};
+    const auto named = attribute(*map, "URI");
+    if (!named) return input_error("has an initialisation without a URI");
+    auto header = resolved_place(place, *named, hosts);
+    if (!header) return header.error();
+    if (!facts.header.empty() && facts.header != *header)
+        return input_error("changes its initialisation on the way, which is not read");
+    facts.header = std::move(*header);
+    return {};
+}
+
+}  // namespace
+
+bool is_hls_playlist(std::string_view first_bytes) {
+    constexpr std::string_view begin = "#EXTM3U";
+    return first_bytes.starts_with(begin) &&
+           (first_bytes.size() == begin.size() || first_bytes[begin.size()] == '\n' ||
+            first_bytes[begin.size()] == '\r');
+}
+
+Result<std::string> resolved_place(std::string_view base, std::string_view named, HlsHosts hosts) {
+    constexpr std::size_t longest = 4096;
+    const auto is_odd = [](char letter) {
+        return static_cast<unsigned char>(letter) <= ' ' || letter == 127;
+    };
+    const bool is_file = base.starts_with(file_scheme);
+    if (named.empty() || named.size() > longest || (!is_file && std::ranges::any_of(named, is_odd)) ||
+        named.find('\\') != std::string_view::npos)
+        return input_error("it names " + in_quotes(named) + ", which is no URI");
+    if (!scheme_in(named).empty()) return absolute_place(base, named, hosts);
+    const PlaceParts own = parts_of(base);
+    if (named.starts_with("//")) {
+        if (is_file) return foreign_place(named);
+        return absolute_place(base, own.origin.substr(0, own.origin.find(':') + 1) + std::string(named),
+                              hosts);
+    }
+    const std::string folder = own.path.substr(0, own.path.rfind('/') + 1);
+    if (is_file) {
+        if (named.starts_with('/') || has_step_up(named)) return foreign_place(named);
+        return std::string(file_scheme) + folder + std::string(named);
+    }
+    const std::size_t query = std::min(named.find('?'), named.size());
+    const std::string_view path = named.substr(0, query);
+    const std::string whole = path.empty()            ? own.path
+                              : path.starts_with('/') ? std::string(path)
+                                                      : folder + std::string(path);
+    return own.origin + plain_path(whole) + std::string(named.substr(query));
+}
+
+Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place, HlsHosts hosts) {
+    if (auto sized = check_size(text); !sized) return sized.error();
+    const NamedPlaylists named = named_in(text);
+    if (!named.is_master) return HlsPlaces{place, ""};
+    if (!named.touch)
+        return input_error("has no planes that can be felt: its master playlist names none as " +
+                           std::string(hls_planes_id));
+    auto touch = resolved_place(place, *named.touch, hosts);
+    if (!touch) return touch.error();
+    HlsPlaces places{std::move(*touch), ""};
+    if (named.colour) {
+        auto colour = resolved_place(place, *named.colour, hosts);
+        if (!colour) return colour.error();
+        if (*colour != places.touch) places.colour = std::move(*colour);
+    }
+    if (places.touch == place || places.colour == place) return input_error("is a playlist of itself");
+    return places;
+}
+
+Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place, HlsHosts hosts) {
+    if (auto sized = check_size(text); !sized) return sized.error();
+    HlsMediaFacts facts;
+    PlaylistLines lines(text);
+    std::int64_t segments = 0, first = 0;
+    while (const auto line = lines.next()) {
+        if (line->starts_with('#')) {
+            if (auto fits = check_media_tag(*line, place, hosts, facts); !fits) return fits.error();
+            facts.has_ended = facts.has_ended || *line == "#EXT-X-ENDLIST";
+            const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE");
+            if (!number) continue;
+            const char* const end = number->data() + number->size();
+            const auto [last, failure] = std::from_chars(number->data(), end, first);
+            constexpr std::int64_t most = std::int64_t{1} << 53;
+            if (failure != std::errc() || last != end || first < 0 || first > most)
+                return input_error("counts its segments from " + in_quotes(*number));
+            continue;
+        }
+        const auto segment = resolved_place(place, *line, hosts);
+        if (!segment) return segment.error();
+        if (*segment == place) return input_error("is a playlist of itself");
+        ++segments;
+    }
+    if (segments == 0) return input_error("has no segment yet");
+    facts.next_segment = first + segments;
+    return facts;
+}
+
+}  // namespace touchable

@@ -1,0 +1,308 @@
+#include "engine/stream/hls_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "engine/stream/hls_writer.hpp"
+#include "tests/stream/labelled_stream.hpp"
+#include "tests/stream/web_server.hpp"
+#include "tests/sweep.hpp"
+
+namespace touchable::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+constexpr std::int64_t hls_test_second = 1'000'000'000;
+
+/// A stream of `frames`, ten a second, in segments of a second.
+struct WebStream {
+    TemporaryFolder folder;
+    Scene scene;
+    std::vector<RawFrame> frames;
+    std::unique_ptr<HlsWriter> writer;
+
+    explicit WebStream(int count, std::int64_t window_s = 0, const Planes& planes = {true, true}) {
+        scene = small_scene(32, 24, 16);
+        scene.rate = {10, 1};
+        auto opened = HlsWriter::open({folder / "web", hls_test_second, window_s * hls_test_second}, scene);
+        EXPECT_EQ(message(opened), "");
+        writer = std::move(*opened);
+        add(count, planes);
+        if (window_s == 0) finish();
+    }
+    void add(int count, const Planes& planes = {true, true}) {
+        for (; count > 0; --count) {
+            const auto n = static_cast<std::int64_t>(frames.size());
+            frames.push_back(test_frame(scene, n, planes));
+            EXPECT_EQ(message(writer->add(frames.back(), sent_label(n), scene.rate.time_ns(n))), "");
+        }
+    }
+    void finish() { EXPECT_EQ(message(writer->finish()), ""); }
+    WebReply reply(const std::string& path) const { return reply_with_file(folder / "web", path); }
+    std::string text(const std::string& name) const { return read_bytes(folder / ("web/" + name)); }
+    std::string segment(const std::string& rendition, int number) const {
+        for (const auto& entry : fs::directory_iterator(folder / "web")) {
+            const std::string name = entry.path().filename().string();
+            if (name.starts_with(rendition) && name.ends_with("-" + std::to_string(number) + ".m4s"))
+                return "/" + name;
+        }
+        return "";
+    }
+};
+
+bool never() {
+    return false;
+}
+
+/// What a receiver has of it.
+struct HlsReceived {
+    std::string error;
+    Came came{};
+    std::int64_t segments_lost = 0;
+    std::vector<std::string> remarks{};
+    std::size_t of(PlaneRole role) const {
+        std::size_t count = 0;
+        for (const auto& [which, often] : came) count += which.first == role ? 1 : 0;
+        return count;
+    }
+};
+
+HlsReceived received_from(HlsInput& input, const std::vector<RawFrame>& frames, std::size_t most = 100'000) {
+    HlsReceived all;
+    LabelledDecoder decoder(1 << 22);
+    std::map<std::pair<bool, int>, std::size_t> tracks;
+    for (std::size_t packets = 0; packets < most; ++packets) {
+        auto packet = input.next();
+        if (!packet) {
+            all.error = packet.error().message;
+            break;
+        }
+        if (!*packet) break;
+        const std::pair which{(*packet)->is_touch, (*packet)->stream->index};
+        if (!tracks.contains(which)) {
+            const auto track = decoder.add_track(*(*packet)->stream, "stream");
+            if (!track) continue;  // its header is damaged
+            tracks[which] = *track;
+        }
+        auto pictures = decoder.add(tracks[which], *(*packet)->packet);
+        EXPECT_EQ(message(pictures), "");
+        take_pictures(*pictures, frames, all.came);
+    }
+    all.segments_lost = input.segments_lost();
+    all.remarks = input.remarks();
+    return all;
+}
+
+HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& frames,
+                        const WaitIsOver& is_over = never) {
+    auto input = HlsInput::open(place, is_over);
+    if (!input) return {.error = input.error().message};
+    return received_from(**input, frames);
+}
+
+TEST(HlsInput, AStreamComesBackExactly) {
+    const WebStream stream(25);
+    WebServer server([&](const std::string& path) { return stream.reply(path); });
+    for (const std::string& place :
+         {server.url("/master.m3u8"), (stream.folder / "web/master.m3u8").string()}) {
+        const HlsReceived all = received_at(place, stream.frames);
+        EXPECT_EQ(all.error, "");
+        EXPECT_EQ(all.came.size(), 75U) << place;
+        for (const auto& [which, count] : all.came) EXPECT_EQ(count, 1);
+        EXPECT_EQ(all.remarks.size(), 0U);
+    }
+    // 3 playlists (the master once), 2 headers, 6 segments
+    EXPECT_EQ(server.requests().size(), 3U + 2U + 6U);
+}
+
+TEST(HlsInput, AMediaPlaylistAloneIsOneRendition) {
+    const WebStream stream(12);
+    WebServer server([&](const std::string& path) { return stream.reply(path); });
+    const HlsReceived all = received_at(server.url("/touch.m3u8"), stream.frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_EQ(all.of(PlaneRole::depth), 12U);
+    EXPECT_EQ(all.of(PlaneRole::colour), 0U);
+}
+
+TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
+    WebStream stream(45, 8);
+    int reloads = 0;
+    WebServer server([&](const std::string& path) {
+        if (path == "/touch.m3u8" && ++reloads == 2) stream.add(20);
+        if (path == "/touch.m3u8" && reloads == 3) stream.finish();
+        return stream.reply(path);
+    });
+    auto input = HlsInput::open(server.url("/master.m3u8"), never);
+    ASSERT_EQ(message(input), "");
+    EXPECT_TRUE((*input)->is_live());
+    std::vector<RawFrame> frames;
+    for (int n = 0; n < 65; ++n) frames.push_back(test_frame(stream.scene, n, {true, true}));
+    const HlsReceived all = received_from(**input, frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_EQ(all.came.begin()->first.second, 10) << "three segments before the newest";
+    EXPECT_EQ(all.of(PlaneRole::depth), 55U);
+    EXPECT_EQ(all.of(PlaneRole::colour), 55U);
+    EXPECT_EQ(all.segments_lost, 0);
+}
+
+TEST(HlsInput, SegmentsThatAreMissingOrCutAreLeftOut) {
+    const WebStream stream(40);
+    const std::string missing = stream.segment("touch", 1), cut = stream.segment("colour", 1),
+                      torn = stream.segment("touch", 2);
+    WebServer server([&](const std::string& path) {
+        WebReply reply = stream.reply(path);
+        if (path == missing) return WebReply{404};
+        if (path == cut) reply.sent = reply.body.size() / 2;
+        if (path == torn) reply.body.resize(reply.body.size() - 100);  // and the server knows no better
+        return reply;
+    });
+    const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_EQ(all.segments_lost, 3);
+    EXPECT_EQ(all.of(PlaneRole::depth), 20U);
+    EXPECT_EQ(all.of(PlaneRole::colour), 30U);
+    EXPECT_TRUE(all.came.contains({PlaneRole::depth, 39}));
+}
+
+TEST(HlsInput, ColourThatCannotBeHadIsLeftOut) {
+    const WebStream stream(12);
+    WebServer server(
+        [&](const std::string& path) { return path == "/colour.m3u8" ? WebReply{500} : stream.reply(path); });
+    const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_EQ(all.of(PlaneRole::depth), 12U);
+    EXPECT_EQ(all.remarks.size(), 1U);
+}
+
+/// A cache may have an older playlist; one that stays older is of a sender that began anew.
+TEST(HlsInput, AnOlderPlaylistIsHeldForAWhile) {
+    WebStream stream(45, 8);
+    std::vector<std::string> texts{stream.text("touch.m3u8")};
+    stream.add(10);
+    texts.push_back(stream.text("touch.m3u8"));
+    for (const bool stays_older : {false, true}) {
+        int reloads = 0;
+        WebServer server([&](const std::string& path) {
+            WebReply reply = stream.reply(path);
+            if (path != "/touch.m3u8") return reply;
+            ++reloads;
+            reply.body = texts[1];
+            if (reloads >= 2 && reloads < (stays_older ? 1000 : 4)) reply.body = texts[0];
+            if (reloads >= 4 && !stays_older) reply.body += "#EXT-X-ENDLIST\n";
+            return reply;
+        });
+        const HlsReceived all = received_at(server.url("/touch.m3u8"), stream.frames);
+        EXPECT_EQ(all.error.find("began anew") != std::string::npos, stays_older) << all.error;
+        EXPECT_EQ(all.of(PlaneRole::depth), 30U);
+    }
+}
+
+TEST(HlsInput, AServerThatIsGoneForAMomentIsWaitedFor) {
+    WebStream stream(45, 8);
+    int reloads = 0;
+    WebServer server([&](const std::string& path) {
+        if (path == "/touch.m3u8" && ++reloads > 1 && reloads < 5) return WebReply{503};
+        if (path == "/touch.m3u8" && reloads == 5) stream.finish();
+        return stream.reply(path);
+    });
+    const HlsReceived all = received_at(server.url("/touch.m3u8"), stream.frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_TRUE(all.came.contains({PlaneRole::depth, 44}));
+}
+
+TEST(HlsInput, AnotherBeginningEndsTheOldOne) {
+    WebStream stream(45, 8);
+    int reloads = 0;
+    WebServer server([&](const std::string& path) {
+        WebReply reply = stream.reply(path);
+        if (path == "/touch.m3u8" && ++reloads > 1) {
+            const std::size_t at = reply.body.find("-init.mp4");
+            reply.body.replace(at - 1, 1, reply.body[at - 1] == '0' ? "1" : "0");
+        }
+        return reply;
+    });
+    EXPECT_NE(received_at(server.url("/touch.m3u8"), stream.frames).error.find("began anew"),
+              std::string::npos);
+}
+
+TEST(HlsInput, NobodyIsAskedForWhatIsElsewhere) {
+    const WebStream stream(12);
+    int asked = 0;
+    WebServer other([&](const std::string& path) {
+        ++asked;
+        return stream.reply(path);
+    });
+    const auto error_with = [&](const std::string& path, const WebReply& reply) {
+        WebServer server([&](const std::string& of) { return of == path ? reply : stream.reply(of); });
+        return received_at(server.url("/master.m3u8"), stream.frames).error;
+    };
+    const std::string head = "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\n";
+    EXPECT_NE(error_with("/master.m3u8", {302, "", "Location: " + other.url("/master.m3u8") + "\r\n"}), "");
+    EXPECT_NE(error_with("/master.m3u8", {302, "", "Location: file:///etc/passwd\r\n"}), "");
+    EXPECT_NE(error_with("/touch.m3u8", {301, "", "Location: " + other.url("/touch.m3u8") + "\r\n"}), "");
+    EXPECT_NE(error_with("/touch.m3u8", {200, head + other.url("/a.m4s") + "\n"}), "");
+    EXPECT_NE(error_with("/touch.m3u8", {200, head + "file:///etc/passwd\n#EXT-X-ENDLIST\n"}), "");
+    EXPECT_NE(error_with("/touch.m3u8", {200, "#EXTM3U\n#EXT-X-STREAM-INF:BANDWIDTH=1\ntouch.m3u8\n"}), "");
+    EXPECT_NE(error_with("/touch.m3u8", {200, head + "touch.m3u8\n#EXT-X-ENDLIST\n"}), "");
+    EXPECT_NE(error_with("/master.m3u8", {200, "#EXTM3U\n#EXT-X-STREAM-INF:BANDWIDTH=1\nmaster.m3u8\n"}), "");
+    EXPECT_NE(error_with("/master.m3u8", {200, "#EXTM3U\n" + std::string(2 << 20, '#')}), "");
+    EXPECT_EQ(asked, 0);
+}
+
+TEST(HlsInput, AWaitEndsWhenItIsToldTo) {
+    const WebStream stream(12);
+    for (const char* const silent : {"/master.m3u8", "/touch.m3u8", "segment"}) {
+        std::atomic<bool> waits{false};
+        const std::string path = std::string(silent) == "segment" ? stream.segment("touch", 0) : silent;
+        WebServer server([&](const std::string& of) {
+            if (of != path) return stream.reply(of);
+            waits = true;
+            return WebReply{.is_silent = true};
+        });
+        const auto begin = Clock::now();
+        const HlsReceived all =
+            received_at(server.url("/master.m3u8"), stream.frames, [&] { return waits.load(); });
+        EXPECT_NE(all.error, "") << silent;
+        EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8)) << silent;  // 10 where nobody tells it
+    }
+}
+
+/// On which FFmpeg counts for a minute.
+TEST(HlsInput, TracksWithoutANumberAreRefused) {
+    const WebStream stream(12);
+    WebServer server([&](const std::string& path) {
+        WebReply reply = stream.reply(path);
+        if (path.ends_with("init.mp4")) reply.body.replace(reply.body.find("tkhd"), 4, "free");
+        return reply;
+    });
+    const auto begin = Clock::now();
+    EXPECT_NE(received_at(server.url("/master.m3u8"), stream.frames).error, "");
+    EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));
+}
+
+/// Bytes of segments changed at random: what comes is what was sent.
+TEST(HlsInput, DamagedSegmentsNeverGiveOtherSamples) {
+    const WebStream stream(30);
+    std::size_t lost = 0;
+    for (std::uint64_t seed = 0; seed < 70; seed += sweep_step()) {
+        Numbers numbers(seed);
+        WebServer server([&](const std::string& path) {
+            WebReply reply = stream.reply(path);
+            if (path.ends_with("m3u8") || numbers.below(2) == 0) return reply;
+            for (int flips = 1 + numbers.below(3); flips > 0; --flips) {
+                auto& byte =
+                    reply.body[static_cast<std::size_t>(numbers.below(static_cast<int>(reply.body.size())))];
+                byte = static_cast<char>(byte ^ (1 << numbers.below(8)));
+            }
+            return reply;
+        });
+        const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
+        lost += 90 - std::min<std::size_t>(90, all.came.size());
+    }
+    EXPECT_GT(lost, 0U);
+}
+
+}  // namespace
+}  // namespace touchable::test
