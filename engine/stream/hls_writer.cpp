@@ -1,6 +1,7 @@
 #include "engine/stream/hls_writer.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
@@ -45,6 +46,7 @@ public:
     Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) override;
     Result<void> finish() override;
     const std::vector<std::string>& notes() const override { return notes_; }
+    const HlsFigures& figures() const override { return figures_; }
 
 private:
     bool is_live() const { return settings_.window_ns > 0; }
@@ -68,6 +70,7 @@ private:
     const SceneDescription described_;
     HlsFolder folder_;
     std::vector<std::string> notes_;
+    HlsFigures figures_;
     std::optional<LabelledEncoder> encoder_;
     std::vector<Rendition> renditions_;  // that which players show comes first
     std::optional<StreamSound> sound_;
@@ -215,7 +218,8 @@ Result<void> FolderWriter::put_segment(Rendition& rendition, const HlsSegment& l
     HlsSegment segment = like;
     segment.name = folder_.segment_name(rendition.name, number_);
     if (auto put = folder_.put(segment.name, text_of_bytes(bytes)); !put) return put;
-    const auto bits = static_cast<std::int64_t>(bytes.size()) * 8;
+    (rendition.name == "colour" ? figures_.colour_bytes : figures_.touch_bytes) += std::ssize(bytes);
+    const std::int64_t bits = std::ssize(bytes) * 8;
     rendition.most_bits_s = std::max(
         rendition.most_bits_s, av_rescale(bits, hls_second, std::max<std::int64_t>(1, segment.duration_ns)));
     rendition.media.segments.push_back(std::move(segment));
@@ -231,6 +235,8 @@ Result<void> FolderWriter::end_segment(std::int64_t end_ns) {
     for (Rendition& rendition : renditions_)
         if (auto put = put_segment(rendition, segment); !put) return put;
     ++number_;
+    ++figures_.segments;
+    figures_.duration_ns += segment.duration_ns;
     is_empty_ = true;
     is_after_a_break_ = breaks;
     return is_live() ? publish(end_ns) : Result<void>{};
@@ -250,9 +256,12 @@ void FolderWriter::shorten(HlsMedia& media, std::int64_t now_ns) {
 
 /// Playlists name what is there: they come after it.
 Result<void> FolderWriter::publish(std::int64_t now_ns) {
+    figures_.playlist_bytes = 0;
     for (Rendition& rendition : renditions_) {
         if (is_live()) shorten(rendition.media, now_ns);
-        if (auto put = folder_.put(rendition.name + ".m3u8", text_of(rendition.media)); !put) return put;
+        const std::string text = text_of(rendition.media);
+        figures_.playlist_bytes += std::ssize(text);
+        if (auto put = folder_.put(rendition.name + ".m3u8", text); !put) return put;
     }
     if (auto put = put_master(); !put) return put;
     folder_.retire_old(now_ns);

@@ -23,6 +23,14 @@ struct HlsSettings {
     std::int64_t window_ns = 0;
 };
 
+/// What was written, and what each viewer fetches of it.
+struct HlsFigures {
+    std::int64_t segments = 0, duration_ns = 0;      ///< of the segments that are complete
+    std::int64_t colour_bytes = 0, touch_bytes = 0;  ///< of them
+    std::int64_t playlist_bytes =
+        0;  ///< of both media playlists, as they are now; live fetched once a segment
+};
+
 /// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
 /// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
 /// same frames, and a master playlist in which ordinary players find the colour alone. Each picture says what
@@ -43,6 +51,7 @@ public:
     virtual Result<void> finish() = 0;
     /// What a person should know, once the first frame was added.
     virtual const std::vector<std::string>& notes() const = 0;
+    virtual const HlsFigures& figures() const = 0;
 };
 
 }  // namespace touchable

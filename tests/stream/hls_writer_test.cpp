@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/ffmpeg/ffmpeg_input.hpp"
+#include "engine/film/film_writer.hpp"
 #include "engine/stream/hls_text.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/video/sounding_clip.hpp"
@@ -27,6 +28,7 @@ struct Written {
     Result<void> outcome;
     std::vector<RawFrame> frames;
     std::vector<std::string> notes;
+    HlsFigures figures;
 };
 
 Written write_hls(const HlsSettings& settings, int frames, const Planes& planes,
@@ -44,6 +46,7 @@ Written write_hls(const HlsSettings& settings, int frames, const Planes& planes,
     }
     written.notes = (*writer)->notes();
     if (written.outcome) written.outcome = (*writer)->finish();
+    written.figures = (*writer)->figures();
     return written;
 }
 
@@ -121,6 +124,14 @@ TEST(HlsWriter, AWholeClipIsThereSegmentBySegment) {
         }
     }
     EXPECT_EQ(all_files(home).size(), 3U + 2U * 4U);
+    std::int64_t bytes = 0;
+    for (const auto& entry : fs::directory_iterator(home))
+        if (entry.path().extension() == ".m4s") bytes += static_cast<std::int64_t>(entry.file_size());
+    EXPECT_EQ(written.figures.segments, 3);
+    EXPECT_EQ(written.figures.duration_ns, 5 * second / 2);
+    EXPECT_EQ(written.figures.colour_bytes + written.figures.touch_bytes, bytes);
+    EXPECT_EQ(written.figures.playlist_bytes, static_cast<std::int64_t>(fs::file_size(home / "colour.m3u8") +
+                                                                        fs::file_size(home / "touch.m3u8")));
 }
 
 TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
@@ -194,6 +205,44 @@ TEST(HlsWriter, WithoutColourPlayersShowDepth) {
     EXPECT_TRUE(has_line(folder / "web/master.m3u8", "touch.m3u8"));
     EXPECT_FALSE(fs::exists(folder / "web/colour.m3u8"));
     ASSERT_EQ(written.notes.size(), 1U);
+}
+
+/// A film of three seconds with a tone: AAC in MP4, FLAC in Matroska.
+void write_sounding_film(const fs::path& file) {
+    auto film = FilmWriter::create(file, Existing::keep);
+    ASSERT_EQ(message(film), "");
+    const std::vector<std::uint8_t> grey(16 * 16 * 3, 128);
+    ASSERT_EQ(message((*film)->add({grey.data(), 16 * 3, 16, 16, 1, 3}, 0)), "");
+    ASSERT_EQ(message((*film)->add_sound(0, tone(440, 3))), "");
+    ASSERT_EQ(message((*film)->finish(90)), "");
+}
+
+TEST(HlsWriter, SoundGoesWithColour) {
+    const TemporaryFolder folder;
+    write_sounding_film(folder / "film.mp4");
+    const Written written =
+        write_hls({folder / "web"}, 25, {true}, SoundPart{folder / "film.mp4", 0, 3 * second});
+    ASSERT_EQ(message(written.outcome), "");
+    EXPECT_NE(read_bytes(folder / "web/master.m3u8").find(",mp4a.40.2\""), std::string::npos);
+    const auto files = files_of(folder / "web/colour.m3u8");
+    ASSERT_EQ(files.size(), 4U);
+    for (std::size_t k = 1; k < files.size(); ++k) {
+        int sounds = 0;
+        pictures_of(read_bytes(folder / ("web/" + files[0])) + read_bytes(folder / ("web/" + files[k])),
+                    written.frames, &sounds);
+        EXPECT_NEAR(sounds, k < 3 ? 48'000 / 1024 : 24'000 / 1024, 6) << k;
+    }
+}
+
+TEST(HlsWriter, SoundOfAnotherCodecIsLeftOut) {
+    const TemporaryFolder folder;
+    write_sounding_film(folder / "film.mkv");
+    const Written written =
+        write_hls({folder / "web"}, 5, {true}, SoundPart{folder / "film.mkv", 0, 3 * second});
+    ASSERT_EQ(message(written.outcome), "");
+    ASSERT_EQ(written.notes.size(), 1U);
+    EXPECT_NE(written.notes[0].find("flac"), std::string::npos);
+    EXPECT_EQ(read_bytes(folder / "web/master.m3u8").find("mp4a"), std::string::npos);
 }
 
 TEST(HlsWriter, FilesOfOthersAreNeverTouched) {
