@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t largest_hls_segment = std::size_t{128} << 20;
 /// A playlist that is older, or cannot be fetched, so often in a row is no matter of a cache any more; FFmpeg
 /// asks for it about twice a second.
-constexpr int most_held = 6;
+constexpr int most_held_reloads = 6;
 constexpr AVRational rendition_ns{1, 1'000'000'000};
 
 /// Bytes that FFmpeg reads as a file.
@@ -207,7 +207,7 @@ Result<void> HlsRendition::take_playlist(Result<std::string> text) {
     if (!facts || is_older) {
         if (facts)
             facts = input_error("goes back to segments before those that it had: the sender began anew");
-        if (is_first || facts.error().kind == ErrorKind::interrupted || ++held_ > most_held)
+        if (is_first || facts.error().kind == ErrorKind::interrupted || ++held_ > most_held_reloads)
             return error_at(place_, facts.error());
         return {};
     }

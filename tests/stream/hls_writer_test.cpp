@@ -128,7 +128,7 @@ TEST(HlsWriter, AWholeClipIsThereSegmentBySegment) {
     for (const auto& entry : fs::directory_iterator(home))
         if (entry.path().extension() == ".m4s") bytes += static_cast<std::int64_t>(entry.file_size());
     EXPECT_EQ(written.figures.segments, 3);
-    EXPECT_EQ(written.figures.duration_ns, 5 * second / 2);
+    EXPECT_EQ(written.figures.duration_ns, 5 * hls_second / 2);
     EXPECT_EQ(written.figures.colour_bytes + written.figures.touch_bytes, bytes);
     EXPECT_EQ(written.figures.playlist_bytes, static_cast<std::int64_t>(fs::file_size(home / "colour.m3u8") +
                                                                         fs::file_size(home / "touch.m3u8")));
@@ -221,7 +221,7 @@ TEST(HlsWriter, SoundGoesWithColour) {
     const TemporaryFolder folder;
     write_sounding_film(folder / "film.mp4");
     const Written written =
-        write_hls({folder / "web"}, 25, {true}, SoundPart{folder / "film.mp4", 0, 3 * second});
+        write_hls({folder / "web"}, 25, {true}, SoundPart{folder / "film.mp4", 0, 3 * hls_second});
     ASSERT_EQ(message(written.outcome), "");
     EXPECT_NE(read_bytes(folder / "web/master.m3u8").find(",mp4a.40.2\""), std::string::npos);
     const auto files = files_of(folder / "web/colour.m3u8");
@@ -238,7 +238,7 @@ TEST(HlsWriter, SoundOfAnotherCodecIsLeftOut) {
     const TemporaryFolder folder;
     write_sounding_film(folder / "film.mkv");
     const Written written =
-        write_hls({folder / "web"}, 5, {true}, SoundPart{folder / "film.mkv", 0, 3 * second});
+        write_hls({folder / "web"}, 5, {true}, SoundPart{folder / "film.mkv", 0, 3 * hls_second});
     ASSERT_EQ(message(written.outcome), "");
     ASSERT_EQ(written.notes.size(), 1U);
     EXPECT_NE(written.notes[0].find("flac"), std::string::npos);

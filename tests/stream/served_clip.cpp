@@ -1,0 +1,111 @@
+#include "tests/stream/served_clip.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+extern char** environ;
+
+namespace touchable::test {
+namespace {
+
+constexpr const char* program = TOUCHABLE_PROGRAM;
+
+/// What it has said once it says `word`, or has ended, or 20 s have passed.
+std::string said_until(int descriptor, std::string_view word) {
+    std::string said;
+    char some[512];
+    pollfd waits{descriptor, POLLIN, 0};
+    while (said.find(word) == std::string::npos && ::poll(&waits, 1, 20'000) > 0) {
+        const ssize_t got = ::read(descriptor, some, sizeof some);
+        if (got <= 0) break;
+        said.append(some, static_cast<std::size_t>(got));
+    }
+    return said;
+}
+
+}  // namespace
+
+Result<int> free_port() {
+    for (int attempt = 0; attempt < 16; ++attempt) {
+        const int listens = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        const int hears = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        auto* const plain = reinterpret_cast<sockaddr*>(&address);
+        socklen_t size = sizeof address;
+        const bool is_free = ::bind(listens, plain, size) == 0 && ::getsockname(listens, plain, &size) == 0 &&
+                             ::bind(hears, plain, size) == 0;
+        ::close(listens);
+        ::close(hears);
+        if (is_free) return ntohs(address.sin_port);
+    }
+    return Error{ErrorKind::internal, "no port of this machine is free"};
+}
+
+Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::path& clip,
+                                                      std::vector<std::string> options,
+                                                      std::filesystem::path report) {
+    options.insert(options.begin(), {program, "serve", clip.string()});
+    options.insert(options.end(), {"--json", report.string(), "--overwrite"});
+    std::vector<char*> words;
+    for (std::string& option : options) words.push_back(option.data());
+    words.push_back(nullptr);
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) return Error{ErrorKind::internal, "no pipe can be made"};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+    pid_t process = 0;
+    const int failed = posix_spawn(&process, program, &actions, nullptr, words.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    if (failed != 0) {
+        ::close(ends[0]);
+        return input_error(std::string(program) + ": cannot be run; build the target touchable");
+    }
+    std::unique_ptr<ServedClip> served(new ServedClip(process, ends[0], std::move(report)));
+    const std::string said = said_until(ends[0], "127.0.0.1");
+    if (said.find("127.0.0.1") == std::string::npos)
+        return Error{ErrorKind::check, "touchable serve does not begin; it says: " + said};
+    return served;
+}
+
+ServedClip::~ServedClip() {
+    if (process_ > 0) {
+        ::kill(process_, SIGKILL);
+        ::waitpid(process_, nullptr, 0);
+    }
+    ::close(says_);
+}
+
+std::int64_t ServedClip::cpu_ns() const {
+    clockid_t clock = 0;
+    timespec time{};
+    if (::clock_getcpuclockid(process_, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
+    return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+Result<nlohmann::ordered_json> ServedClip::end() {
+    ::kill(process_, SIGINT);
+    ::waitpid(process_, nullptr, 0);
+    process_ = 0;
+    std::ifstream file(report_);
+    auto report = nlohmann::ordered_json::parse(file, nullptr, false);
+    if (report.is_discarded()) return Error{ErrorKind::check, "touchable serve wrote no report"};
+    return report;
+}
+
+}  // namespace touchable::test
