@@ -116,6 +116,7 @@ int run(int argc, char** argv) {
     add_convert_command(app, command);
     add_relief_command(app, command);
     add_materials_command(app, command);
+    add_serve_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_cameras_command(app, command);

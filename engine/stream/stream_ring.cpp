@@ -81,4 +81,9 @@ bool StreamRing::is_over(const Cursor& cursor) const {
     return is_over_ && cursor.next_ >= end_of_kept();
 }
 
+bool StreamRing::is_ended() const {
+    const std::lock_guard lock(mutex_);
+    return is_over_;
+}
+
 }  // namespace touchable

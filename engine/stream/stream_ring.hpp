@@ -61,6 +61,8 @@ public:
     Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const;
     /// Whether `next` has nothing more for it.
     bool is_over(const Cursor& cursor) const;
+    /// Whether no block comes any more, for whoever has not joined.
+    bool is_ended() const;
 
 private:
     struct Kept {

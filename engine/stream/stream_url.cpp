@@ -38,7 +38,7 @@ std::optional<int> port_of(std::string_view digits) {
     return port;
 }
 
-/// What stands before a path and a query: "HOST:PORT", "[::1]:PORT".
+/// What stands before a path and a query: "HOST:PORT", "[::1]:PORT"; of the web also without a port.
 bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url) {
     const std::size_t bracket = authority.starts_with('[') ? authority.find(']') : 0;
     if (bracket == std::string_view::npos) return false;
@@ -49,7 +49,10 @@ bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url)
     url.host = host;
     for (const char letter : host)
         if (letter <= ' ' || letter == '@' || letter == '\\' || letter == 127) return false;
-    if (colon == std::string_view::npos) return !needs_port;
+    if (colon == std::string_view::npos) {
+        url.port = url.is_tls ? 443 : 80;
+        return !needs_port;
+    }
     const auto port = port_of(authority.substr(colon + 1));
     if (!port) return false;
     url.port = *port;
@@ -114,7 +117,6 @@ Result<StreamUrl> read_stream_url(std::string_view words) {
                                    (is_http ? "HOST[:PORT]/PATH" : "HOST:PORT, with a port from 0 to 65535"));
     if (is_http && url.host.empty()) return unusable(words, "it names no host");
     if (is_http && url.path.empty()) url.path = "/";
-    if (is_http && url.port == 0) url.port = url.is_tls ? 443 : 80;
     const auto is_foreign = [&](std::string_view key) {
         return scheme->keys.find(std::string(1, ' ').append(key).append(1, ' ')) == std::string_view::npos;
     };

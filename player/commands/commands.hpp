@@ -26,6 +26,8 @@ void add_convert_command(CLI::App& app, Command& command);
 void add_relief_command(CLI::App& app, Command& command);
 /// Writes a clip whose segments feel like materials.
 void add_materials_command(CLI::App& app, Command& command);
+/// Sends a clip or a camera to whoever listens.
+void add_serve_command(CLI::App& app, Command& command);
 /// What differs between the forces of two runs of the same hand.
 void add_compare_command(CLI::App& app, Command& command);
 /// Draws force over time, or where the proxies went over a frame.

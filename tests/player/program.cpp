@@ -222,6 +222,13 @@ Outcome run_in_folder_until(const std::vector<std::string>& arguments, const fs:
     return run(arguments, hooks);
 }
 
+Outcome run_until_it_says(const std::vector<std::string>& arguments,
+                          const std::function<bool(const std::string&)>& is_enough) {
+    Hooks hooks;
+    hooks.is_enough = [&](const Outcome& outcome) { return is_enough(outcome.err); };
+    return run(arguments, hooks);
+}
+
 Outcome run_unheard(const std::vector<std::string>& arguments) {
     Hooks hooks;
     hooks.prepare = [] {

@@ -29,6 +29,11 @@ Outcome run_in_folder(const std::vector<std::string>& arguments, const std::file
 Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                             const std::function<bool()>& is_enough);
 
+/// Starts it and sends SIGINT once what it has said on its error stream is enough, as is asked whenever there
+/// is more of it.
+Outcome run_until_it_says(const std::vector<std::string>& arguments,
+                          const std::function<bool(const std::string& err)>& is_enough);
+
 /// Starts it where nobody hears what it says on standard output: the reader has gone away.
 Outcome run_unheard(const std::vector<std::string>& arguments);
 

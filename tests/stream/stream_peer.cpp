@@ -45,4 +45,15 @@ std::optional<std::string> StreamPeer::hear(std::size_t most) const {
     return bytes;
 }
 
+std::string StreamPeer::hear_all(std::size_t enough) const {
+    std::string all, some(std::size_t{1} << 16U, '\0');
+    while (all.size() < enough) {
+        const auto got = ::recv(socket_, some.data(), some.size(), 0);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) break;
+        all.append(some, 0, static_cast<std::size_t>(got));
+    }
+    return all;
+}
+
 }  // namespace touchable::test

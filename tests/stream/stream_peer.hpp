@@ -20,6 +20,8 @@ public:
     void hang_up_saying() const;  ///< has nothing more to say, and listens on
     /// What is there, at most so much; empty: nothing is. Nothing: the server has closed, or broken off.
     std::optional<std::string> hear(std::size_t most = std::size_t{1} << 20U) const;
+    /// All until the server closes, or `enough` bytes; waits for it.
+    std::string hear_all(std::size_t enough = std::size_t{1} << 40U) const;
 
 private:
     int socket_ = -1;

@@ -19,6 +19,8 @@ TEST(StreamUrl, PartsOfOne) {
     ASSERT_TRUE(web.ok()) << web.error().message;
     EXPECT_EQ(web->path, "/a/clip.m3u8");
     EXPECT_EQ(web->port, 443);
+    EXPECT_EQ(read_stream_url("http://example.org")->port, 80);
+    EXPECT_EQ(read_stream_url("http://0.0.0.0:0/live")->port, 0);
     EXPECT_EQ(web->protocols(), "https,tls,tcp");
     const auto six = read_stream_url("tcp://[::1]:0");
     ASSERT_TRUE(six.ok()) << six.error().message;

@@ -1,0 +1,122 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/printable.hpp"
+#include "engine/stream/stream_audience.hpp"
+#include "player/commands/commands.hpp"
+#include "player/commands/serve_run.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/number_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/whole_option.hpp"
+#include "player/session/camera_words.hpp"
+
+namespace touchable {
+namespace {
+
+struct ServeTyped {
+    ClipTyped clip;
+    std::vector<std::string> urls;
+    std::optional<std::string> camera;
+    std::optional<int> listeners;
+    std::optional<double> seconds;
+    ServeOptions options;
+};
+
+Error no_clip() {
+    return usage_error(
+        "what is to be sent? right would be touchable serve CLIP URL, or touchable serve "
+        "--camera WORDS URL");
+}
+
+/// With a camera the first word is a URL as well.
+Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOptions& options) {
+    std::vector<std::string> urls = typed.urls;
+    if (!typed.camera) {
+        if (typed.clip.choice.file.empty()) return no_clip();
+        return urls;
+    }
+    const std::string first = typed.clip.choice.file.string();
+    if (!first.empty() && !is_stream_url(first))
+        return usage_error("CLIP and --camera are two things to send; leave one of them out");
+    if (!first.empty()) urls.insert(urls.begin(), first);
+    const auto camera = read_live_camera(*typed.camera);
+    if (!camera.ok()) return camera.error();
+    options.clip.take(*camera);
+    if (typed.options.loop) return usage_error("--loop is for clips; a camera does not end");
+    return urls;
+}
+
+Result<void> check_url(const StreamUrl& url) {
+    if (url.is_tls)
+        return usage_error(in_quotes(url.text) +
+                           ": https is for a web server in front of this one; right would be http://");
+    if (url.transport == StreamTransport::pipe)
+        return usage_error(in_quotes(url.text) +
+                           ": right would be tcp://, http://, srt:// or udp://, and an address to send at");
+    return {};
+}
+
+Result<ServeOptions> read_options(const ServeTyped& typed) {
+    ServeOptions options = typed.options;
+    const auto choice = read_clip(typed.clip);
+    if (!choice.ok()) return choice.error();
+    options.clip = *choice;
+    const auto words = read_words(typed, options);
+    if (!words.ok()) return words.error();
+    if (words->empty())
+        return usage_error("where is it to be sent? right would be, for one, tcp://0.0.0.0:7000 behind CLIP");
+    bool has_srt = false;
+    for (const std::string& each : *words) {
+        auto url = read_stream_url(each);
+        if (!url.ok()) return url.error();
+        if (auto usable = check_url(*url); !usable.ok()) return usable.error();
+        has_srt = has_srt || url->transport == StreamTransport::srt;
+        options.urls.push_back(std::move(*url));
+    }
+    if (options.mpegts && !has_srt)
+        return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska, udp:// MPEG-TS");
+    options.listeners = typed.listeners.value_or(options.loop || options.clip.is_camera() ? 0 : 1);
+    if (typed.seconds) options.longest_ns = std::llround(*typed.seconds * 1e9);
+    return options;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand("serve", "send a clip, or a camera, to whoever listens");
+    auto typed = std::make_shared<ServeTyped>();
+    add_clip_options(*sub, typed->clip);
+    sub->add_option("URL", typed->urls,
+                    "where it is sent: tcp://HOST:PORT or http://HOST:PORT/NAME, at which several may listen "
+                    "(HOST is this machine's; port 0: any that is free); srt://HOST:PORT, which waits for "
+                    "one caller after the other, or with ?mode=caller calls; udp://HOST:PORT");
+    sub->add_option("--camera", typed->camera,
+                    "sent in place of CLIP: v4l2:/dev/videoN[,key=value,...], pipe:CMD, tcp://HOST:PORT or "
+                    "replay:PATH[,key=value,...] (docs/camera.md)");
+    add_camera_options(*sub, typed->clip.camera);
+    sub->add_flag("--loop", typed->options.loop, "the clip from its beginning again and again");
+    add_whole_option(*sub, "--listeners", typed->listeners,
+                     "that are there before it begins, 0 to 64; otherwise 1, and with --loop or --camera 0",
+                     0, StreamAudience::most_listeners);
+    add_number_option(*sub, "--seconds", typed->seconds, "end after so many", 0.001, 1e8)->type_name("S");
+    sub->add_flag("--mpegts", typed->options.mpegts,
+                  "over srt:// as MPEG-TS, whose colour stock programs show, in place of Matroska");
+    add_file_option(*sub, "--json", typed->options.json, "write the report there; - is standard output");
+    add_overwrite_option(*sub, typed->options.existing);
+    sub->callback([typed, &command] {
+        command = [typed]() -> Result<void> {
+            const auto options = read_options(*typed);
+            if (!options.ok()) return options.error();
+            return run_serve(*options);
+        };
+    });
+}
+
+}  // namespace touchable

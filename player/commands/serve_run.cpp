@@ -1,0 +1,315 @@
+#include "player/commands/serve_run.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "engine/printable.hpp"
+#include "engine/sound/stored_sound.hpp"
+#include "engine/start_thread.hpp"
+#include "engine/stream/matroska_stream.hpp"
+#include "engine/stream/mpegts_stream.hpp"
+#include "engine/stream/stream_output.hpp"
+#include "engine/stream/stream_sender.hpp"
+#include "engine/stream/stream_server.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/setting_words.hpp"
+#include "player/record/output_file.hpp"
+#include "player/terminal/interrupt.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::chrono::milliseconds serve_look_again{5};
+
+std::int64_t cpu_ns() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
+}
+
+void say_served(const std::string& line) {
+    constexpr std::size_t longest = 500;
+    std::cerr << printable(line, longest) + '\n';
+}
+
+/// As whoever listens has to name it: of all addresses of this machine one.
+std::string to_be_played(std::string address) {
+    for (const std::string_view any : {"//0.0.0.0:", "//[::]:", "//:"})
+        if (const auto at = address.find(any); at != std::string::npos)
+            return address.replace(at, any.size(), "//HOST:");
+    return address;
+}
+
+std::string number_words(const char* format, double number) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), format, number);
+    return text.data();
+}
+
+/// A stream of one form.
+struct ServedForm {
+    StreamRing ring;
+    std::unique_ptr<StreamMuxer> muxer;  // until the sender has it
+};
+
+class Serving {
+public:
+    explicit Serving(const ServeOptions& options) : options_(options) {}
+    ~Serving();
+    Serving(const Serving&) = delete;
+    Serving& operator=(const Serving&) = delete;
+    Result<void> run();
+
+private:
+    Result<void> open_clip();
+    Result<void> open_forms();
+    Result<void> open_places();
+    std::optional<SoundPart> sound();
+    void say_where() const;
+    Result<void> send();
+    void wait_for_the_last() const;
+    bool is_all_given() const;
+    nlohmann::ordered_json report_as_json() const;
+    std::string report_in_words() const;
+    Result<void> report();
+
+    const ServeOptions& options_;
+    std::unique_ptr<OutputFile> json_;
+    std::unique_ptr<ClipReader> clip_;
+    bool is_live_ = false;
+    std::vector<std::string> notes_;
+    StreamAudience audience_{say_served};
+    std::optional<ServedForm> matroska_, mpegts_;
+    std::unique_ptr<StreamServer> server_;
+    std::vector<std::unique_ptr<StreamOutput>> outputs_;
+    SteadySenderTime time_;
+    std::unique_ptr<StreamSender> sender_;
+    std::thread thread_;
+    std::int64_t cpu_ns_ = 0, begin_ns_ = 0, end_ns_ = 0;
+};
+
+Serving::~Serving() {
+    if (sender_) sender_->end();
+    if (thread_.joinable()) thread_.join();
+}
+
+Result<void> Serving::open_clip() {
+    auto clip = options_.clip.open();
+    if (!clip.ok()) return clip.error();
+    clip_ = std::move(*clip);
+    is_live_ = clip_->is_live();
+    notes_ = remarks_with_options(remarks_of(*clip_));
+    if (!options_.json) return {};
+    std::vector<NamedFile> inputs;
+    if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+    add_inputs(inputs, options_.clip.file, *clip_);
+    const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
+    if (auto checked = check_outputs(outputs, inputs); !checked.ok()) return checked;
+    auto json = OutputFile::create("--json", *options_.json, options_.existing);
+    if (!json.ok()) return json.error();
+    json_ = std::move(*json);
+    return {};
+}
+
+/// That goes along, in Matroska.
+std::optional<SoundPart> Serving::sound() {
+    const std::filesystem::path file = is_live_ ? std::filesystem::path() : sound_file_of(*clip_);
+    const auto found = sound_of(file);
+    if (!found) return std::nullopt;
+    if (!found->storable || mpegts_)
+        notes_.push_back("its sound (" + found->codec + ") " +
+                         (found->storable ? "goes along in Matroska, not in MPEG-TS"
+                                          : "does not go along: Matroska cannot hold it"));
+    if (!found->storable) return std::nullopt;
+    const std::int64_t frames = clip_->frame_count().value_or(std::int64_t{1} << 32);
+    return SoundPart{file, 0, clip_->scene().rate.time_ns(frames)};
+}
+
+Result<void> Serving::open_forms() {
+    bool has_matroska = false, has_mpegts = false;
+    for (const StreamUrl& url : options_.urls) {
+        const bool is_srt = url.transport == StreamTransport::srt;
+        const bool is_mpegts = url.transport == StreamTransport::udp || (is_srt && options_.mpegts);
+        (is_mpegts ? has_mpegts : has_matroska) = true;
+    }
+    const SceneDescription described = clip_->described();
+    if (has_mpegts) {
+        auto muxer = make_mpegts_muxer(described);
+        if (!muxer.ok()) return muxer.error();
+        mpegts_.emplace().muxer = std::move(*muxer);
+    }
+    const auto heard = sound();
+    if (!has_matroska) return {};
+    auto muxer = open_matroska_stream(described, heard);
+    if (!muxer.ok()) return muxer.error();
+    matroska_.emplace().muxer = std::move(*muxer);
+    return {};
+}
+
+Result<void> Serving::open_places() {
+    std::vector<StreamUrl> listened;
+    for (const StreamUrl& url : options_.urls) {
+        const bool is_srt = url.transport == StreamTransport::srt;
+        if (!is_srt && url.transport != StreamTransport::udp) {
+            listened.push_back(url);
+            continue;
+        }
+        const bool is_mpegts = !is_srt || options_.mpegts;
+        auto output = StreamOutput::create(url, (is_mpegts ? mpegts_ : matroska_)->ring, audience_);
+        if (!output.ok()) return output.error();
+        outputs_.push_back(std::move(*output));
+    }
+    if (!listened.empty()) {
+        auto server = StreamServer::open(listened, matroska_->ring, audience_);
+        if (!server.ok()) return server.error();
+        server_ = std::move(*server);
+        if (auto started = server_->start(); !started.ok()) return started;
+    }
+    say_where();
+    for (const auto& output : outputs_)
+        if (auto started = output->start(); !started.ok()) return started;
+    return {};
+}
+
+void Serving::say_where() const {
+    if (server_)
+        for (const std::string& address : server_->addresses())
+            say_served("listening on " + address + ": touchable play " + to_be_played(address));
+    for (const auto& output : outputs_) {
+        const std::string& address = output->address();
+        say_served(output->calls() ? "sending to " + address
+                                   : "waiting for a caller at " + address + ": touchable play " +
+                                         to_be_played(address.substr(0, address.find('?'))));
+    }
+}
+
+Result<void> Serving::send() {
+    while (audience_.there() < options_.listeners) {
+        if (interrupted()) return interrupted_error();
+        std::this_thread::sleep_for(serve_look_again);
+    }
+    std::vector<StreamChannel> channels;
+    for (auto* const form : {&matroska_, &mpegts_})
+        if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
+    const SendSettings settings{options_.loop, options_.longest_ns};
+    sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
+    begin_ns_ = time_.now_ns();
+    cpu_ns_ = cpu_ns();
+    Result<void> sent;
+    std::atomic<bool> is_over{false};
+    const auto work = [this, &sent, &is_over] {
+        sent = sender_->run();
+        is_over = true;
+    };
+    if (auto started = start_thread(thread_, "stream-sender", "that reads and encodes", work); !started.ok())
+        return started;
+    while (!is_over && !interrupted()) std::this_thread::sleep_for(serve_look_again);
+    if (interrupted()) sender_->end();
+    thread_.join();
+    if (!interrupted() && sent.ok()) wait_for_the_last();
+    cpu_ns_ = cpu_ns() - cpu_ns_;
+    end_ns_ = time_.now_ns();
+    return interrupted() ? interrupted_error() : std::move(sent);
+}
+
+bool Serving::is_all_given() const {
+    for (const auto& output : outputs_)
+        if (!output->is_over()) return false;
+    return !server_ || server_->connections() == 0;
+}
+
+/// Who takes what is left is given it; but the end does not wait longer than a listener may take.
+void Serving::wait_for_the_last() const {
+    constexpr std::chrono::seconds longest{10};
+    const auto until = std::chrono::steady_clock::now() + longest;
+    while (!is_all_given() && !interrupted() && std::chrono::steady_clock::now() < until)
+        std::this_thread::sleep_for(serve_look_again);
+}
+
+nlohmann::ordered_json Serving::report_as_json() const {
+    const SendFigures& sent = sender_->figures();
+    const auto each = [&sent](double all) {
+        return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
+    };
+    constexpr double ms = 1e-6;
+    nlohmann::ordered_json report{
+        {"format", 1},
+        {"clip", options_.clip.file.string()},
+        {"notes", notes_},
+        {"seconds", static_cast<double>(end_ns_ - begin_ns_) * 1e-9},
+        {"framesets", sent.framesets},
+        {"keys", sent.keys},
+        {"rounds", sent.rounds},
+        {"bytes_per_frameset", each(static_cast<double>(sent.bytes))},
+        {"cpu_ms_per_frameset", each(static_cast<double>(cpu_ns_) * ms)},
+        {"latest_ms", static_cast<double>(sent.latest_ns) * ms},
+        {"held_up_ms", static_cast<double>(sent.held_up_ns) * ms},
+        {"listeners_in_all", audience_.all()},
+    };
+    auto listeners = nlohmann::ordered_json::array();
+    for (const ListenerFigures& each_one : audience_.gone())
+        listeners.push_back({{"name", each_one.name},
+                             {"sent", each_one.sent},
+                             {"dropped", each_one.dropped},
+                             {"end", each_one.end}});
+    report["listeners"] = std::move(listeners);
+    return report;
+}
+
+std::string Serving::report_in_words() const {
+    const auto report = report_as_json();
+    const SendFigures& sent = sender_->figures();
+    std::string text;
+    for (const std::string& note : notes_) text += "note: " + note + '\n';
+    text += "sent " + std::to_string(sent.framesets) + " framesets in " +
+            number_words("%.1f s, ", report["seconds"]) +
+            number_words("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
+            number_words(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"]) +
+            std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
+    if (sent.held_up_ns > 0)
+        text += "warning: they went " + number_words("%.1f s", report["held_up_ms"].get<double>() / 1000) +
+                " later than they were to: this machine encodes them too slowly, or stood still\n";
+    for (const ListenerFigures& one : audience_.gone())
+        text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
+                " left out\n";
+    return text;
+}
+
+Result<void> Serving::report() {
+    const bool is_standard = options_.json && is_standard_output(*options_.json);
+    (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
+    if (!json_) return {};
+    if (auto written = json_->write(report_as_json().dump(2) + '\n'); !written.ok()) return written;
+    return json_->finish();
+}
+
+Result<void> Serving::run() {
+    if (auto opened = open_clip(); !opened.ok()) return opened;
+    if (auto opened = open_forms(); !opened.ok()) return opened;
+    if (auto opened = open_places(); !opened.ok()) return opened;
+    const auto sent = send();
+    if (!sent.ok() && !interrupted()) return sent;
+    for (const auto& output : outputs_) output->end();
+    server_.reset();
+    if (!sender_) return sent;
+    outputs_.clear();
+    if (auto told = report(); !told.ok()) return told;
+    const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
+    return has_no_end ? Result<void>{} : sent;
+}
+
+}  // namespace
+
+Result<void> run_serve(const ServeOptions& options) {
+    return Serving(options).run();
+}
+
+}  // namespace touchable

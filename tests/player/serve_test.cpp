@@ -1,0 +1,225 @@
+// The program sends, on this machine, at ports that the system chooses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "engine/stream/http_request.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/player/program.hpp"
+#include "tests/stream/stream_peer.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Words = std::vector<std::string>;
+constexpr Planes served_planes{true, true, true, false};
+
+Scene quick_scene() {
+    Scene scene = small_scene(32, 24, 16);
+    scene.rate = {100, 1};
+    return scene;
+}
+
+/// "tcp://127.0.0.1:41234", once the program has said it; empty before.
+std::vector<std::string> places_in(const std::string& err) {
+    const std::string begin = "listening on ", end = ": touchable play ";
+    std::vector<std::string> places;
+    for (std::size_t at = 0; (at = err.find(begin, at)) != std::string::npos;) {
+        at += begin.size();
+        const std::size_t to = err.find(end, at);
+        if (to == std::string::npos || err.find('\n', to) == std::string::npos) break;
+        places.push_back(err.substr(at, to - at));
+    }
+    return places;
+}
+
+/// Those who listen while the program runs.
+class Listeners {
+public:
+    ~Listeners() { wait(); }
+    void listen(const std::string& place, std::size_t enough = std::size_t{1} << 40U) {
+        auto& heard = *heard_.emplace_back(std::make_unique<std::string>());
+        threads_.emplace_back([&heard, place, enough] {
+            const StreamPeer peer(place);
+            if (!place.starts_with("http")) {
+                heard = peer.hear_all(enough);
+                return;
+            }
+            peer.say("GET " + place.substr(place.find('/', 7)) + " HTTP/1.1\r\n\r\n");
+            heard = peer.hear_all(enough).substr(http_answer(200).size());
+        });
+    }
+    void wait() {
+        for (std::thread& thread : threads_) thread.join();
+        threads_.clear();
+    }
+    std::size_t count() const { return heard_.size(); }
+    const std::string& heard(std::size_t listener) const { return *heard_[listener]; }
+
+private:
+    std::vector<std::unique_ptr<std::string>> heard_;
+    std::vector<std::thread> threads_;
+};
+
+class Serve : public ::testing::Test {
+protected:
+    void SetUp() override { ASSERT_EQ(message(write_clip(clip, quick_scene(), frames, served_planes)), ""); }
+    /// Each place is listened to `each` times as soon as it is there.
+    nlohmann::json serve(Words words, std::size_t each = 1) {
+        words.insert(words.begin(), "serve");
+        words.insert(words.end(), {"--json", report, "--overwrite"});
+        listeners = std::make_unique<Listeners>();
+        const std::size_t places_wanted =
+            static_cast<std::size_t>(std::count_if(words.begin(), words.end(), [](const std::string& word) {
+                return word.find("//127.0.0.1:0") != std::string::npos;
+            }));
+        outcome = run_until_it_says(words, [&](const std::string& err) {
+            const auto places = places_in(err);
+            if (listeners->count() == 0 && places.size() == places_wanted)
+                for (const std::string& place : places)
+                    for (std::size_t k = 0; k < each; ++k) listeners->listen(place);
+            return false;
+        });
+        listeners->wait();
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return nlohmann::json::parse(read_bytes(report), nullptr, false);
+    }
+    Result<std::vector<RawFrame>> saved(std::size_t listener) const {
+        write_bytes(folder / "saved.mkv", listeners->heard(listener));
+        return read_clip(folder / "saved.mkv");
+    }
+    void expect_whole_clip(std::size_t listener) const {
+        const auto read = saved(listener);
+        ASSERT_EQ(message(read), "");
+        ASSERT_EQ(std::ssize(*read), frames);
+        for (int n = 0; n < frames; ++n)
+            EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
+                                          test_frame(quick_scene(), n, served_planes)))
+                << n;
+    }
+
+    /// Fewer than a listener may be behind: nothing is left out, however busy the machine is.
+    static constexpr int frames = 12;
+    const TemporaryFolder folder;
+    const std::string clip = folder / "clip.mkv", report = folder / "report.json";
+    std::unique_ptr<Listeners> listeners;
+    Outcome outcome;
+};
+
+TEST_F(Serve, TheClipIsGivenWhole) {
+    for (const std::string place : {"tcp://127.0.0.1:0", "http://127.0.0.1:0/live.mkv"}) {
+        const auto told = serve({clip, place});
+        expect_whole_clip(0);
+        EXPECT_EQ(told["framesets"], frames);
+        EXPECT_EQ(told["keys"], 1);
+        EXPECT_GT(told["bytes_per_frameset"], 0);
+        EXPECT_GT(told["cpu_ms_per_frameset"], 0);
+        ASSERT_EQ(told["listeners"].size(), 1U);
+        EXPECT_EQ(told["listeners"][0]["sent"], frames);
+        EXPECT_EQ(told["listeners"][0]["dropped"], 0);
+        EXPECT_EQ(told["listeners"][0]["end"], "");
+        EXPECT_NE(outcome.out.find("sent 12 framesets"), std::string::npos) << outcome.out;
+        EXPECT_NE(outcome.err.find(" listens; 1 listener\n"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find(" has all of it: 12 framesets sent"), std::string::npos) << outcome.err;
+    }
+}
+
+TEST_F(Serve, SeveralAtSeveralPlacesGetTheSameBytes) {
+    const auto told = serve({clip, "tcp://127.0.0.1:0", "http://127.0.0.1:0/", "--listeners", "6"}, 3);
+    EXPECT_EQ(told["listeners_in_all"], 6);
+    for (std::size_t k = 1; k < 6; ++k) EXPECT_EQ(listeners->heard(k), listeners->heard(0));
+    expect_whole_clip(0);
+}
+
+// Whoever comes to a loop has it from a key on, and a person ends it.
+TEST_F(Serve, ALoopIsEndedByWhoStartedIt) {
+    constexpr std::size_t some = 100'000;
+    listeners = std::make_unique<Listeners>();
+    bool has_all = false;
+    outcome = run_until_it_says({"serve", clip, "tcp://127.0.0.1:0", "--loop", "--json", report},
+                                [&](const std::string& err) {
+                                    const auto places = places_in(err);
+                                    if (listeners->count() == 0 && !places.empty())
+                                        listeners->listen(places.front(), some);
+                                    has_all = has_all || err.find(" has gone: ") != std::string::npos;
+                                    return has_all;
+                                });
+    listeners->wait();
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("1 listener\n"), std::string::npos) << outcome.out;
+    const auto told = nlohmann::json::parse(read_bytes(report), nullptr, false);
+    EXPECT_GE(told["framesets"], told["listeners"][0]["sent"]);
+    const auto read = saved(0);
+    ASSERT_EQ(message(read), "");
+    EXPECT_GE(read->size(), 3U);
+    for (std::size_t n = 1; n < read->size(); ++n)
+        EXPECT_EQ(((*read)[n].time_ns - (*read)[n - 1].time_ns) % 10'000'000, 0);
+}
+
+TEST_F(Serve, EndsAfterSoManySeconds) {
+    const auto told = serve({clip, "tcp://127.0.0.1:0", "--loop", "--listeners", "1", "--seconds", "0.275"});
+    EXPECT_EQ(told["framesets"], 28);
+    EXPECT_EQ(told["rounds"], 3);
+    const auto read = saved(0);
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), 28U);
+    for (int n = 0; n < 28; ++n)
+        EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
+                                      test_frame(quick_scene(), n % frames, served_planes)));
+}
+
+// What is sent of a camera are its frames, those that were not missed.
+TEST_F(Serve, ACameraIsSentAsItTakesFrames) {
+    const auto told =
+        serve({"--camera", "replay:" + clip + ",drop=0.5", "tcp://127.0.0.1:0", "--listeners", "1"});
+    EXPECT_EQ(told["listeners"][0]["sent"], told["framesets"]);
+    const auto read = saved(0);
+    ASSERT_EQ(message(read), "");
+    EXPECT_EQ(std::ssize(*read), told["framesets"]);
+    EXPECT_LT(std::ssize(*read), frames);
+    EXPECT_GE(read->size(), 1U);
+    int n = 0;
+    for (const RawFrame& frame : *read) {
+        while (n < frames && !same_touch_planes(frame, test_frame(quick_scene(), n, served_planes))) ++n;
+        ASSERT_LT(n, frames) << "frame " << frame.number << " is none that comes after the one before";
+        ++n;
+    }
+}
+
+TEST_F(Serve, SaysWhatItCannotSend) {
+    const auto refused = [&](const Words& words, const std::string& why) {
+        Words all{"serve"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+    };
+    refused({}, "what is to be sent?");
+    refused({clip}, "where is it to be sent?");
+    refused({clip, "--camera", "replay:" + clip, "tcp://127.0.0.1:0"}, "leave one of them out");
+    refused({"--camera", "replay:" + clip, "tcp://127.0.0.1:0", "--loop"}, "--loop is for clips");
+    refused({clip, "tcp://127.0.0.1"}, "with a port");
+    refused({clip, "tcp://example.org:1"}, "an address of this machine");
+    refused({clip, "https://127.0.0.1:0/"}, "right would be http://");
+    refused({clip, "-"}, "tcp://, http://, srt:// or udp://");
+    refused({clip, "srt://127.0.0.1:0"}, "needs a port");
+    refused({clip, "srt://:5000?mode=caller"}, "names no host");
+    refused({clip, "srt://127.0.0.1:5000?mode=both"}, "mode is caller or listener");
+    refused({clip, "srt://127.0.0.1:5000?latency=1s"}, "latency is milliseconds");
+    refused({clip, "tcp://127.0.0.1:0", "--mpegts"}, "--mpegts is for srt://");
+    refused({clip, "tcp://127.0.0.1:0", "--listeners", "65"}, "0 to 64");
+    EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
+}
+
+TEST_F(Serve, ThatWaitsForListenersIsEndedAtOnce) {
+    const Outcome run = run_until_it_says({"serve", clip, "tcp://127.0.0.1:0"},
+                                          [](const std::string& err) { return !places_in(err).empty(); });
+    EXPECT_EQ(run.code, 130);
+    EXPECT_EQ(run.out, "");
+}
+
+}  // namespace
+}  // namespace touchable::test
