@@ -7,6 +7,7 @@
 #include "engine/clip/frame_check.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/stream/memory_muxer.hpp"
 #include "engine/stream/stream_sound.hpp"
 #include "engine/video/block_addition.hpp"
 #include "engine/video/clip_muxing.hpp"
@@ -17,50 +18,7 @@
 namespace touchable {
 namespace {
 
-/// What a muxer writes, in memory.
-class MuxerMemory {
-public:
-    MuxerMemory() = default;
-    ~MuxerMemory() {
-        if (!io_) return;
-        av_freep(&io_->buffer);
-        avio_context_free(&io_);
-    }
-    MuxerMemory(const MuxerMemory&) = delete;
-    MuxerMemory& operator=(const MuxerMemory&) = delete;
-
-    Result<void> open(AVFormatContext& muxer) {
-        constexpr int buffer_bytes = 1 << 16;
-        auto* const buffer = static_cast<unsigned char*>(av_malloc(buffer_bytes));
-        if (buffer) io_ = avio_alloc_context(buffer, buffer_bytes, 1, this, nullptr, write, nullptr);
-        if (!io_) {
-            av_free(buffer);
-            return Error{ErrorKind::internal, "out of memory"};
-        }
-        io_->seekable = 0;
-        muxer.pb = io_;
-        muxer.flags |= AVFMT_FLAG_CUSTOM_IO;
-        return {};
-    }
-    /// All since the last time.
-    std::vector<std::uint8_t> take() {
-        avio_flush(io_);
-        const std::size_t likely = bytes_.size() + bytes_.size() / 8;
-        std::vector<std::uint8_t> taken = std::exchange(bytes_, {});
-        bytes_.reserve(likely);
-        return taken;
-    }
-
-private:
-    static int write(void* self, std::uint8_t* bytes, int size) {
-        auto& it = *static_cast<MuxerMemory*>(self);
-        it.bytes_.insert(it.bytes_.end(), bytes, bytes + size);
-        return size;
-    }
-
-    AVIOContext* io_ = nullptr;
-    std::vector<std::uint8_t> bytes_;
-};
+constexpr AVRational stream_millisecond{1, 1000};
 
 class MatroskaStream final : public StreamMuxer {
 public:
@@ -84,11 +42,6 @@ private:
     Result<void> write_sound(std::int64_t until_ms);
     Result<void> write_picture(std::size_t track, const PlaneView& plane, const PictureLabel& label,
                                std::int64_t time_ms, bool is_key);
-    Result<void> write_packet(AVPacket& packet, std::size_t stream);
-    Result<void> check_status(int status) const {
-        if (status >= 0) return {};
-        return Error{ErrorKind::internal, "the stream cannot be put together: " + ffmpeg_text(status)};
-    }
 
     const SceneDescription described_;
     const Scene& scene_;
@@ -96,23 +49,16 @@ private:
     std::uint64_t epoch_ = 0;    // of the newest frame
     std::vector<Track> tracks_;  // track k is stream k
     std::optional<StreamSound> sound_;
-    std::size_t sound_stream_ = 0;
+    int sound_stream_ = 0;
     std::vector<std::uint8_t> header_;
-    MuxerMemory memory_;
-    struct MuxerCloser {
-        void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-    };
-    std::unique_ptr<AVFormatContext, MuxerCloser> muxer_;
+    std::unique_ptr<MemoryMuxer> muxer_;
 };
 
 Result<void> MatroskaStream::open() {
-    silence_ffmpeg();
-    AVFormatContext* muxer = nullptr;
-    const int status = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr);
-    if (status < 0) return check_status(status);
-    muxer_.reset(muxer);
-    muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
-    return memory_.open(*muxer_);
+    auto muxer = MemoryMuxer::open("matroska");
+    if (!muxer) return muxer.error();
+    muxer_ = std::move(*muxer);
+    return {};
 }
 
 /// Frames of a stream count up, whatever their numbers in the clip.
@@ -136,41 +82,32 @@ Result<void> MatroskaStream::begin(const RawFrame& first) {
         const TrackCoding coding = coding_in_stream(role, plane);
         auto encoder = TrackEncoder::open(role, coding, plane, scene_);
         if (!encoder) return encoder.error();
-        if (auto added = add_plane_stream(*muxer_, **encoder, role, coding, check_, scene_); !added)
+        if (auto added = add_plane_stream(muxer_->context(), **encoder, role, coding, check_, scene_); !added)
             return added;
         tracks_.push_back({role, coding, std::move(*encoder)});
     }
     if (auto added = add_sound_stream(); !added) return added;
-    if (auto attached = attach_text(*muxer_, clip_tags::scene_file, "application/json",
+    if (auto attached = attach_text(muxer_->context(), clip_tags::scene_file, "application/json",
                                     scene_to_json(said_of_clip(described_)));
         !attached)
         return attached;
-    add_clip_tags(*muxer_, scene_.rate);
-    av_dict_set(&muxer_->metadata, clip_tags::stream_tag, "1", 0);
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "live", "1", 0);
-    const int status = avformat_write_header(muxer_.get(), &options);
-    av_dict_free(&options);
-    if (status < 0) return check_status(status);
-    header_ = memory_.take();
+    add_clip_tags(muxer_->context(), scene_.rate);
+    av_dict_set(&muxer_->context().metadata, clip_tags::stream_tag, "1", 0);
+    if (auto begun = muxer_->begin("live=1"); !begun) return begun;
+    header_ = muxer_->take();
     epoch_ = first.epoch;
     return {};
 }
 
 Result<void> MatroskaStream::add_sound_stream() {
     if (!sound_) return {};
-    sound_stream_ = tracks_.size();
-    AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
+    sound_stream_ = static_cast<int>(tracks_.size());
+    AVStream* const stream = avformat_new_stream(&muxer_->context(), nullptr);
     if (!stream || avcodec_parameters_copy(stream->codecpar, &sound_->codec()) < 0)
         return Error{ErrorKind::internal, "out of memory"};
     stream->codecpar->codec_tag = 0;  // the other container's
-    stream->time_base = {1, 1000};
+    stream->time_base = stream_millisecond;
     return {};
-}
-
-Result<void> MatroskaStream::write_packet(AVPacket& packet, std::size_t stream) {
-    packet.stream_index = static_cast<int>(stream);
-    return check_status(av_write_frame(muxer_.get(), &packet));
 }
 
 Result<void> MatroskaStream::write_sound(std::int64_t until_ms) {
@@ -178,7 +115,8 @@ Result<void> MatroskaStream::write_sound(std::int64_t until_ms) {
         const auto packet = sound_->next(until_ms);
         if (!packet) return packet.error();
         if (!*packet) return {};
-        if (auto written = write_packet(**packet, sound_stream_); !written) return written;
+        if (auto written = muxer_->write(**packet, sound_stream_, stream_millisecond); !written)
+            return written;
     }
     return {};
 }
@@ -187,11 +125,11 @@ Result<void> MatroskaStream::write_picture(std::size_t track, const PlaneView& p
                                            const PictureLabel& label, std::int64_t time_ms, bool is_key) {
     auto packet = tracks_[track].encoder->encode(plane, is_key);
     if (!packet) return packet.error();
-    const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
+    const AVCodecID codec = muxer_->context().streams[track]->codecpar->codec_id;
     if (auto added = add_block_addition(**packet, codec, 1, label); !added) return added;
     (*packet)->pts = (*packet)->dts = time_ms;
     (*packet)->duration = 0;  // the next frame tells
-    return write_packet(**packet, track);
+    return muxer_->write(**packet, static_cast<int>(track), stream_millisecond);
 }
 
 Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabel& label,
@@ -212,8 +150,8 @@ Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabe
         if (auto written = write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key);
             !written)
             return written.error();
-    if (auto flushed = check_status(av_write_frame(muxer_.get(), nullptr)); !flushed) return flushed.error();
-    return StreamBlock{label.frame, is_key, memory_.take()};
+    if (auto flushed = muxer_->flush(); !flushed) return flushed.error();
+    return StreamBlock{label.frame, is_key, muxer_->take()};
 }
 
 }  // namespace
