@@ -18,7 +18,7 @@ Result<void> StreamSender::run() {
 }
 
 Result<void> StreamSender::send_all() {
-    begin_ns_ = time_.now_ns();
+    begin_ns_ = time_.now_ns() + (clip_->is_live() ? 0 : lead_ns);
     figures_.rounds = 1;
     if (clip_->is_live()) {
         const std::chrono::steady_clock::time_point zero{std::chrono::nanoseconds(begin_ns_)};

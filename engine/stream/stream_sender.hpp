@@ -40,6 +40,8 @@ struct SendFigures {
 class StreamSender {
 public:
     static constexpr std::int64_t longest_between_keys_ns = 500'000'000, most_between_keys = 15;
+    /// A clip begins so long after it is asked to: by then its first frames are encoded.
+    static constexpr std::int64_t lead_ns = 100'000'000;
     /// A clip that is so late begins again from where it is, rather than hurry.
     static constexpr std::int64_t longest_hurry_ns = 500'000'000;
 

@@ -127,7 +127,7 @@ TEST(StreamSender, FramesGoAtTheClipsTimes) {
     sent.ring.watch([&] {
         if (const auto block = sent.ring.next(cursor)) released[block->frame] = sent.time.now;
     });
-    const std::int64_t begin_ns = sent.time.now;
+    const std::int64_t begin_ns = sent.time.now + StreamSender::lead_ns;
     ASSERT_EQ(message(sent.send(std::make_unique<MadeClip>(scene, 50))), "");
     ASSERT_EQ(released.size(), 50U);
     for (std::int64_t n = 0; n < 50; ++n) {
