@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,8 @@ public:
     void end();
     /// From any thread.
     std::int64_t framesets() const { return sent_; }
+    /// What a person should know of the run, such as that the camera was unplugged.
+    std::vector<std::string> remarks() const { return clip_->remarks(); }
     /// Once it has run.
     const SendFigures& figures() const { return figures_; }
 

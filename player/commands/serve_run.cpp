@@ -1,5 +1,8 @@
 #include "player/commands/serve_run.hpp"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -35,8 +38,11 @@ std::int64_t cpu_ns() {
     return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
 }
 
+/// Listeners do not wait for whoever reads these lines, or does not.
 void say_served(const std::string& line) {
     constexpr std::size_t longest = 500;
+    pollfd errors{STDERR_FILENO, POLLOUT, 0};
+    if (poll(&errors, 1, 0) != 1) return;
     std::cerr << printable(line, longest) + '\n';
 }
 
@@ -214,6 +220,7 @@ Result<void> Serving::send() {
     while (!is_over && !interrupted()) std::this_thread::sleep_for(serve_look_again);
     if (interrupted()) sender_->end();
     thread_.join();
+    for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
     if (!interrupted() && sent.ok()) wait_for_the_last();
     cpu_ns_ = cpu_ns() - cpu_ns_;
     end_ns_ = time_.now_ns();
