@@ -86,7 +86,7 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
         if (!block) return block.error();
         blocks.push_back(std::move(*block));
     }
-    if (!clip_->is_live()) {
+    if (!clip_->is_live() && settings_.is_paced) {
         if (!time_.wait_until(due.at_ns)) return false;
         keep_pace(due);
     }

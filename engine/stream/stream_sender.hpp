@@ -25,6 +25,7 @@ struct StreamChannel {
 struct SendSettings {
     bool loop = false;                         ///< of a clip: from its beginning again and again
     std::optional<std::int64_t> longest_ns{};  ///< of the stream
+    bool is_paced = true;                      ///< of a clip: otherwise as fast as it can be read and encoded
 };
 
 /// What was sent, whoever listened.

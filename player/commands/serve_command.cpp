@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +28,8 @@ struct ServeTyped {
     std::optional<std::string> camera;
     std::optional<int> listeners;
     std::optional<double> seconds;
+    std::optional<std::filesystem::path> hls;
+    std::optional<double> hls_segment, hls_window;
     ServeOptions options;
 };
 
@@ -63,6 +67,23 @@ Result<void> check_url(const StreamUrl& url) {
     return {};
 }
 
+/// A clip that comes to its end is there as a whole; what goes on is there for a while.
+Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
+    if (!typed.hls) {
+        if (typed.hls_segment || typed.hls_window)
+            return usage_error("--hls-segment and --hls-window are for --hls DIR");
+        return {};
+    }
+    HlsSettings& hls = options.hls.emplace();
+    hls.folder = *typed.hls;
+    if (typed.hls_segment) hls.segment_ns = std::llround(*typed.hls_segment * 1e9);
+    constexpr double usual_window_s = 20;
+    const bool goes_on = options.loop || options.clip.is_camera();
+    const double window_s = typed.hls_window.value_or(goes_on ? usual_window_s : 0);
+    hls.window_ns = std::llround(window_s * 1e9);
+    return {};
+}
+
 Result<ServeOptions> read_options(const ServeTyped& typed) {
     ServeOptions options = typed.options;
     const auto choice = read_clip(typed.clip);
@@ -70,8 +91,10 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     options.clip = *choice;
     const auto words = read_words(typed, options);
     if (!words.ok()) return words.error();
-    if (words->empty())
-        return usage_error("where is it to be sent? right would be, for one, tcp://0.0.0.0:7000 behind CLIP");
+    if (words->empty() && !typed.hls)
+        return usage_error(
+            "where is it to be sent? right would be, for one, tcp://0.0.0.0:7000 behind CLIP, or --hls DIR");
+    if (auto read = read_hls(typed, options); !read.ok()) return read.error();
     bool has_srt = false;
     for (const std::string& each : *words) {
         auto url = read_stream_url(each);
@@ -82,7 +105,8 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     }
     if (options.mpegts && !has_srt)
         return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska, udp:// MPEG-TS");
-    options.listeners = typed.listeners.value_or(options.loop || options.clip.is_camera() ? 0 : 1);
+    const bool waits_for_nobody = options.loop || options.clip.is_camera() || options.urls.empty();
+    options.listeners = typed.listeners.value_or(waits_for_nobody ? 0 : 1);
     if (typed.seconds) options.longest_ns = std::llround(*typed.seconds * 1e9);
     return options;
 }
@@ -108,6 +132,19 @@ void add_serve_command(CLI::App& app, Command& command) {
     add_number_option(*sub, "--seconds", typed->seconds, "end after so many", 0.001, 1e8)->type_name("S");
     sub->add_flag("--mpegts", typed->options.mpegts,
                   "over srt:// as MPEG-TS, whose colour stock programs show, in place of Matroska");
+    add_file_option(
+        *sub, "--hls", typed->hls,
+        "a folder, new or of a stream before, for any web server: segments and playlists (HLS), in "
+        "which ordinary players find the colour; a whole clip as fast as it can be encoded");
+    add_number_option(*sub, "--hls-segment", typed->hls_segment, "length of a segment, 0.5 to 10 (default 1)",
+                      0.5, 10)
+        ->type_name("S");
+    add_number_option(
+        *sub, "--hls-window", typed->hls_window,
+        "live: so much of the stream is in the playlists, 3 to 86400 (default 20 with --loop or "
+        "--camera; otherwise all of the clip)",
+        3, 86400)
+        ->type_name("S");
     add_file_option(*sub, "--json", typed->options.json, "write the report there; - is standard output");
     add_overwrite_option(*sub, typed->options.existing);
     sub->callback([typed, &command] {

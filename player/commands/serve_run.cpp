@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -17,6 +18,8 @@
 #include "engine/printable.hpp"
 #include "engine/sound/stored_sound.hpp"
 #include "engine/start_thread.hpp"
+#include "engine/stream/hls_channel.hpp"
+#include "engine/stream/hls_text.hpp"
 #include "engine/stream/matroska_stream.hpp"
 #include "engine/stream/mpegts_stream.hpp"
 #include "engine/stream/stream_output.hpp"
@@ -83,6 +86,7 @@ private:
     Result<void> send();
     void wait_for_the_last() const;
     bool is_all_given() const;
+    nlohmann::ordered_json hls_as_json() const;
     nlohmann::ordered_json report_as_json() const;
     std::string report_in_words() const;
     Result<void> report();
@@ -94,6 +98,8 @@ private:
     std::vector<std::string> notes_;
     StreamAudience audience_{say_served};
     std::optional<ServedForm> matroska_, mpegts_;
+    std::unique_ptr<HlsWriter> hls_;
+    StreamRing nobody_;  // listens to what goes into a folder
     std::unique_ptr<StreamServer> server_;
     std::vector<std::unique_ptr<StreamOutput>> outputs_;
     SteadySenderTime time_;
@@ -153,6 +159,11 @@ Result<void> Serving::open_forms() {
         mpegts_.emplace().muxer = std::move(*muxer);
     }
     const auto heard = sound();
+    if (options_.hls) {
+        auto writer = HlsWriter::open(*options_.hls, described, heard);
+        if (!writer.ok()) return writer.error();
+        hls_ = std::move(*writer);
+    }
     if (!has_matroska) return {};
     auto muxer = open_matroska_stream(described, heard);
     if (!muxer.ok()) return muxer.error();
@@ -186,6 +197,10 @@ Result<void> Serving::open_places() {
 }
 
 void Serving::say_where() const {
+    if (hls_) {
+        const auto master = options_.hls->folder / hls_master_name;
+        say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
+    }
     if (server_)
         for (const std::string& address : server_->addresses())
             say_served("listening on " + address + ": touchable play " + to_be_played(address));
@@ -205,7 +220,9 @@ Result<void> Serving::send() {
     std::vector<StreamChannel> channels;
     for (auto* const form : {&matroska_, &mpegts_})
         if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
-    const SendSettings settings{options_.loop, options_.longest_ns};
+    if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
+    const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
+    const SendSettings settings{options_.loop, options_.longest_ns, is_paced};
     sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
     begin_ns_ = time_.now_ns();
     cpu_ns_ = cpu_ns();
@@ -221,6 +238,8 @@ Result<void> Serving::send() {
     if (interrupted()) sender_->end();
     thread_.join();
     for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
+    if (hls_ && sender_->figures().framesets > 0)
+        if (auto finished = hls_->finish(); !finished.ok() && sent.ok()) sent = finished;
     if (!interrupted() && sent.ok()) wait_for_the_last();
     cpu_ns_ = cpu_ns() - cpu_ns_;
     end_ns_ = time_.now_ns();
@@ -241,12 +260,30 @@ void Serving::wait_for_the_last() const {
         std::this_thread::sleep_for(serve_look_again);
 }
 
+/// What each viewer fetches, a live one with both playlists once a segment.
+nlohmann::ordered_json Serving::hls_as_json() const {
+    const HlsFigures& all = hls_->figures();
+    const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
+    const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
+    const bool is_live = options_.hls->window_ns > 0;
+    const std::int64_t renditions = all.colour_bytes > 0 ? 2 : 1;
+    return {{"folder", options_.hls->folder.string()},
+            {"segments", all.segments},
+            {"seconds", seconds},
+            {"colour_bytes_per_second", each(all.colour_bytes)},
+            {"touch_bytes_per_second", each(all.touch_bytes)},
+            {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
+            {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
+}
+
 nlohmann::ordered_json Serving::report_as_json() const {
     const SendFigures& sent = sender_->figures();
     const auto each = [&sent](double all) {
         return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
     };
     constexpr double ms = 1e-6;
+    const std::int64_t folder_bytes =
+        hls_ ? hls_->figures().colour_bytes + hls_->figures().touch_bytes : std::int64_t{0};
     nlohmann::ordered_json report{
         {"format", 1},
         {"clip", options_.clip.file.string()},
@@ -255,7 +292,7 @@ nlohmann::ordered_json Serving::report_as_json() const {
         {"framesets", sent.framesets},
         {"keys", sent.keys},
         {"rounds", sent.rounds},
-        {"bytes_per_frameset", each(static_cast<double>(sent.bytes))},
+        {"bytes_per_frameset", each(static_cast<double>(sent.bytes + folder_bytes))},
         {"cpu_ms_per_frameset", each(static_cast<double>(cpu_ns_) * ms)},
         {"latest_ms", static_cast<double>(sent.latest_ns) * ms},
         {"held_up_ms", static_cast<double>(sent.held_up_ns) * ms},
@@ -268,6 +305,7 @@ nlohmann::ordered_json Serving::report_as_json() const {
                              {"dropped", each_one.dropped},
                              {"end", each_one.end}});
     report["listeners"] = std::move(listeners);
+    if (hls_) report["hls"] = hls_as_json();
     return report;
 }
 
@@ -284,6 +322,14 @@ std::string Serving::report_in_words() const {
     if (sent.held_up_ns > 0)
         text += "warning: they went " + number_words("%.1f s", report["held_up_ms"].get<double>() / 1000) +
                 " later than they were to: this machine encodes them too slowly, or stood still\n";
+    if (hls_)
+        text += "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
+                number_words(" segments; a viewer fetches %.1f KB/s",
+                             (report["hls"]["colour_bytes_per_second"].get<double>() +
+                              report["hls"]["touch_bytes_per_second"].get<double>() +
+                              report["hls"]["playlist_bytes_per_second"].get<double>()) /
+                                 1000) +
+                number_words(" by %.1f requests a second\n", report["hls"]["requests_per_second"]);
     for (const ListenerFigures& one : audience_.gone())
         text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
                 " left out\n";
@@ -291,6 +337,7 @@ std::string Serving::report_in_words() const {
 }
 
 Result<void> Serving::report() {
+    if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
     const bool is_standard = options_.json && is_standard_output(*options_.json);
     (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
     if (!json_) return {};

@@ -7,6 +7,7 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "engine/stream/hls_writer.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -20,6 +21,7 @@ struct ServeOptions {
     int listeners = 0;  ///< that are there before it begins
     std::optional<std::int64_t> longest_ns;
     bool mpegts = false;  ///< over SRT: as stock tools read it
+    std::optional<HlsSettings> hls;
     std::optional<std::filesystem::path> json;
     Existing existing = Existing::keep;  ///< of `json`
 };

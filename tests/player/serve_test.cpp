@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "engine/stream/hls_input.hpp"
 #include "engine/stream/http_request.hpp"
+#include "engine/stream/labelled_decoder.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/stream/stream_peer.hpp"
@@ -188,6 +191,64 @@ TEST_F(Serve, ACameraIsSentAsItTakesFrames) {
     }
 }
 
+/// Frames of depth that a receiver of the folder has, each as it was sent.
+int frames_of_depth(const std::filesystem::path& master, const Scene& scene, int round) {
+    auto input = HlsInput::open(master.string(), [] { return false; });
+    EXPECT_EQ(message(input), "");
+    LabelledDecoder decoder(1 << 22);
+    std::map<std::pair<bool, int>, std::size_t> tracks;
+    int depths = 0;
+    while (input) {
+        const auto packet = (*input)->next();
+        EXPECT_EQ(message(packet), "");
+        if (!packet || !*packet) break;
+        const std::pair which{(*packet)->is_touch, (*packet)->stream->index};
+        if (!tracks.contains(which)) tracks[which] = *decoder.add_track(*(*packet)->stream, "folder");
+        const auto pictures = decoder.add(tracks[which], *(*packet)->packet);
+        for (const LabelledPicture& picture : *pictures) {
+            if (picture.role != PlaneRole::depth) continue;
+            const RawFrame sent = test_frame(scene, picture.label.frame % round, served_planes);
+            EXPECT_TRUE(same_plane(picture.plane.view, sent.depth)) << picture.label.frame;
+            ++depths;
+        }
+    }
+    EXPECT_EQ(decoder.faults().all(), 0);
+    return depths;
+}
+
+// As fast as it can be encoded: nobody waits for the clip's times.
+TEST_F(Serve, AFolderForWebServersHasTheWholeClip) {
+    const auto web = folder / "web";
+    const auto told = serve({clip, "--hls", web.string()}, 0);
+    EXPECT_EQ(told["framesets"], frames);
+    EXPECT_EQ(told["hls"]["segments"], 1);
+    EXPECT_NEAR(told["hls"]["seconds"], 0.12, 1e-9);
+    EXPECT_GT(told["hls"]["colour_bytes_per_second"], 0);
+    EXPECT_GT(told["hls"]["touch_bytes_per_second"], 0);
+    EXPECT_NE(read_bytes(web / "touch.m3u8").find("#EXT-X-PLAYLIST-TYPE:VOD"), std::string::npos);
+    EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
+}
+
+// Beside those who listen, at the clip's own times.
+TEST_F(Serve, AFolderForWebServersHasAWindowOfALoop) {
+    const auto web = folder / "web";
+    const auto told = serve({clip, "tcp://127.0.0.1:0", "--hls", web.string(), "--hls-segment", "0.5",
+                             "--loop", "--hls-window", "3", "--listeners", "1", "--seconds", "1.75"});
+    EXPECT_EQ(told["framesets"], 175);
+    EXPECT_EQ(told["hls"]["segments"], 4);
+    EXPECT_NEAR(told["hls"]["requests_per_second"], 16 / 1.75, 1e-6);
+    EXPECT_EQ(told["listeners"][0]["sent"], 175);
+    EXPECT_EQ(read_bytes(web / "touch.m3u8").find("#EXT-X-PLAYLIST-TYPE:VOD"), std::string::npos);
+    EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), 175);
+}
+
+TEST_F(Serve, AFolderOfOthersStaysAsItIs) {
+    const Outcome run = run_touchable({"serve", clip, "--hls", folder.path().string()});
+    EXPECT_EQ(run.code, 3) << run.err;
+    EXPECT_NE(run.err.find("clip.mkv"), std::string::npos) << run.err;
+    EXPECT_EQ(folder.file_count(), 1U);
+}
+
 TEST_F(Serve, SaysWhatItCannotSend) {
     const auto refused = [&](const Words& words, const std::string& why) {
         Words all{"serve"};
@@ -211,6 +272,8 @@ TEST_F(Serve, SaysWhatItCannotSend) {
     refused({clip, "srt://127.0.0.1:5000?latency=1s"}, "latency is milliseconds");
     refused({clip, "tcp://127.0.0.1:0", "--mpegts"}, "--mpegts is for srt://");
     refused({clip, "tcp://127.0.0.1:0", "--listeners", "65"}, "0 to 64");
+    refused({clip, "tcp://127.0.0.1:0", "--hls-window", "5"}, "are for --hls DIR");
+    refused({clip, "--hls", folder / "web", "--hls-segment", "0.1"}, "0.5 to 10");
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
 }
 
