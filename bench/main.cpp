@@ -33,6 +33,8 @@ constexpr std::array suites{
                conclude_live},
     BenchSuite{"play", "the window: pictures in time, their cost by stage, from input to picture", play_cases,
                conclude_play},
+    BenchSuite{"stream", "streams over a network: framesets that come, delay, forces, cost of both ends",
+               stream_cases},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

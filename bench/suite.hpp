@@ -13,8 +13,8 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", "px", "dB",
-                            ///< or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "KB", "MB", "MB/s",
+                            ///< "GB/s", "px", "dB", or "" for a count
     bool in_tables = true;  ///< false: many of its kind, for a plot; in the JSON alone
 };
 using Figures = std::vector<Figure>;
@@ -56,6 +56,7 @@ Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
 /// here.
 Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
+std::vector<BenchCase> stream_cases(bool quick);
 std::vector<BenchCase> live_cases(bool quick);
 /// Prints the table of targets; missing one is no error here.
 Result<void> conclude_live(const std::vector<CaseFigures>& measured);

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "player/run/touch_session.hpp"
+
+namespace touchable {
+
+/// What fingers feel of a surface that comes by a network: how long a frame is held for want of the next, and
+/// how forces change from tick to tick, before the guard and after it.
+class FeltStream final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override;
+
+    double longest_hold_ms() const { return longest_hold_ms_; }
+    /// N, of any finger: the solver's own force, jumps and all, and what was sent to the hand.
+    double largest_step_before() const { return before_.largest; }
+    double largest_step_after() const { return after_.largest; }
+
+private:
+    struct Steps {
+        std::vector<glm::dvec3> last{};
+        double largest = 0;
+    };
+    std::int64_t newest_ = -1, since_tick_ = 0;
+    double longest_hold_ms_ = 0;
+    std::int64_t last_tick_ = -1;
+    Steps before_, after_;
+};
+
+}  // namespace touchable
