@@ -16,18 +16,18 @@ std::string listeners(int count) {
 void StreamAudience::came(const std::string& name) {
     const std::lock_guard lock(mutex_);
     ++all_;
-    const int now = ++there_;
-    say_(name + " listens; " + listeners(now));
+    say_(name + " listens; " + listeners(there_ + 1));
+    ++there_;
 }
 
 void StreamAudience::went(ListenerFigures figures) {
     const std::lock_guard lock(mutex_);
-    const int now = --there_;
     say_(figures.name + (figures.end.empty() ? " has all of it: " : " " + figures.end + ": ") +
          std::to_string(figures.sent) + " framesets sent, " + std::to_string(figures.dropped) +
-         " left out; " + listeners(now));
+         " left out; " + listeners(there_ - 1));
     if (gone_.size() == most_remembered) gone_.erase(gone_.begin());
     gone_.push_back(std::move(figures));
+    --there_;
 }
 
 void StreamAudience::remark(const std::string& line) {
