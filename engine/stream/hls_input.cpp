@@ -84,12 +84,15 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitI
     if (!text) return error_at(named, text.error());
     const auto places = places_in_playlist(*text, place, hosts);
     if (!places) return error_at(named, places.error());
+    // Colour first: of a live stream it then begins no later.
+    auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsRendition>>(nullptr)
+                                         : HlsRendition::open(places->colour, is_over, hosts);
     const bool is_media = places->touch == place;
     auto touch = HlsRendition::open(places->touch, is_over, hosts,
                                     is_media ? std::optional(std::move(*text)) : std::nullopt);
     if (!touch) return touch.error();
     auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over);
-    if (!places->colour.empty()) input->add_colour(HlsRendition::open(places->colour, is_over, hosts));
+    input->add_colour(std::move(colour));
     if (is_over()) return interrupted_error();
     return std::unique_ptr<HlsInput>(std::move(input));
 }

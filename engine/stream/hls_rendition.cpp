@@ -224,11 +224,13 @@ Result<std::string> HlsRendition::read_segment(const std::string& named, const B
     const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
     const auto place = resolved_place(place_, is_file ? named.substr(folder.size()) : named, hosts_);
     if (!place) return place.error();
+    const bool is_part = range.begin > 0 || range.end, is_header = *place == facts_.header && !is_part;
+    if (is_header && !header_.empty()) return header_;
     auto bytes = fetch_place(*place, largest_hls_segment, is_over_, range);
     if (!bytes) return bytes;
-    const bool is_part = range.begin > 0 || range.end;
     if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
         return input_error("is no whole segment");
+    if (is_header) header_ = *bytes;
     return bytes;
 }
 

@@ -57,6 +57,7 @@ private:
     AVIOContext* first_io_ = nullptr;  // of the playlist, as it was opened
     std::string playlist_;             // the newest that was judged
     HlsMediaFacts facts_;              // of it
+    std::string header_;               // the initialisation, for which FFmpeg asks with every playlist
     int held_ = 0;                     // so often in a row there was no newer one to be had
     std::int64_t segments_lost_ = 0;
     std::optional<Error> fault_;  // for which nothing more is read

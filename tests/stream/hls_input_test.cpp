@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "engine/stream/hls_writer.hpp"
@@ -145,6 +146,8 @@ TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
     EXPECT_EQ(all.of(PlaneRole::depth), 55U);
     EXPECT_EQ(all.of(PlaneRole::colour), 55U);
     EXPECT_EQ(all.segments_lost, 0);
+    for (const std::string& header : server.requests())
+        EXPECT_TRUE(!header.ends_with("init.mp4") || std::ranges::count(server.requests(), header) == 1);
 }
 
 TEST(HlsInput, SegmentsThatAreMissingOrCutAreLeftOut) {
