@@ -91,7 +91,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
                                                     const char* format) {
-    auto container = open_flow(std::move(flow), {.format = format, .most_streams = 16});
+    auto container = open_flow(std::move(flow), {.format = format, .most_streams = 16, .probed = 1 << 15});
     if (!container) return error_at(file, container.error());
     auto demuxer = std::make_unique<Demuxer>();
     demuxer->file_ = file;

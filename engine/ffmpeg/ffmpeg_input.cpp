@@ -124,6 +124,7 @@ Result<InputPtr> open_bytes(std::unique_ptr<InputBytes> bytes, bool is_stored, c
     container->interrupt_callback = {asks_to_stop, nullptr};
     container->error_recognition = kind.error_recognition;
     if (kind.most_streams > 0) container->max_streams = kind.most_streams;
+    if (kind.probed > 0) container->probesize = kind.probed;
     AVDictionary* options = nullptr;
     if (kind.formats) av_dict_set(&options, "format_whitelist", kind.formats, 0);
     const int status = avformat_open_input(

@@ -23,6 +23,7 @@ struct InputKind {
     const char* formats = nullptr;
     int error_recognition = 0;  ///< AV_EF_
     int most_streams = 0;       ///< 0: as many as FFmpeg allows
+    std::int64_t probed = 0;    ///< bytes that are looked at to open it; 0: as many as FFmpeg likes
 };
 
 /// Bytes that come one after the other, and once.

@@ -53,6 +53,7 @@ void FramesetAssembler::add(StreamPicture picture) {
     if (last_ && picture.number + picture.frames <= *last_ + 1 && role != PlaneRole::colour)
         return add_late(picture);
     if (last_ && picture.number + picture.frames <= *last_ + 1) return;
+    if (role != PlaneRole::colour) needed_ |= bit_of(role);  // it was not known before
     if (!hold(std::move(picture))) return;
     give_whole();
 }
@@ -118,6 +119,12 @@ bool FramesetAssembler::has_its_colour(std::int64_t number) const {
     return is_beyond(PlaneRole::colour, number) || is_beyond(PlaneRole::depth, number + 1);
 }
 
+/// What begins with colour has it from its first frameset on.
+bool FramesetAssembler::came_before_colour(std::int64_t number) const {
+    const auto& colour = held_[index_of(PlaneRole::colour)];
+    return has_colour_ && !colour_came_ && !colour.empty() && colour.front().first > number;
+}
+
 void FramesetAssembler::give_whole() {
     for (bool gave = true; gave;) {
         gave = false;
@@ -125,6 +132,12 @@ void FramesetAssembler::give_whole() {
             std::int64_t number = last_ ? std::max(depth.first, *last_ + 1) : depth.first;
             while (number < depth.end && there(number) != needed_) ++number;
             if (number >= depth.end) continue;
+            if (came_before_colour(number)) {
+                last_ = number;
+                forget();
+                gave = true;
+                break;
+            }
             if (!has_its_colour(number)) return;
             give(number);
             gave = true;
@@ -173,9 +186,8 @@ void FramesetAssembler::count_missing(std::int64_t next) {
         missed_[number] = roles;
         for (const PlaneRole role : all_roles) {
             if ((needed_ & bit_of(role)) == 0 || (roles & bit_of(role)) != 0) continue;
-            auto& torn = torn_[index_of(role)];
-            if (torn > 0) {
-                --torn;
+            if (torn_ > 0) {
+                --torn_;
                 ++counts_.torn;
                 --counts_.lost;
             } else {
@@ -205,7 +217,7 @@ void FramesetAssembler::end() {
 
 void FramesetAssembler::restart() {
     for (auto& held : held_) held.clear();
-    torn_ = {};
+    torn_ = 0;
     missed_.clear();
     last_.reset();
     last_taken_ns_ = 0;

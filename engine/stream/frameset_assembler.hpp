@@ -57,8 +57,8 @@ public:
     explicit FramesetAssembler(const std::vector<PlaneRole>& roles);
 
     void add(StreamPicture picture);
-    /// A picture of this plane had a wrong checksum.
-    void add_torn(PlaneRole role) { ++torn_[static_cast<std::size_t>(role)]; }
+    /// So many pictures had a wrong checksum.
+    void add_torn(std::int64_t pictures) { torn_ += pictures; }
     /// Nobody looks at colour: it is not waited for.
     void leave_out_colour() { has_colour_ = false; }
     /// No more will come: what waits for its colour does so no longer.
@@ -89,6 +89,7 @@ private:
     const Held* of(PlaneRole role, std::int64_t number) const;
     Roles there(std::int64_t number) const;
     bool has_its_colour(std::int64_t number) const;
+    bool came_before_colour(std::int64_t number) const;
     void give_whole();
     void give(std::int64_t number);
     void count_missing(std::int64_t next);
@@ -97,7 +98,7 @@ private:
     Roles needed_ = 0;
     bool has_colour_ = false, colour_came_ = false, ended_ = false;
     std::array<std::deque<Held>, all_roles.size()> held_;
-    std::array<std::int64_t, all_roles.size()> torn_{};
+    std::int64_t torn_ = 0;             // not counted yet
     std::optional<std::int64_t> last_;  // given
     std::int64_t last_taken_ns_ = 0;
     Before before_;

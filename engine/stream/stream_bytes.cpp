@@ -148,7 +148,19 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
         std::make_shared<NetworkBytes>(std::move(wait), std::move(*io), url.transport));
 }
 
+Result<std::uint8_t> StreamBytes::peek() {
+    std::uint8_t byte = 0;
+    const auto got = peeked_ ? Result<std::size_t>(1) : read(&byte, 1);
+    if (!got) return got.error();
+    if (*got > 0 && !peeked_) peeked_ = byte;
+    return peeked_.value_or(0);
+}
+
 Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
+    if (peeked_ && count > 0) {
+        *to = *std::exchange(peeked_, std::nullopt);
+        return std::size_t{1};
+    }
     if (has_ended_) return std::size_t{0};
     if (left_ == 0) return input_error("sends without end what is no frameset");
     if (wait_->is_interrupted()) return interrupted_error();

@@ -13,6 +13,10 @@
 
 namespace touchable {
 
+/// What may be read of a stream before there is a packet: of its header, and later.
+inline constexpr std::uint64_t most_of_a_header = std::uint64_t{16} << 20U,
+                               most_of_a_packet = std::uint64_t{256} << 20U;
+
 /// What a sender sends, as it comes: over FFmpeg's protocols, of which it uses those of its address alone, or
 /// through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one elsewhere is
 /// refused.
@@ -23,6 +27,8 @@ public:
                                                         std::shared_ptr<StreamWait> wait,
                                                         const StreamPatience& patience);
 
+    /// The byte that comes next, which `read` will give; 0 at the end.
+    Result<std::uint8_t> peek();
     /// 0 once the sender has ended it, or the connection is lost. Errors go behind the stream's name.
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) final;
     /// So many more bytes may be read from now on; beyond them is an error.
@@ -48,6 +54,7 @@ protected:
 private:
     const std::shared_ptr<StreamWait> wait_;
     std::uint64_t left_ = 0;
+    std::optional<std::uint8_t> peeked_;
     bool has_ended_ = false, was_lost_ = false;
     std::string how_it_ended_;
 };

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/ffmpeg/demuxer.hpp"
 #include "engine/stream/frameset_assembler.hpp"
 #include "engine/stream/stream_bytes.hpp"
-#include "engine/stream/stream_track.hpp"
+#include "engine/stream/stream_pictures.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "engine/stream/stream_wait.hpp"
 
@@ -44,7 +43,7 @@ public:
 
     const Scene& scene() const { return scene_; }
     const Unstated& unstated() const { return unstated_; }
-    const std::vector<TrackInfo>& tracks() const { return infos_; }
+    const std::vector<TrackInfo>& tracks() const { return tracks_; }
     const std::vector<std::string>& notes() const { return notes_; }
     /// Whether both say the same of scene and planes.
     bool is_like(const StreamReceiver& other) const;
@@ -53,11 +52,12 @@ public:
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);
     /// Closes the connection, after which there is no `next`.
     void hang_up() {
-        demuxer_.reset();
+        pictures_.reset();
         bytes_.reset();
     }
     void leave_out_colour() {
         with_colour_ = false;
+        pictures_->leave_out_colour();
         assembler_->leave_out_colour();
     }
     FramesetCounts counts() const { return assembler_->counts(); }
@@ -67,26 +67,21 @@ public:
     bool was_broken_off() const { return bytes_->was_lost() || assembler_->has_part(); }
 
 private:
-    explicit StreamReceiver(std::string name) : name_(std::move(name)) {}
-    Result<void> open_matroska(const StreamSource& source);
+    explicit StreamReceiver(const StreamSource& source) : name_(source.url.name()), wait_(source.wait) {}
+    Result<void> connect(const StreamSource& source);
     Result<void> read_first();
-    Result<bool> read_packet();
-    Result<void> take(StreamTrack& track, Result<StreamTrack::Outcome> outcome);
-    std::int64_t number_of(int stream, std::int64_t timestamp);
+    Result<void> take(StreamPictures::Came came);
     Received received(Frameset frameset) const;
 
     const std::string name_;
-    std::shared_ptr<StreamWait> wait_;
+    const std::shared_ptr<StreamWait> wait_;
     std::shared_ptr<StreamBytes> bytes_;
-    std::unique_ptr<Demuxer> demuxer_;
-    std::string scene_text_;
+    std::unique_ptr<StreamPictures> pictures_;
     Scene scene_;
+    std::string scene_text_;
     Unstated unstated_;
-    FrameRate recorded_rate_;
-    std::optional<double> origin_seconds_;
-    std::vector<StreamTrack> tracks_;
     std::optional<FramesetAssembler> assembler_;
-    std::vector<TrackInfo> infos_;
+    std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
     std::optional<Received> first_;
     bool with_colour_ = true, has_ended_ = false;

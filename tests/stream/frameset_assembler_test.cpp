@@ -63,7 +63,7 @@ TEST(FramesetAssembler, SaysWhatIsMissingLateTornOrThereTwice) {
     add_whole(0);
     assembler.add(picture(depth, 1));  // its haptic never comes
     assembler.add(picture(haptic, 2));
-    assembler.add_torn(depth);  // of 2
+    assembler.add_torn(1);  // of 2
     assembler.add(picture(depth, 3));
     assembler.add(picture(haptic, 3));
     assembler.add(picture(haptic, 3));
@@ -74,7 +74,7 @@ TEST(FramesetAssembler, SaysWhatIsMissingLateTornOrThereTwice) {
     EXPECT_EQ(counts.torn, 1);
     EXPECT_EQ(counts.repeated, 1);
     EXPECT_EQ(counts.late, 0);
-    EXPECT_EQ(counts.lost_of[static_cast<std::size_t>(haptic)], 1);
+    EXPECT_EQ(counts.lost_of[static_cast<std::size_t>(depth)], 4);
     assembler.add(picture(haptic, 1));  // now it comes
     counts = assembler.counts();
     EXPECT_EQ(counts.late, 1);

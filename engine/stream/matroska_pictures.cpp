@@ -1,0 +1,121 @@
+#include <cmath>
+#include <utility>
+
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/stream/stream_pictures.hpp"
+#include "engine/stream/stream_track.hpp"
+#include "engine/video/clip_container.hpp"
+#include "engine/video/clip_tags.hpp"
+
+namespace touchable {
+namespace {
+
+class MatroskaPictures final : public StreamPictures {
+public:
+    MatroskaPictures(std::shared_ptr<StreamBytes> bytes, std::string name)
+        : bytes_(std::move(bytes)), name_(std::move(name)) {}
+    Result<void> open(const std::optional<SceneDescription>& described);
+
+    const SceneDescription& described() const override { return described_; }
+    const std::string& scene_text() const override { return scene_text_; }
+    const FrameRate& rate() const override { return rate_; }
+    std::vector<PlaneRole> roles() const override {
+        std::vector<PlaneRole> all;
+        for (const StreamTrack& track : tracks_) all.push_back(track.role());
+        return all;
+    }
+    std::vector<TrackInfo> tracks() const override {
+        std::vector<TrackInfo> all;
+        for (const StreamTrack& track : tracks_)
+            if (!track.info().pixel_format.empty()) all.push_back(track.info());
+        return all;
+    }
+    void leave_out_colour() override { with_colour_ = false; }
+    Result<std::optional<Came>> next() override;
+
+private:
+    static Result<void> add(Result<StreamTrack::Outcome> outcome, Came& came);
+    std::int64_t number_of(int stream, std::int64_t timestamp);
+
+    const std::shared_ptr<StreamBytes> bytes_;
+    const std::string name_;
+    std::unique_ptr<Demuxer> demuxer_;
+    SceneDescription described_;
+    std::string scene_text_;
+    FrameRate rate_;
+    std::optional<double> origin_seconds_;
+    std::vector<StreamTrack> tracks_;
+    bool with_colour_ = true, has_ended_ = false;
+};
+
+Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& described) {
+    bytes_->allow(most_of_a_header);
+    auto demuxer = Demuxer::open_live(bytes_, name_, "matroska");
+    if (!demuxer) return demuxer.error();
+    demuxer_ = std::move(*demuxer);
+    const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));
+    auto rate = container->rate(*demuxer_);
+    if (!rate) return rate.error();
+    rate_ = std::move(*rate);
+    scene_text_ = demuxer_->attachment(clip_tags::scene_file).value_or("");
+    auto said = described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_);
+    if (!said) return said.error();
+    described_ = std::move(*said);
+    const auto found = container->tracks(*demuxer_, described_.scene);
+    if (!found) return found.error();
+    for (const ClipTrack& track : *found) {
+        auto decoder = TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_);
+        if (!decoder) return decoder.error();
+        tracks_.emplace_back(
+            std::move(*decoder), track.stream,
+            [this, stream = track.stream](std::int64_t timestamp) { return number_of(stream, timestamp); });
+    }
+    return {};
+}
+
+/// By the first one's time, to the nearest frame.
+std::int64_t MatroskaPictures::number_of(int stream, std::int64_t timestamp) {
+    constexpr double latest_seconds = 4e9, ns_per_second = 1e9;
+    if (timestamp == AV_NOPTS_VALUE) return 0;
+    const double seconds =
+        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[stream]->time_base);
+    if (!origin_seconds_) origin_seconds_ = seconds;
+    const double since = seconds - *origin_seconds_;
+    if (!(since >= 0 && since < latest_seconds)) return 0;
+    return rate_.nearest(std::llround(since * ns_per_second));
+}
+
+Result<void> MatroskaPictures::add(Result<StreamTrack::Outcome> outcome, Came& came) {
+    if (!outcome) return outcome.error();
+    came.torn += outcome->is_torn ? 1 : 0;
+    for (StreamPicture& picture : outcome->pictures) came.pictures.push_back(std::move(picture));
+    return {};
+}
+
+Result<std::optional<StreamPictures::Came>> MatroskaPictures::next() {
+    Came came;
+    if (has_ended_) return std::optional<Came>();
+    bytes_->allow(most_of_a_packet);
+    const auto packet = demuxer_->next_packet();
+    if (!packet) return packet.error();
+    has_ended_ = !*packet;
+    for (StreamTrack& track : tracks_) {
+        if (*packet && track.stream() != (*packet)->stream_index) continue;
+        if (track.role() == PlaneRole::colour && !with_colour_) continue;
+        if (auto added = add(*packet ? track.take(**packet) : track.finish(), came); !added)
+            return added.error();
+    }
+    return std::optional(std::move(came));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StreamPictures>> open_matroska_pictures(
+    std::shared_ptr<StreamBytes> bytes, const std::string& name,
+    const std::optional<SceneDescription>& described) {
+    auto pictures = std::make_unique<MatroskaPictures>(std::move(bytes), name);
+    if (auto opened = pictures->open(described); !opened) return opened.error();
+    return std::unique_ptr<StreamPictures>(std::move(pictures));
+}
+
+}  // namespace touchable
