@@ -392,7 +392,7 @@ Opened open_url(const std::filesystem::path& path, const std::optional<std::file
         if (!described) return described.error();
         source.described = std::move(*described);
     }
-    if (url->transport == StreamTransport::http) {
+    if (url->transport == StreamTransport::http && !url->is_playlist()) {
         auto found = open_http(*url);
         if (!found) return found.error();
         if (found->file) {

@@ -6,7 +6,7 @@
 namespace touchable {
 namespace {
 
-constexpr std::size_t most_held = 64, most_missed = 256;
+constexpr std::size_t most_pictures_held = 64, most_missed = 256;
 constexpr int most_of_before = 256;
 /// Beyond these a number is of another count.
 constexpr std::int64_t most_behind = 64, most_ahead = 1'000'000;
@@ -89,7 +89,7 @@ bool FramesetAssembler::hold(StreamPicture&& picture) {
         if (at != held.end()) made.end = std::min(made.end, at->first);
         held.insert(at, std::move(made));
     }
-    if (held.size() > most_held) held.pop_front();
+    if (held.size() > most_pictures_held) held.pop_front();
     return true;
 }
 

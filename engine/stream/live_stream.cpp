@@ -16,6 +16,7 @@
 #include "engine/start_thread.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/stream/jitter_buffer.hpp"
+#include "engine/stream/segment_pace.hpp"
 #include "engine/stream/stream_receiver.hpp"
 
 namespace touchable {
@@ -48,7 +49,8 @@ public:
     LiveStream(const StreamChoice& choice, const std::optional<SceneDescription>& described)
         : source_{.url = choice.url, .patience = choice.patience, .described = described},
           run_(choice.url.name()),
-          buffer_(std::chrono::nanoseconds(choice.latency).count()) {
+          buffer_(std::chrono::nanoseconds(choice.latency).count()),
+          pace_(std::chrono::nanoseconds(choice.latency).count()) {
         if (choice.connection && choice.connection->is_unread()) {
             source_.connection = choice.connection;
             source_.wait = choice.connection->waits();
@@ -99,6 +101,7 @@ private:
     // Of the thread that receives.
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
+    SegmentPace pace_;
     FramesetCounts before_;  // of connections that are no more
 
     mutable std::mutex mutex_;
@@ -171,7 +174,8 @@ void LiveStream::receive() {
         if (!received && received.error().kind == ErrorKind::internal)
             return is_over(received.error().message);
         const std::string why = received ? receiver_->how_it_ended() : "sent no whole frameset for long";
-        if (source_.url.transport == StreamTransport::pipe) return is_over(why);
+        const bool has_ended = received && source_.url.is_playlist();
+        if (has_ended || source_.url.transport == StreamTransport::pipe) return is_over(why);
         if (!connect_again(why)) return;
     }
 }
@@ -217,12 +221,17 @@ void LiveStream::note(const StreamReceiver& receiver) {
     figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
 }
 
-/// Where nobody takes them, the oldest are left out.
+/// Where nobody takes them, the oldest are left out; segments, which wait at their server, are not fetched.
 void LiveStream::put(Received received) {
     const std::int64_t now = now_ns();
-    auto moments = buffer_.add(received.sent_ns, now);
+    const bool in_segments = source_.url.is_playlist();
+    auto moments = in_segments ? pace_.add(received.sent_ns, now) : buffer_.add(received.sent_ns, now);
     moments.taken_ns = taken_ns(received.sent_ns, moments, now);
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    const auto has_room = [this] {
+        return stopping_ || (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
+    };
+    if (in_segments) stopped_.wait(lock, has_room);
     figures_.longest_gap_ms = std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
     newest_ns_ = now;
     waiting_bytes_ += bytes_of_planes(received.frame);
@@ -244,6 +253,7 @@ std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
         Waiting front = std::move(waiting_.front());
         waiting_.pop_front();
         waiting_bytes_ -= bytes_of_planes(front.received.frame);
+        stopped_.notify_all();
         return front;
     };
     wait_ns = -1;
@@ -301,9 +311,13 @@ Result<std::optional<RawFrame>> LiveStream::next() {
 
 Result<void> LiveStream::begin(std::chrono::steady_clock::time_point zero) {
     run_.begin(zero);
+    const std::int64_t begin_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count();
     const std::lock_guard lock(mutex_);
-    waiting_.clear();  // of before
-    waiting_bytes_ = 0;
+    while (!waiting_.empty() && waiting_.front().moments.taken_ns <= begin_ns) {
+        waiting_bytes_ -= bytes_of_planes(waiting_.front().received.frame);
+        waiting_.pop_front();
+    }
+    stopped_.notify_all();
     return {};
 }
 

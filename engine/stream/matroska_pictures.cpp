@@ -32,6 +32,8 @@ public:
     }
     void leave_out_colour() override { with_colour_ = false; }
     Result<std::optional<Came>> next() override;
+    std::string how_it_ended() const override { return bytes_->how_it_ended(); }
+    bool was_lost() const override { return bytes_->was_lost(); }
 
 private:
     static Result<void> add(Result<StreamTrack::Outcome> outcome, Came& came);

@@ -34,6 +34,9 @@ public:
     };
     /// Those that come next, which may be none; nothing once the sender has ended.
     virtual Result<std::optional<Came>> next() = 0;
+    /// Once it has ended: how, such as "closed the connection"; and whether that was not its end.
+    virtual std::string how_it_ended() const = 0;
+    virtual bool was_lost() const = 0;
 };
 
 /// In our clips' own form; what labels its pictures lack, their times say. `described`: in place of its own
@@ -46,5 +49,10 @@ Result<std::unique_ptr<StreamPictures>> open_matroska_pictures(
 Result<std::unique_ptr<StreamPictures>> open_transport_stream(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described);
+
+/// HTTP Live Streaming, of such pictures.
+Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
+                                                        std::shared_ptr<StreamWait> wait,
+                                                        const std::optional<SceneDescription>& described);
 
 }  // namespace touchable

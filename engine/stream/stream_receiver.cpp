@@ -25,19 +25,26 @@ Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource&
 }
 
 Result<void> StreamReceiver::connect(const StreamSource& source) {
-    bytes_ = source.connection;
-    if (!bytes_) {
-        auto bytes = StreamBytes::connect(source.url, source.wait, source.patience);
-        if (!bytes) return error_at(name_, bytes.error());
-        bytes_ = std::move(*bytes);
+    if (source.url.is_playlist()) {
+        wait_->at_most(source.patience.connection + source.patience.frameset);
+        auto pictures = open_hls_stream(source.url, wait_, source.described);
+        if (!pictures) return pictures.error();
+        pictures_ = std::move(*pictures);
+        return {};
+    }
+    std::shared_ptr<StreamBytes> bytes = source.connection;
+    if (!bytes) {
+        auto connected = StreamBytes::connect(source.url, source.wait, source.patience);
+        if (!connected) return error_at(name_, connected.error());
+        bytes = std::move(*connected);
     }
     wait_->at_most(source.patience.frameset);
-    bytes_->allow(1 << 16);
-    const auto first = bytes_->peek();
+    bytes->allow(1);
+    const auto first = bytes->peek();
     if (!first) return error_at(name_, first.error());
     const bool is_transport_stream = *first == 0x47;  // its packets begin so
-    auto pictures = (is_transport_stream ? open_transport_stream : open_matroska_pictures)(bytes_, name_,
-                                                                                           source.described);
+    auto pictures = (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
+        std::move(bytes), name_, source.described);
     if (!pictures) return pictures.error();
     pictures_ = std::move(*pictures);
     return {};

@@ -51,10 +51,7 @@ public:
     /// The next whole frameset, within `longest`; nothing once the sender has ended.
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);
     /// Closes the connection, after which there is no `next`.
-    void hang_up() {
-        pictures_.reset();
-        bytes_.reset();
-    }
+    void hang_up() { pictures_.reset(); }
     void leave_out_colour() {
         with_colour_ = false;
         pictures_->leave_out_colour();
@@ -62,9 +59,9 @@ public:
     }
     FramesetCounts counts() const { return assembler_->counts(); }
     /// Once it has ended.
-    const std::string& how_it_ended() const { return bytes_->how_it_ended(); }
+    std::string how_it_ended() const { return pictures_->how_it_ended(); }
     /// Likewise: in the middle of a frameset, or of the connection.
-    bool was_broken_off() const { return bytes_->was_lost() || assembler_->has_part(); }
+    bool was_broken_off() const { return pictures_->was_lost() || assembler_->has_part(); }
 
 private:
     explicit StreamReceiver(const StreamSource& source) : name_(source.url.name()), wait_(source.wait) {}
@@ -75,7 +72,6 @@ private:
 
     const std::string name_;
     const std::shared_ptr<StreamWait> wait_;
-    std::shared_ptr<StreamBytes> bytes_;
     std::unique_ptr<StreamPictures> pictures_;
     Scene scene_;
     std::string scene_text_;

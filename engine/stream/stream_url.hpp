@@ -25,6 +25,8 @@ struct StreamUrl {
     std::string name() const;
     /// FFmpeg's protocols that it may use, as `protocol_whitelist`.
     std::string protocols() const;
+    /// Of HTTP Live Streaming: a playlist (.m3u8).
+    bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }
     /// One of the query's values; empty: it has none.
     std::string value(std::string_view key) const;
 };

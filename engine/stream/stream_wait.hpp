@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "engine/result.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -27,6 +28,11 @@ public:
     /// By whoever waits, or by somebody who asks the program to stop.
     bool is_interrupted() const { return interrupted_ || stop_requested(); }
     bool is_too_long() const { return ns(Clock::now()) > until_; }
+    /// What went wrong, where that may be that it took too long.
+    Error in_time(Error error) const {
+        if (is_interrupted()) return interrupted_error();
+        return is_too_long() ? input_error("sent no whole frameset in time") : std::move(error);
+    }
     bool is_over() const { return is_interrupted() || is_too_long(); }
 
 private:

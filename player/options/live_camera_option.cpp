@@ -45,7 +45,7 @@ Result<void> take_stream(SessionOptions& session) {
     auto url = read_stream_url(words);
     if (!url.ok()) return url.error();
     StreamChoice choice{.url = *url};
-    if (url->transport == StreamTransport::http) {
+    if (url->transport == StreamTransport::http && !url->is_playlist()) {
         auto found = open_http(*url);
         if (!found.ok()) return found.error();
         if (found->file) return {};

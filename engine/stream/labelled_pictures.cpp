@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/stream/hls_input.hpp"
+#include "engine/stream/labelled_decoder.hpp"
+#include "engine/stream/stream_pictures.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t most_stream_pixels = std::int64_t{1} << 24U;
+
+/// Packets of a container that keeps neither names nor order of tracks.
+class LabelledPackets {
+public:
+    struct Next {
+        int track = 0;
+        const AVStream* stream = nullptr;
+        PacketPtr packet;
+    };
+    virtual ~LabelledPackets() = default;
+    /// Nothing after the last.
+    virtual Result<std::optional<Next>> next() = 0;
+    /// Of H.264, as far as it tells beforehand.
+    virtual int tracks() const = 0;
+    virtual std::string how_it_ended() const = 0;
+    virtual bool was_lost() const { return false; }
+};
+
+class TransportStream final : public LabelledPackets {
+public:
+    TransportStream(std::shared_ptr<StreamBytes> bytes, std::unique_ptr<Demuxer> demuxer)
+        : bytes_(std::move(bytes)), demuxer_(std::move(demuxer)) {}
+    Result<std::optional<Next>> next() override {
+        bytes_->allow(most_of_a_packet);
+        auto packet = demuxer_->next_packet();
+        if (!packet) return packet.error();
+        if (!*packet) return std::optional<Next>();
+        const int index = (*packet)->stream_index;
+        return std::optional(Next{index, demuxer_->container().streams[index], std::move(*packet)});
+    }
+    int tracks() const override {
+        const AVFormatContext& container = demuxer_->container();
+        int tracks = 0;
+        for (unsigned k = 0; k < container.nb_streams; ++k)
+            tracks += container.streams[k]->codecpar->codec_id == AV_CODEC_ID_H264 ? 1 : 0;
+        return tracks;
+    }
+    std::string how_it_ended() const override { return bytes_->how_it_ended(); }
+    bool was_lost() const override { return bytes_->was_lost(); }
+
+private:
+    const std::shared_ptr<StreamBytes> bytes_;
+    const std::unique_ptr<Demuxer> demuxer_;
+};
+
+class HlsPackets final : public LabelledPackets {
+public:
+    HlsPackets(std::shared_ptr<StreamWait> wait, std::unique_ptr<HlsInput> input)
+        : wait_(std::move(wait)), input_(std::move(input)) {}
+    Result<std::optional<Next>> next() override {
+        auto packet = input_->next();
+        if (!packet) return wait_->in_time(packet.error());
+        if (!*packet) return std::optional<Next>();
+        constexpr int of_colour = 1000;
+        const int track = (*packet)->stream->index + ((*packet)->is_touch ? 0 : of_colour);
+        seen_.insert(track);
+        return std::optional(Next{track, (*packet)->stream, std::move((*packet)->packet)});
+    }
+    /// Segments have all of their tracks.
+    int tracks() const override { return static_cast<int>(seen_.size()); }
+    std::string how_it_ended() const override { return "has come to its end"; }
+
+private:
+    const std::shared_ptr<StreamWait> wait_;
+    const std::unique_ptr<HlsInput> input_;
+    std::set<int> seen_;
+};
+
+/// Which planes there are only their pictures tell: those of its first frames do.
+class LabelledPictures final : public StreamPictures {
+public:
+    LabelledPictures(std::unique_ptr<LabelledPackets> packets, std::string name)
+        : packets_(std::move(packets)), name_(std::move(name)) {}
+    Result<void> open(const std::optional<SceneDescription>& described);
+
+    const SceneDescription& described() const override { return *described_; }
+    const std::string& scene_text() const override { return scene_text_; }
+    const FrameRate& rate() const override { return described_->scene.rate; }
+    std::vector<PlaneRole> roles() const override {
+        std::vector<PlaneRole> all;
+        for (const TrackInfo& track : infos_) all.push_back(*role_named(track.role));
+        return all;
+    }
+    std::vector<TrackInfo> tracks() const override { return infos_; }
+    void leave_out_colour() override { decoder_.leave_out_colour(); }
+    Result<std::optional<Came>> next() override;
+    std::string how_it_ended() const override { return packets_->how_it_ended(); }
+    bool was_lost() const override { return packets_->was_lost(); }
+
+private:
+    Result<bool> read(Came& came);
+    Result<void> take(std::vector<LabelledPicture> pictures, Came& came);
+    Result<void> take_scene(const std::string& json);
+    void know(const LabelledPicture& picture);
+    bool knows_all() const;
+
+    const std::unique_ptr<LabelledPackets> packets_;
+    const std::string name_;
+    LabelledDecoder decoder_{most_stream_pixels};
+    std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
+    bool is_described_ = false;                         // by somebody else
+    std::optional<SceneDescription> described_;
+    std::string scene_text_;
+    std::vector<TrackInfo> infos_;
+    Came first_;  // those of before it was known what it is
+    int depth_pictures_ = 0;
+    bool has_ended_ = false;
+};
+
+/// Once of each track is known which plane, or which half of one, it is.
+bool LabelledPictures::knows_all() const {
+    int known = 0;
+    for (const TrackInfo& track : infos_) known += track.pixel_format.ends_with("in two tracks") ? 2 : 1;
+    return described_ && depth_pictures_ >= 3 && known >= packets_->tracks();
+}
+
+Result<void> LabelledPictures::open(const std::optional<SceneDescription>& described) {
+    constexpr std::size_t most_pictures = 256, most_kept = 64;
+    described_ = described;
+    is_described_ = described.has_value();
+    std::size_t seen = 0;
+    while (infos_.empty() || (!knows_all() && seen < most_pictures)) {
+        const std::size_t before = first_.pictures.size();
+        const auto more = read(first_);
+        if (!more) return more.error();
+        if (!*more) break;
+        seen += first_.pictures.size() - before;
+        while (first_.pictures.size() > most_kept) first_.pictures.erase(first_.pictures.begin());
+    }
+    if (described_ && !infos_.empty() && infos_.front().role == "depth") return {};
+    return input_error(name_ + ": " +
+                       (has_ended_ ? packets_->how_it_ended() + " before it sent" : "sends no") +
+                       " picture of depth that says what it is");
+}
+
+Result<void> LabelledPictures::take_scene(const std::string& json) {
+    if (json == scene_text_) return {};
+    if (!scene_text_.empty())
+        return input_error(name_ + ": sends another scene than before: begin again to touch it");
+    scene_text_ = json;
+    if (is_described_) return {};
+    auto described = parse_scene(json, name_ + ": its scene");
+    if (!described) return described.error();
+    described_ = std::move(*described);
+    return {};
+}
+
+void LabelledPictures::know(const LabelledPicture& picture) {
+    depth_pictures_ += picture.role == PlaneRole::depth ? 1 : 0;
+    const std::string role(role_name(picture.role));
+    const PlaneView& view = picture.plane.view;
+    if (view.empty() || std::ranges::find(infos_, role, &TrackInfo::role) != infos_.end()) return;
+    const std::string format = view.channels == 3 ? "rgb24"
+                               : picture.plane.bits > 8
+                                   ? std::to_string(picture.plane.bits) + " bits in two tracks"
+                                   : "gray";
+    infos_.push_back({role, "h264", format, view.width, view.height, picture.role != PlaneRole::colour});
+    std::ranges::sort(infos_, {}, [](const TrackInfo& track) { return *role_named(track.role); });
+}
+
+Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, Came& came) {
+    for (LabelledPicture& picture : pictures) {
+        if (picture.scene)
+            if (auto taken = take_scene(*picture.scene); !taken) return taken;
+        know(picture);
+        if (picture.plane.view.empty()) continue;
+        came.pictures.push_back(
+            {picture.role, picture.label.frame, 1, picture.label.taken_ns, std::move(picture.plane)});
+    }
+    return {};
+}
+
+/// False after the last.
+Result<bool> LabelledPictures::read(Came& came) {
+    if (has_ended_) return false;
+    const auto packet = packets_->next();
+    if (!packet) return packet.error();
+    const std::int64_t damaged = decoder_.faults().damaged;
+    const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
+        if (!pictures) return pictures.error();
+        came.torn += decoder_.faults().damaged - damaged;
+        return take(std::move(*pictures), came);
+    };
+    if (!*packet) {
+        has_ended_ = true;
+        if (auto taken = take_all(decoder_.end()); !taken) return taken.error();
+        return true;
+    }
+    const AVStream& stream = *(*packet)->stream;
+    const int number = (*packet)->track;
+    if (!tracks_.contains(number)) {
+        if (stream.codecpar->codec_id == AV_CODEC_ID_NONE) return true;  // not known yet
+        auto track = decoder_.add_track(stream, name_);
+        if (!track && track.error().kind == ErrorKind::internal) return track.error();
+        tracks_[number] = track ? std::optional(*track) : std::nullopt;
+    }
+    if (!tracks_[number]) return true;
+    if (auto taken = take_all(decoder_.add(*tracks_[number], *(*packet)->packet)); !taken)
+        return taken.error();
+    return true;
+}
+
+Result<std::optional<StreamPictures::Came>> LabelledPictures::next() {
+    Came came = std::exchange(first_, {});
+    if (!came.pictures.empty()) return std::optional(std::move(came));
+    const auto more = read(came);
+    if (!more) return more.error();
+    if (!*more) return std::optional<Came>();
+    return std::optional(std::move(came));
+}
+
+Result<std::unique_ptr<StreamPictures>> open_packets(std::unique_ptr<LabelledPackets> packets,
+                                                     const std::string& name,
+                                                     const std::optional<SceneDescription>& described) {
+    auto pictures = std::make_unique<LabelledPictures>(std::move(packets), name);
+    if (auto opened = pictures->open(described); !opened) return opened.error();
+    return std::unique_ptr<StreamPictures>(std::move(pictures));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StreamPictures>> open_transport_stream(
+    std::shared_ptr<StreamBytes> bytes, const std::string& name,
+    const std::optional<SceneDescription>& described) {
+    bytes->allow(most_of_a_packet);
+    auto demuxer = Demuxer::open_live(bytes, name, "mpegts");
+    if (!demuxer) return demuxer.error();
+    return open_packets(std::make_unique<TransportStream>(std::move(bytes), std::move(*demuxer)), name,
+                        described);
+}
+
+Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
+                                                        std::shared_ptr<StreamWait> wait,
+                                                        const std::optional<SceneDescription>& described) {
+    auto input = HlsInput::open(url.text, [wait] { return wait->is_over(); });
+    if (!input) return wait->in_time(input.error());
+    return open_packets(std::make_unique<HlsPackets>(std::move(wait), std::move(*input)), url.name(),
+                        described);
+}
+
+}  // namespace touchable

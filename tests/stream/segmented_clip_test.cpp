@@ -1,0 +1,98 @@
+// HTTP Live Streaming, received: as a clip and as a live source.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "engine/stream/hls_writer.hpp"
+#include "engine/stream/live_stream.hpp"
+#include "engine/stream/segment_pace.hpp"
+#include "engine/stream/stream_clip.hpp"
+#include "tests/stream/stream_of_frames.hpp"
+#include "tests/stream/web_server.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Segments of half a second, all of them there.
+struct SegmentedStream {
+    TemporaryFolder folder;
+    std::vector<RawFrame> frames;
+
+    SegmentedStream(int count, const Planes& planes) {
+        const Scene scene = small_scene(64, 48, 16);
+        const auto writer = HlsWriter::open({folder / "web", 500'000'000, 0}, scene);
+        EXPECT_EQ(message(writer), "");
+        for (int n = 0; n < count; ++n) {
+            frames.push_back(test_frame(scene, n, planes));
+            const PictureLabel label{n, labelled_from_ns + n * labelled_step_ns};
+            EXPECT_EQ(message((*writer)->add(frames.back(), label, scene.rate.time_ns(n))), "");
+        }
+        EXPECT_EQ(message((*writer)->finish()), "");
+    }
+    WebServer::Answer answer() const {
+        return [this](const std::string& path) { return reply_with_file(folder / "web", path); };
+    }
+};
+
+TEST(SegmentedClip, IsWhatWasSentToTheBit) {
+    for (const Planes& planes : {all_planes, Planes{}}) {
+        const SegmentedStream sent(40, planes);
+        const WebServer server(sent.answer());
+        const auto clip = open_clip(server.url("/master.m3u8"));
+        ASSERT_EQ(message(clip), "");
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), sent.frames.size());
+        for (std::size_t n = 0; n < frames->size(); ++n) {
+            EXPECT_EQ((*frames)[n].number, static_cast<std::int64_t>(n));
+            EXPECT_TRUE(same_plane((*frames)[n].depth, sent.frames[n].depth)) << n;
+            EXPECT_TRUE(same_plane((*frames)[n].haptic, sent.frames[n].haptic)) << n;
+            EXPECT_TRUE(same_plane((*frames)[n].height, sent.frames[n].height)) << n;
+            EXPECT_EQ((*frames)[n].colour.empty(), sent.frames[n].colour.empty()) << n;
+        }
+    }
+}
+
+TEST(SegmentedClip, IsTouchedLiveToItsEnd) {
+    const SegmentedStream sent(40, {true, true, false, false});
+    const WebServer server(sent.answer());
+    const auto clip = open_live_stream({.url = *read_stream_url(server.url("/master.m3u8"))});
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->next()), "");
+    const auto begun = std::chrono::steady_clock::now();
+    ASSERT_EQ(message((*clip)->begin(begun)), "");
+    std::int64_t last = 0, frames = 0;
+    while (true) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        if (!*frame) break;
+        EXPECT_GT((*frame)->number, last);
+        last = (*frame)->number;
+        ++frames;
+    }
+    EXPECT_GT(frames, 5);
+    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(1'200))
+        << "they are as far apart as they were taken";
+    EXPECT_NE((*clip)->remarks().front().find("has come to its end"), std::string::npos);
+}
+
+TEST(SegmentPace, KeepsFramesAsFarApartAsTheyWereTaken) {
+    constexpr std::int64_t ms = 1'000'000, step = 33 * ms, sent = labelled_from_ns;
+    SegmentPace pace(100 * ms);
+    for (int n = 0; n < 60; ++n) {  // two segments at once
+        const auto moments = pace.add(sent + n * step, 5'000 * ms);
+        EXPECT_EQ(moments.shown_ns, 5'100 * ms + n * step);
+        EXPECT_EQ(moments.taken_ns, moments.shown_ns);
+    }
+    const std::int64_t late = 5'100 * ms + 60 * step + 400 * ms;
+    EXPECT_EQ(pace.add(sent + 60 * step, late).shown_ns, late);
+    EXPECT_EQ(pace.add(sent + 61 * step, late).shown_ns, late + step);
+    EXPECT_EQ(pace.add(sent + 3'600'000 * ms, late + step).shown_ns, late + step) << "the clock jumped";
+    EXPECT_EQ(pace.add(sent, late + 2 * step).shown_ns, late + 2 * step) << "and back";
+    EXPECT_EQ(pace.add(0, late + 3 * step).shown_ns, late + 3 * step);
+    EXPECT_EQ(pace.add(INT64_MAX, late + 3 * step).shown_ns, late + 3 * step);
+    EXPECT_EQ(pace.add(INT64_MIN, late + 3 * step).shown_ns, late + 3 * step);
+}
+
+}  // namespace
+}  // namespace touchable::test
