@@ -60,11 +60,6 @@ private:
     std::thread thread_;
 };
 
-int free_port() {
-    const LoopbackSender there("");
-    return there.port();
-}
-
 bool is_as_sent(const RawFrame& frame, const RawFrame& sent) {
     return same_plane(frame.depth, sent.depth) && same_plane(frame.haptic, sent.haptic) &&
            same_plane(frame.height, sent.height) && frame.colour.empty() == sent.colour.empty();
@@ -113,7 +108,7 @@ TEST(TransportClip, ComesBySrtAndUdp) {
     const auto sent = std::make_shared<const StreamOfFrames>(
         make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
     for (const std::string& scheme : {std::string("srt"), std::string("udp")}) {
-        const std::string address = scheme + "://127.0.0.1:" + std::to_string(free_port());
+        const std::string address = scheme + "://127.0.0.1:" + free_port();
         const bool is_srt = scheme == "srt";
         const NetworkSender sender(address + (is_srt ? "?mode=listener&latency=20000" : "?pkt_size=1316"),
                                    sent, 10);
@@ -135,7 +130,7 @@ TEST(TransportClip, MatroskaComesBySrtToItsEnd) {
     auto made = make_stream(small_scene(64, 48, 16), 60, all_planes);
     made.blocks.insert(made.blocks.begin(), made.header);
     const auto sent = std::make_shared<const StreamOfFrames>(std::move(made));
-    const std::string address = "srt://127.0.0.1:" + std::to_string(free_port());
+    const std::string address = "srt://127.0.0.1:" + free_port();
     const NetworkSender sender(address + "?mode=listener&latency=20000&linger=2", sent, 2);
     StreamSource source = source_of(address + "?mode=caller&latency=20000");
     source.patience.connection = std::chrono::seconds(20);
