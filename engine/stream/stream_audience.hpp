@@ -24,7 +24,7 @@ public:
     /// `say` is told in one line who comes and goes, by one thread at a time.
     explicit StreamAudience(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
 
-    void came(const std::string& name);
+    void came(const std::string& name, const char* does = "listens");
     void went(ListenerFigures figures);
     /// Something else that a person should know of the listeners.
     void remark(const std::string& line);

@@ -169,9 +169,12 @@ void StreamOutput::send_all() {
             continue;
         }
         calls = 1;
-        audience_.came(name);
+        // Of UDP nobody knows whether anybody is there.
+        const bool is_udp = url_.transport == StreamTransport::udp;
+        audience_.came(name, is_udp ? "is sent to, whoever listens" : "listens");
         ListenerFigures figures{name};
         figures.end = send_to(*output, figures);
+        if (is_udp && figures.end.empty()) figures.end = "was sent all";
         output.reset();
         audience_.went(std::move(figures));
     }

@@ -166,6 +166,8 @@ TEST(StreamOutput, GoesByUdpInDatagrams) {
     }
     EXPECT_EQ(heard, sent.all);
     sent.wait_for_nobody();
+    EXPECT_NE(sent.lines.front().find("is sent to, whoever listens"), std::string::npos);
+    EXPECT_NE(sent.lines.back().find("was sent all: 20 framesets"), std::string::npos);
 }
 
 TEST(StreamOutput, EndsThoughNobodyCalled) {
