@@ -120,14 +120,28 @@ StreamOutput::Output StreamOutput::open() {
     return Output(io);
 }
 
+/// SRT paces what it sends itself. By UDP a key would come as a burst that few receivers have room for: it is
+/// spread over a hundredth of a second.
+bool StreamOutput::give_all(AVIOContext& output, std::span<const std::uint8_t> bytes) {
+    constexpr std::size_t piece = 7 * 1316;
+    constexpr std::int64_t spread_ns = 10'000'000;
+    const bool is_udp = url_.transport == StreamTransport::udp;
+    const auto pieces = static_cast<std::int64_t>(is_udp ? bytes.size() / piece + 1 : 1);
+    const std::int64_t begin_ns = time_.now_ns();
+    for (std::int64_t k = 0; k < pieces; ++k) {
+        if (k > 0 && !time_.wait_until(begin_ns + spread_ns * k / pieces)) return false;
+        const auto some = k + 1 < pieces ? bytes.first(piece) : bytes;
+        avio_write(&output, some.data(), static_cast<int>(some.size()));
+        avio_flush(&output);
+        bytes = bytes.subspan(some.size());
+    }
+    return output.error >= 0;
+}
+
 /// Until all was sent, which is no failure, or it cannot be sent any further: why not.
 std::string StreamOutput::send_to(AVIOContext& output, ListenerFigures& figures) {
     constexpr std::chrono::milliseconds a_while{20};
-    const auto give = [&output](std::span<const std::uint8_t> bytes) {
-        avio_write(&output, bytes.data(), static_cast<int>(bytes.size()));
-        avio_flush(&output);
-        return output.error >= 0;
-    };
+    const auto give = [&](std::span<const std::uint8_t> bytes) { return give_all(output, bytes); };
     auto cursor = ring_.join();
     StreamRing::Bytes header;
     while (!stop_ && !ring_.is_over(cursor)) {
@@ -135,7 +149,7 @@ std::string StreamOutput::send_to(AVIOContext& output, ListenerFigures& figures)
         figures.dropped = cursor.dropped();
         if (!block) continue;
         const bool had_header = std::exchange(header, ring_.header()) != nullptr;
-        if ((!had_header && !give(*header)) || !give(block->bytes)) return "has gone";
+        if ((!had_header && !give(*header)) || !give(block->bytes)) return stop_ ? "is cut off" : "has gone";
         ++figures.sent;
     }
     if (!stop_) wait_for_arrival();

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -51,6 +52,7 @@ private:
     void send_all();
     Output open();
     void set_options(AVDictionary*& options) const;
+    bool give_all(AVIOContext& output, std::span<const std::uint8_t> bytes);
     std::string send_to(AVIOContext& output, ListenerFigures& figures);
     void wait_for_arrival();
     bool is_in_vain(int calls);
