@@ -42,6 +42,41 @@ TEST(LabelledPictures, EveryBitDepthComesBackExactly) {
         }
 }
 
+/// Depth as hue is RGB, of which every value is kept too.
+TEST(LabelledPictures, HueComesBackExactly) {
+    Scene scene = small_scene(54, 38);
+    scene.depth.kind = DepthCodingKind::hue;
+    scene.depth.code_max = DepthCoding::hue_circle - 1;
+    derive_valid_range(scene.depth);
+    RawFrame frame = test_frame(scene, 0, {false, true});
+    frame.depth = frame.haptic;  // any RGB
+    frame.haptic = {};
+    auto encoder = LabelledEncoder::open(frame, scene, TrackCoding::h264_quick);
+    ASSERT_EQ(message(encoder), "");
+    ASSERT_EQ(encoder->tracks(), 1U);
+    LabelledClip clip;
+    AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
+    ASSERT_EQ(message(encoder->describe(0, *stream->codecpar)), "");
+    stream->time_base = {1, 1000};
+    clip.frames.push_back(frame);
+    auto packets = encoder->encode(frame, sent_label(0), true);
+    ASSERT_EQ(message(packets), "");
+    clip.packets.push_back(std::move(*packets));
+    LabelledDecoder decoder = decoder_for(clip);
+    EXPECT_EQ(decoded(clip, decoder).size(), 1U);
+    EXPECT_EQ(decoder.faults().all(), 0);
+}
+
+/// A frame whose planes are not those of the first one is no frame of the stream.
+TEST(LabelledPictures, OtherPlanesThanTheFirstAreRefused) {
+    const Scene scene = scene_of_bits(12);
+    auto encoder = LabelledEncoder::open(test_frame(scene, 0, {true}), scene, TrackCoding::h264_quick);
+    ASSERT_EQ(message(encoder), "");
+    const auto packets = encoder->encode(test_frame(scene, 1, {}), sent_label(1), true);
+    ASSERT_FALSE(packets.ok());
+    EXPECT_EQ(packets.error().kind, ErrorKind::input);
+}
+
 TEST(LabelledPictures, EachKeyframeOfDepthHasTheScene) {
     const Scene scene = scene_of_bits(12);
     const LabelledClip clip = labelled_clip(scene, 5, {true, true});
