@@ -423,6 +423,8 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     const bool is_folder = std::filesystem::is_directory(status);
     if (!is_folder && !std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
+    if (!is_folder && path.extension() == ".m3u8" && !scene_file && !known)
+        return open_stream_clip({.url = playlist_in_folder(path.string())}, wanted.colour);
     if (known && scene_file)
         return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
                            of_bare_pictures());

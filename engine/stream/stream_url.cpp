@@ -89,6 +89,13 @@ Result<StreamUrl> read_pipe(std::string_view words) {
 
 }  // namespace
 
+StreamUrl playlist_in_folder(const std::string& file) {
+    StreamUrl url;
+    url.transport = StreamTransport::http;
+    url.text = url.path = file;
+    return url;
+}
+
 bool is_stream_url(std::string_view words) {
     return words == "-" || scheme_of(words) != nullptr;
 }

@@ -31,6 +31,9 @@ struct StreamUrl {
     std::string value(std::string_view key) const;
 };
 
+/// A playlist of HTTP Live Streaming in a folder of this machine, as it lies on its way to a web server.
+StreamUrl playlist_in_folder(const std::string& file);
+
 /// Whether a person's word is meant as one, whatever its rest looks like: it begins as above.
 bool is_stream_url(std::string_view words);
 
