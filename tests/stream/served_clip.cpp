@@ -21,16 +21,12 @@ namespace {
 
 constexpr const char* program = TOUCHABLE_PROGRAM;
 
-/// What it has said once it says `word`, or has ended, or 20 s have passed.
-std::string said_until(int descriptor, std::string_view word) {
+/// Its first line, or what there is of it once it has ended or 60 s have passed.
+std::string first_line(int descriptor) {
     std::string said;
-    char some[512];
+    char one = 0;
     pollfd waits{descriptor, POLLIN, 0};
-    while (said.find(word) == std::string::npos && ::poll(&waits, 1, 20'000) > 0) {
-        const ssize_t got = ::read(descriptor, some, sizeof some);
-        if (got <= 0) break;
-        said.append(some, static_cast<std::size_t>(got));
-    }
+    while (::poll(&waits, 1, 60'000) > 0 && ::read(descriptor, &one, 1) == 1 && one != '\n') said += one;
     return said;
 }
 
@@ -77,9 +73,12 @@ Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::pat
         return input_error(std::string(program) + ": cannot be run; build the target touchable");
     }
     std::unique_ptr<ServedClip> served(new ServedClip(process, ends[0], std::move(report)));
-    const std::string said = said_until(ends[0], "127.0.0.1");
-    if (said.find("127.0.0.1") == std::string::npos)
+    // "listening on tcp://127.0.0.1:7000: touchable play ...", or that it waits for a caller there.
+    const std::string said = first_line(ends[0]);
+    const std::size_t to = said.rfind(": touchable play "), from = said.rfind(' ', to);
+    if (to == std::string::npos || from >= to)
         return Error{ErrorKind::check, "touchable serve does not begin; it says: " + said};
+    served->address_ = said.substr(from + 1, to - from - 1);
     return served;
 }
 

@@ -28,6 +28,8 @@ public:
     ServedClip(const ServedClip&) = delete;
     ServedClip& operator=(const ServedClip&) = delete;
 
+    /// Where it listens, as it says: "tcp://127.0.0.1:41234".
+    const std::string& address() const { return address_; }
     /// Asks it to end; its report.
     Result<nlohmann::ordered_json> end();
     /// CPU time that it has taken so far, ns.
@@ -39,6 +41,7 @@ private:
     pid_t process_;  // 0: it has ended
     int says_;       // what it says comes out of this
     std::filesystem::path report_;
+    std::string address_;
 };
 
 }  // namespace touchable::test
