@@ -147,7 +147,7 @@ void FramesetAssembler::give_whole() {
 }
 
 void FramesetAssembler::give(std::int64_t number) {
-    Frameset frameset;
+    WholeFrameset frameset;
     frameset.number = number;
     bool is_one = true;
     const Held* const depth = of(PlaneRole::depth, number);
@@ -232,9 +232,9 @@ bool FramesetAssembler::has_part() const {
     return false;
 }
 
-std::optional<Frameset> FramesetAssembler::take() {
+std::optional<WholeFrameset> FramesetAssembler::take() {
     if (whole_.empty()) return std::nullopt;
-    Frameset frameset = std::move(whole_.front());
+    WholeFrameset frameset = std::move(whole_.front());
     whole_.pop_front();
     return frameset;
 }

@@ -21,7 +21,7 @@ struct StreamPicture {
 };
 
 /// Planes of one frame. What is not there is empty.
-struct Frameset {
+struct WholeFrameset {
     std::int64_t number = 0, taken_ns = 0;
     std::array<Plane, all_roles.size()> planes{};  ///< by PlaneRole
 };
@@ -66,7 +66,7 @@ public:
     /// Numbers begin anew.
     void restart();
     /// The next whole one.
-    std::optional<Frameset> take();
+    std::optional<WholeFrameset> take();
     /// Whether there are pictures of a frame that is not whole.
     bool has_part() const;
     const FramesetCounts& counts() const { return counts_; }
@@ -104,7 +104,7 @@ private:
     Before before_;
     Plane newest_colour_;
     std::map<std::int64_t, Roles> missed_;  // not whole when a later one was given, and what there was of it
-    std::deque<Frameset> whole_;
+    std::deque<WholeFrameset> whole_;
     FramesetCounts counts_;
 };
 

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "engine/ffmpeg/demuxer.hpp"
+#include "engine/stream/matroska_gate.hpp"
 #include "engine/stream/stream_pictures.hpp"
 #include "engine/stream/stream_track.hpp"
 #include "engine/video/clip_container.hpp"
@@ -52,7 +53,7 @@ private:
 
 Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& described) {
     bytes_->allow(most_of_a_header);
-    auto demuxer = Demuxer::open_live(bytes_, name_, "matroska");
+    auto demuxer = Demuxer::open_live(std::make_shared<MatroskaGate>(bytes_), name_, "matroska");
     if (!demuxer) return demuxer.error();
     demuxer_ = std::move(*demuxer);
     const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));

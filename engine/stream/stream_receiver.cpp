@@ -93,7 +93,7 @@ Result<void> StreamReceiver::take(StreamPictures::Came came) {
     return {};
 }
 
-Received StreamReceiver::received(Frameset frameset) const {
+Received StreamReceiver::received(WholeFrameset frameset) const {
     Received received{frameset.number, frameset.taken_ns, {}};
     if (received.sent_ns == 0) received.sent_ns = scene_.rate.time_ns(frameset.number) + 1;
     for (const PlaneRole role : all_roles) {

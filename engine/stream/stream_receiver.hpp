@@ -68,7 +68,7 @@ private:
     Result<void> connect(const StreamSource& source);
     Result<void> read_first();
     Result<void> take(StreamPictures::Came came);
-    Received received(Frameset frameset) const;
+    Received received(WholeFrameset frameset) const;
 
     const std::string name_;
     const std::shared_ptr<StreamWait> wait_;

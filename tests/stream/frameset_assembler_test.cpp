@@ -24,18 +24,18 @@ StreamPicture picture(PlaneRole role, std::int64_t number, std::int64_t taken_ns
 std::int64_t number_in(const Plane& plane) {
     return plane.view.empty() ? -1 : plane.view.sample(0, 0, 0);
 }
-const Plane& plane_in(const Frameset& frameset, PlaneRole role) {
+const Plane& plane_in(const WholeFrameset& frameset, PlaneRole role) {
     return frameset.planes[static_cast<std::size_t>(role)];
 }
 
-std::vector<Frameset> take_all(FramesetAssembler& assembler) {
-    std::vector<Frameset> all;
+std::vector<WholeFrameset> take_all(FramesetAssembler& assembler) {
+    std::vector<WholeFrameset> all;
     while (auto frameset = assembler.take()) all.push_back(std::move(*frameset));
     return all;
 }
-std::vector<std::int64_t> numbers_of(const std::vector<Frameset>& framesets) {
+std::vector<std::int64_t> numbers_of(const std::vector<WholeFrameset>& framesets) {
     std::vector<std::int64_t> numbers;
-    for (const Frameset& frameset : framesets) numbers.push_back(frameset.number);
+    for (const WholeFrameset& frameset : framesets) numbers.push_back(frameset.number);
     return numbers;
 }
 using Numbers64 = std::vector<std::int64_t>;
@@ -112,7 +112,7 @@ TEST(FramesetAssembler, PicturesThatStayServeAllTheirFrames) {
     for (std::int64_t n = 1; n < 4; ++n) assembler.add(picture(depth, n));
     const auto given = take_all(assembler);
     EXPECT_EQ(numbers_of(given), Numbers64({0, 1, 2, 3}));
-    for (const Frameset& frameset : given) EXPECT_EQ(number_in(plane_in(frameset, haptic)), 0);
+    for (const WholeFrameset& frameset : given) EXPECT_EQ(number_in(plane_in(frameset, haptic)), 0);
     assembler.add(picture(depth, 4));
     EXPECT_FALSE(assembler.take());
 }
@@ -158,7 +158,7 @@ TEST(FramesetAssembler, NeverMixesFrames) {
                     sent[std::min(sent.size() - 1, k + static_cast<std::size_t>(numbers.below(shuffle)))]);
         std::int64_t last = -1, last_taken = 0, given = 0;
         const auto check = [&] {
-            for (const Frameset& frameset : take_all(assembler)) {
+            for (const WholeFrameset& frameset : take_all(assembler)) {
                 ++given;
                 for (const PlaneRole role : {depth, haptic, height})
                     ASSERT_EQ(number_in(plane_in(frameset, role)), frameset.number);
