@@ -24,6 +24,23 @@ int is_over(void* wait) {
     return static_cast<const StreamWait*>(wait)->is_over() ? 1 : 0;
 }
 
+/// Of SRT, for what is lost to be sent again: 0 to 60 s; nothing where it says none, or another.
+std::optional<int> latency_ms_of(const StreamUrl& url) {
+    const std::string words = url.value("latency");
+    int latency = -1;
+    const auto [end, failure] = std::from_chars(words.data(), words.data() + words.size(), latency);
+    constexpr int most_latency_ms = 60'000;
+    const bool is_right = failure == std::errc() && end == words.data() + words.size() && latency >= 0 &&
+                          latency <= most_latency_ms;
+    return is_right ? std::optional(latency) : std::nullopt;
+}
+
+/// As FFmpeg takes it: of SRT and UDP without settings, which it would read in units of its own.
+std::string address_of(const StreamUrl& url) {
+    const bool has_settings = url.transport == StreamTransport::srt || url.transport == StreamTransport::udp;
+    return has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
+}
+
 /// What goes with its address.
 struct NetworkOptions {
     AVDictionary* all = nullptr;
@@ -38,11 +55,20 @@ struct NetworkOptions {
         if (url.transport == StreamTransport::udp) {
             set("overrun_nonfatal", "1");
             set("buffer_size", "4194304");
+            for (const char* const key : {"localaddr", "ttl"}) take(url, key, key);
         }
+        if (url.transport != StreamTransport::srt) return;
+        set("mode", url.value("mode") == "listener" ? "listener" : "caller");
+        for (const char* const key : {"passphrase", "pbkeylen"}) take(url, key, key);
+        take(url, "streamid", "srt_streamid");
+        if (const auto latency = latency_ms_of(url)) set("latency", std::to_string(*latency * 1000));
     }
     ~NetworkOptions() { av_dict_free(&all); }
     NetworkOptions(const NetworkOptions&) = delete;
     NetworkOptions& operator=(const NetworkOptions&) = delete;
+    void take(const StreamUrl& url, const char* key, const char* name) {
+        if (const std::string value = url.value(key); !value.empty()) set(name, value);
+    }
     void set(const char* name, const std::string& value) { av_dict_set(&all, name, value.c_str(), 0); }
 };
 
@@ -123,7 +149,8 @@ Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWai
             NetworkOptions options(url);
             AVIOContext* io = nullptr;
             const AVIOInterruptCB callback{is_over, wait.get()};
-            const int status = avio_open2(&io, url.text.c_str(), AVIO_FLAG_READ, &callback, &options.all);
+            const int status =
+                avio_open2(&io, address_of(url).c_str(), AVIO_FLAG_READ, &callback, &options.all);
             return Opened{status, IoPtr(io)};
         },
         [wait] { return wait->is_over(); });
@@ -139,6 +166,8 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
                                                           const StreamPatience& patience) {
     silence_ffmpeg();
+    if (url.transport == StreamTransport::srt && !url.value("latency").empty() && !latency_ms_of(url))
+        return usage_error("latency is milliseconds, from 0 to 60000");
     const bool listens = url.transport == StreamTransport::srt && url.value("mode") == "listener";
     wait->at_most(listens ? patience.caller : patience.connection);
     if (url.transport == StreamTransport::pipe) return open_pipe(url, std::move(wait));

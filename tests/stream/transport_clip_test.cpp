@@ -112,7 +112,7 @@ TEST(TransportClip, ComesBySrtAndUdp) {
         const bool is_srt = scheme == "srt";
         const NetworkSender sender(address + (is_srt ? "?mode=listener&latency=20000" : "?pkt_size=1316"),
                                    sent, 10);
-        StreamSource source = source_of(address + (is_srt ? "?mode=caller&latency=20000" : ""));
+        StreamSource source = source_of(address + (is_srt ? "?mode=caller&latency=20" : ""));
         source.patience.connection = std::chrono::seconds(20);
         const auto clip = open_stream_clip(source);
         ASSERT_EQ(message(clip), "") << scheme;
@@ -132,7 +132,7 @@ TEST(TransportClip, MatroskaComesBySrtToItsEnd) {
     const auto sent = std::make_shared<const StreamOfFrames>(std::move(made));
     const std::string address = "srt://127.0.0.1:" + free_port();
     const NetworkSender sender(address + "?mode=listener&latency=20000&linger=2", sent, 2);
-    StreamSource source = source_of(address + "?mode=caller&latency=20000");
+    StreamSource source = source_of(address + "?mode=caller&latency=20");
     source.patience.connection = std::chrono::seconds(20);
     const auto clip = open_stream_clip(source);
     ASSERT_EQ(message(clip), "");
