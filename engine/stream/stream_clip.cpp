@@ -97,7 +97,7 @@ Result<void> StreamClip::seek(std::int64_t frame) {
     if (frame < read_ && !keeps_)
         return usage_error(url_.name() +
                            ": is a stream, which goes on and not back; save it first: touchable convert " +
-                           shell_word(url_.text) + " clip.mkv");
+                           shell_word(url_.name()) + " clip.mkv");
     position_ = std::min(frame, read_);
     while (position_ < frame) {
         const auto passed = next();

@@ -100,6 +100,12 @@ bool is_stream_url(std::string_view words) {
     return words == "-" || scheme_of(words) != nullptr;
 }
 
+std::string without_passphrase(const std::string& words) {
+    if (!words.starts_with("srt://")) return words;
+    const auto url = read_stream_url(words);
+    return url ? url->name() : "srt://...";
+}
+
 Result<StreamUrl> read_stream_url(std::string_view words) {
     const Scheme* const scheme = scheme_of(words);
     if (words == "-" || (scheme && scheme->transport == StreamTransport::pipe)) return read_pipe(words);

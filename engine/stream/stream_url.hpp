@@ -37,6 +37,9 @@ StreamUrl playlist_in_folder(const std::string& file);
 /// Whether a person's word is meant as one, whatever its rest looks like: it begins as above.
 bool is_stream_url(std::string_view words);
 
+/// A clip's name for reports: of a stream without its passphrase, of anything else as it is.
+std::string without_passphrase(const std::string& words);
+
 /// Opens nothing. Refused (ErrorKind::usage), by what would be right: another form, a port out of range, a
 /// key that the transport has not.
 Result<StreamUrl> read_stream_url(std::string_view words);

@@ -6,6 +6,7 @@
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/terraces.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "engine/trigonometry.hpp"
 #include "player/options/setting_words.hpp"
 
@@ -54,7 +55,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     auto clip = open_chosen(choice, Colour::left_out);
     if (!clip.ok()) return clip.error();
     ClipFacts facts;
-    facts.clip = choice.file.string();
+    facts.clip = without_passphrase(choice.file.string());
     facts.scene = clip->scene;
     facts.chosen = clip->chosen;
     if (facts.chosen) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/stream/stream_url.hpp"
 #include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
 #include "player/options/setting_words.hpp"
@@ -288,7 +289,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     std::vector<std::string> notes = remarks_with_options(setup.notes);
     notes.insert(notes.end(), of_run.begin(), of_run.end());
     Json report{{"format", 1},
-                {"clip", setup.clip.file.string()},
+                {"clip", without_passphrase(setup.clip.file.string())},
                 {"notes", notes},
                 {"run_notes", of_run},
                 {"filters", filters_json(setup.scene, setup.filters,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/scene/scene_file.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "haptics_cpu/force_rules.hpp"
 #include "player/session/camera_words.hpp"
 #include "player/session/session_options.hpp"
@@ -20,7 +21,7 @@ Json recorded_facts(const TouchSetup& setup) {
     const GuardSettings& guard = setup.settings.guard;
     const ClipChoice& clip = setup.clip;
     Json facts{{"rules", force_rules},
-               {"clip", (setup.film ? setup.film->file() : clip.file).string()},
+               {"clip", without_passphrase((setup.film ? setup.film->file() : clip.file).string())},
                {"scene", Json::parse(scene_to_json(setup.scene))},
                {"hand", setup.hand_words},
                {"builder", setup.feed->builder_name()},

@@ -29,6 +29,15 @@ TEST(StreamUrl, PartsOfOne) {
     EXPECT_EQ(read_stream_url("pipe:3")->text, "pipe:3");
 }
 
+TEST(StreamUrl, ItsNameKeepsItsPassphrase) {
+    EXPECT_EQ(read_stream_url("srt://h:1?passphrase=0123456789&latency=5")->name(),
+              "srt://h:1?passphrase=...&latency=5");
+    EXPECT_EQ(without_passphrase("srt://h:1?latency=5&passphrase=latency=5"),
+              "srt://h:1?latency=5&passphrase=...");
+    EXPECT_EQ(without_passphrase("srt://h?passphrase=0123456789"), "srt://...");
+    EXPECT_EQ(without_passphrase("clip.mkv"), "clip.mkv");
+}
+
 TEST(StreamUrl, WhatIsNoneIsRefused) {
     for (const char* const words :
          {"tcp://host", "tcp://host:", "tcp://host:65536", "tcp://host:-1", "tcp://host:1x", "tcp://host:1/a",
