@@ -53,13 +53,14 @@ bool ForceGuard::is_sound(const Contact& contact, const BlendedForce& blended) c
 }
 
 /// A step towards no force. Whoever comes back before that finds the ramp at the share that was left.
-GuardedForce ForceGuard::ramp_out() {
+GuardedForce ForceGuard::ramp_out(double surface_share) {
     ticks_faulty_ = std::min(ticks_faulty_ + 1, ramp_out_ticks());
     const double left = 1.0 - static_cast<double>(ticks_faulty_) / ramp_out_ticks();
     ticks_in_ = ramp_ * left * settings_.ramp_in_ticks;
     account_.lose_goal();
     if (has_let_go()) stiffness_.lift();
-    const GuardedForce out{last_force_ * left, guard_fault, account_.figures()};
+    const std::uint32_t stale = surface_share < 1 ? guard_stale : guard_none;
+    const GuardedForce out{last_force_ * left * surface_share, guard_fault | stale, account_.figures()};
     return can_go_out(out) ? out : begin_anew();
 }
 
@@ -134,37 +135,40 @@ GuardedForce ForceGuard::begin_anew() {
 GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
                                double surface_share) {
     ticks_held_ = std::min(ticks_held_ + std::clamp(contact.ticks, 1, longest_ticks), longest_ticks);
-    if (contact.goal_held || !is_sound(contact, blended)) return ramp_out();
+    if (contact.goal_held || !is_sound(contact, blended)) return ramp_out(surface_share);
     ticks_faulty_ = 0;
     const int ticks = std::exchange(ticks_held_, 0);
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
-    const bool is_stale = surface_share < 1;
     ramp_ = ramping ? ticks_in_ / settings_.ramp_in_ticks : 1.0;
-    if (is_stale) ramp_ *= surface_share;
+    const double felt_share = ramp_ * surface_share;
 
-    account_.move(contact, stiffness_.carried(contact), ramp_);
+    account_.move(contact, stiffness_.carried(contact), felt_share);
     const double stiffness = stiffness_.in_effect(contact, account_);
     account_.store(stiffness);
     GuardedForce out;
     out.force = spring(contact, blended.force, stiffness, out.reasons);
     GuardedForce alone = out;  // before anything is added
     brake(contact, blended, stiffness, ticks, out);
-    if (ramping || is_stale) out.force *= ramp_;
-    if (is_stale) out.reasons |= guard_stale;
     if (ramping) {
+        out.force *= ramp_;
         out.reasons |= guard_ramp;
         ticks_in_ += 1;
+    }
+    const glm::dvec3 whole = out.force;
+    if (surface_share < 1) {
+        out.force *= surface_share;
+        out.reasons |= guard_stale;
     }
     glm::dvec3 by_the_jump(0.0);
     if (is_blended) {
         limit(alone);
-        by_the_jump = ramp_ * alone.force - account_.spring_force();
+        by_the_jump = felt_share * alone.force - account_.spring_force();
         out.reasons |= guard_jump;
     }
     account_.hold(out.force, by_the_jump);
     out.energy = account_.figures();
     if (!can_go_out(out)) return begin_anew();
-    last_force_ = out.force;
+    last_force_ = whole;
     return out;
 }
 

@@ -66,7 +66,7 @@ public:
 private:
     int ramp_out_ticks() const;
     bool is_sound(const Contact& contact, const BlendedForce& blended) const;
-    GuardedForce ramp_out();
+    GuardedForce ramp_out(double surface_share);
     GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
                        double surface_share);
     glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
@@ -85,7 +85,7 @@ private:
     double ramp_ = 0;       // share let through in the last tick without a fault
     int ticks_faulty_ = 0;  // since the goal stopped being finite
     int ticks_held_ = 0;    // that have passed since a goal was last known
-    glm::dvec3 last_force_{0.0};
+    glm::dvec3 last_force_{0.0};  // of a surface that is felt whole
     EnergyAccount account_;
     ContactStiffness stiffness_;
     ContactDamping damping_;

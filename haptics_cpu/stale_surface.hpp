@@ -7,9 +7,9 @@
 
 namespace touchable {
 
-/// How much of a live surface is felt, by its age: one whose newest frame is older than the settings say goes
-/// by the ramp by which forces go, and comes back by that by which they come, once there is a newer frame. A
-/// pure function of what it was given so far.
+/// How much of a live surface is felt, by its age: one that no newer frame has renewed for as long as the
+/// settings say goes by the ramp by which forces go, and comes back by that by which they come, once there is
+/// a newer frame. A pure function of what it was given so far.
 class StaleSurface {
 public:
     explicit StaleSurface(const GuardSettings& settings)

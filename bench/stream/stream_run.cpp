@@ -58,11 +58,12 @@ Result<std::unique_ptr<TouchSetup>> touch_live(const std::string& camera, std::i
     return setup_from_options(options);
 }
 
-void add_network_figures(const StreamFigures& came, double sent, Figures& figures) {
+void add_network_figures(const StreamFigures& came, Figures& figures) {
+    const auto sent = static_cast<double>(came.whole + came.late + came.lost + came.torn);
     const auto add = [&](const char* name, double value, const char* unit) {
         figures.push_back({name, value, unit});
     };
-    add("framesets_sent", sent, "");
+    add("framesets", sent, "");
     add("whole", static_cast<double>(came.whole), "");
     add("lost", static_cast<double>(came.lost), "");
     add("torn", static_cast<double>(came.torn), "");
@@ -132,7 +133,7 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
     const auto report = (*served)->end();
     if (!report.ok()) return report.error();
     if (!came || came->whole == 0) return Error{ErrorKind::check, "no whole frameset came"};
-    add_network_figures(*came, static_cast<double>(stream.clip.frames), figures);
+    add_network_figures(*came, figures);
     figures.push_back({"sender_cpu_ms", report->at("cpu_ms_per_frameset").get<double>(), "ms"});
     figures.push_back({"kb_per_frameset", report->at("bytes_per_frameset").get<double>() * 1e-3, "KB"});
     return {};

@@ -59,7 +59,7 @@ void CameraRun::interrupt() {
 std::optional<Error> CameraRun::told_to_end() const {
     if (!interrupted_ && (has_begun() || !stop_requested())) return std::nullopt;
     return Error{ErrorKind::interrupted,
-                 "the camera was told to stop before it gave frame " + std::to_string(next_number_)};
+                 "the " + kind_ + " was told to stop before it gave frame " + std::to_string(next_number_)};
 }
 
 void CameraRun::remark(std::string words) {
@@ -76,7 +76,7 @@ void CameraRun::gone(const std::string& why) {
                       1e-9 * static_cast<double>(steady_ns(std::chrono::steady_clock::now()) - *zero_ns_));
         when = words;
     }
-    remark("the camera, " + name_ + ", " + why + when);
+    remark("the " + kind_ + ", " + name_ + ", " + why + when);
 }
 
 std::vector<std::string> CameraRun::remarks() const {

@@ -20,8 +20,9 @@ inline constexpr std::int64_t ns_before_a_run = 1000;
 /// to end; whether the camera is gone, and what a person should know. One thread, but where it says so.
 class CameraRun {
 public:
-    /// `name`: as messages call the camera.
-    explicit CameraRun(std::string name) : name_(std::move(name)) {}
+    /// `name`: as messages call the camera; `kind`: what they call it, where it is none.
+    explicit CameraRun(std::string name, std::string kind = "camera")
+        : name_(std::move(name)), kind_(std::move(kind)) {}
 
     bool has_begun() const { return zero_ns_.has_value(); }
     /// Frames count from here on; once more after a run that has ended.
@@ -52,7 +53,7 @@ public:
     std::vector<std::string> remarks() const;
 
 private:
-    const std::string name_;
+    const std::string name_, kind_;
     Wake wake_;
     std::atomic<bool> interrupted_{false};
     bool is_gone_ = false;

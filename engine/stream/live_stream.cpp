@@ -48,7 +48,7 @@ class LiveStream final : public ClipReader {
 public:
     LiveStream(const StreamChoice& choice, const std::optional<SceneDescription>& described)
         : source_{.url = choice.url, .patience = choice.patience, .described = described},
-          run_(choice.url.name()),
+          run_(choice.url.name(), "stream"),
           buffer_(std::chrono::nanoseconds(choice.latency).count()),
           pace_(std::chrono::nanoseconds(choice.latency).count()) {
         if (choice.connection && choice.connection->is_unread()) {
@@ -83,7 +83,8 @@ private:
         JitterBuffer::Moments moments;
     };
     void receive();
-    bool connect_again(const std::string& why);
+    bool connect_again(std::string why);
+    std::string in_short(const Error& error) const;
     void put(Received received);
     void note(const StreamReceiver& receiver);
     void is_over(const std::string& why);
@@ -173,15 +174,21 @@ void LiveStream::receive() {
         if (source_.wait->is_interrupted()) return;
         if (!received && received.error().kind == ErrorKind::internal)
             return is_over(received.error().message);
-        const std::string why = received ? receiver_->how_it_ended() : "sent no whole frameset for long";
+        const std::string why = received ? receiver_->how_it_ended() : in_short(received.error());
         const bool has_ended = received && source_.url.is_playlist();
         if (has_ended || source_.url.transport == StreamTransport::pipe) return is_over(why);
         if (!connect_again(why)) return;
     }
 }
 
+/// What is wrong, behind the name that messages begin with.
+std::string LiveStream::in_short(const Error& error) const {
+    const std::string name = source_.url.name() + ": ";
+    return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
+}
+
 /// False where it is told to end, or nothing of use is sent any more.
-bool LiveStream::connect_again(const std::string& why) {
+bool LiveStream::connect_again(std::string why) {
     constexpr int most_doublings = 4;
     before_ += receiver_->counts();
     receiver_->hang_up();
@@ -194,7 +201,10 @@ bool LiveStream::connect_again(const std::string& why) {
         }
         auto receiver = StreamReceiver::open(source_);
         if (source_.wait->is_interrupted()) return false;
-        if (!receiver) continue;
+        if (!receiver) {
+            why = in_short(receiver.error());
+            continue;
+        }
         if (!(*receiver)->is_like(*receiver_)) {
             is_over("sends another scene or other planes than before: begin again to touch them");
             return false;
@@ -313,7 +323,7 @@ Result<void> LiveStream::begin(std::chrono::steady_clock::time_point zero) {
     run_.begin(zero);
     const std::int64_t begin_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count();
     const std::lock_guard lock(mutex_);
-    while (!waiting_.empty() && waiting_.front().moments.taken_ns <= begin_ns) {
+    while (!waiting_.empty() && waiting_.front().moments.shown_ns <= begin_ns) {
         waiting_bytes_ -= bytes_of_planes(waiting_.front().received.frame);
         waiting_.pop_front();
     }
@@ -326,7 +336,7 @@ std::vector<std::string> LiveStream::remarks() const {
     std::vector<std::string> all = run_.remarks();
     const std::lock_guard lock(mutex_);
     if (!why_again_.empty())
-        all.push_back("the sender " + why_again_ + "; connecting again");
+        all.push_back("connecting to the sender again (" + why_again_ + ")");
     else if (const std::int64_t silent = now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
         all.push_back(in_words("the sender has sent no whole frameset for %.0f s; it is waited for",
                                1e-9 * static_cast<double>(silent)));

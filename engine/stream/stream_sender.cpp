@@ -80,25 +80,31 @@ bool StreamSender::is_key(std::int64_t time_ns) {
 Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     const PictureLabel label{figures_.framesets, time_.utc_ns() + due.at_ns - time_.now_ns()};
     const bool key = is_key(due.time_ns);
+    const bool is_ahead = !clip_->is_live() && settings_.is_paced;
     std::vector<StreamBlock> blocks;
-    for (const StreamChannel& channel : channels_) {
+    for (StreamChannel& channel : channels_) {
         auto block = channel.muxer->add(frame, label, due.time_ns, key);
         if (!block) return block.error();
-        blocks.push_back(std::move(*block));
+        if (is_ahead)
+            blocks.push_back(std::move(*block));
+        else  // the next form may take its time
+            give(channel, std::move(*block));
     }
-    if (!clip_->is_live() && settings_.is_paced) {
+    if (is_ahead) {
         if (!time_.wait_until(due.at_ns)) return false;
         keep_pace(due);
-    }
-    for (std::size_t k = 0; k < channels_.size(); ++k) {
-        if (figures_.framesets == 0) channels_[k].ring.begin(channels_[k].muxer->header());
-        figures_.bytes += std::ssize(blocks[k].bytes);
-        channels_[k].ring.add(std::move(blocks[k]));
+        for (std::size_t k = 0; k < channels_.size(); ++k) give(channels_[k], std::move(blocks[k]));
     }
     ++figures_.framesets;
     figures_.keys += key ? 1 : 0;
     sent_ = figures_.framesets;
     return true;
+}
+
+void StreamSender::give(StreamChannel& channel, StreamBlock block) {
+    if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header());
+    figures_.bytes += std::ssize(block.bytes);
+    channel.ring.add(std::move(block));
 }
 
 void StreamSender::keep_pace(const Due& due) {

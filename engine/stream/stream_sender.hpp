@@ -74,6 +74,7 @@ private:
     Due due(const RawFrame& frame) const;
     Result<bool> send(const RawFrame& frame, const Due& due);
     bool is_key(std::int64_t time_ns);
+    void give(StreamChannel& channel, StreamBlock block);
     void keep_pace(const Due& due);
 
     const std::unique_ptr<ClipReader> clip_;

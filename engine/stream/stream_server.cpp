@@ -179,8 +179,11 @@ void StreamServer::refuse(const std::string& name) {
     const std::int64_t now_ns = clock_();
     if (now_ns < next_refusal_said_ns_) return;
     next_refusal_said_ns_ = now_ns + silence_ns;
-    audience_.remark(name + " is refused: there are " + std::to_string(StreamAudience::most_listeners) +
-                     " listeners, which is as many as there may be");
+    const bool has_room = audience_.has_room();  // but too many connect that do not listen
+    audience_.remark(name + " is refused: there are " +
+                     (has_room ? std::to_string(most_connections) + " connections"
+                               : std::to_string(StreamAudience::most_listeners) + " listeners") +
+                     ", which is as many as there may be");
 }
 
 }  // namespace touchable

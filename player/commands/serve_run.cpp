@@ -252,9 +252,10 @@ bool Serving::is_all_given() const {
     return !server_ || server_->connections() == 0;
 }
 
-/// Who takes what is left is given it; but the end does not wait longer than a listener may take.
+/// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT with
+/// the longest latency.
 void Serving::wait_for_the_last() const {
-    constexpr std::chrono::seconds longest{10};
+    const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
     const auto until = std::chrono::steady_clock::now() + longest;
     while (!is_all_given() && !interrupted() && std::chrono::steady_clock::now() < until)
         std::this_thread::sleep_for(serve_look_again);

@@ -23,8 +23,8 @@ CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session) {
 CLI::Option* add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
     return add_number_option(
         sub, "--stale-after", milliseconds,
-        "ms: a live surface whose newest frame is older is not felt any more, until a "
-        "newer one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
+        "ms: a live surface that no newer frame has renewed for so long is not felt any more, "
+        "until one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
         0, 3'600'000);
 }
 

@@ -222,7 +222,10 @@ void read_guard(const Json& limits, GuardSettings& guard) {
     guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
     guard.damping = number_or(limits, "damping", guard.damping);
     guard.passivity = number_or(limits, "passivity", guard.passivity);
-    guard.stale_after_ns = static_cast<std::int64_t>(number_or(limits, "stale_after_ns", 0));
+    const double stale_after_ns = number_or(limits, "stale_after_ns", 0);
+    if (!(stale_after_ns >= 0 && stale_after_ns <= 3.6e12))
+        throw std::out_of_range("stale_after_ns must be 0 to 3600000000000");
+    guard.stale_after_ns = static_cast<std::int64_t>(stale_after_ns);
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
 }
 

@@ -124,6 +124,26 @@ TEST_F(OldSurface, GoesByTheTimeThatHasPassed) {
     EXPECT_NEAR(force, 4 * 0.7, 1e-9);
 }
 
+TEST_F(OldSurface, GoalsThatAreMissingMeanwhileMakeNoStep) {
+    for (const int held : {1, 2, 50}) {
+        for (const bool rising : {false, true}) {
+            tick = newest_tick = 0;
+            begin();
+            become_stale();
+            for (int k = 0; k < 50; ++k) press(4);
+            EXPECT_NEAR(force, 2, 1e-9);
+            const auto go_on = [&](double depth) {
+                if (rising) newest_tick = tick;
+                press(depth);
+                EXPECT_LE(change, 2 * 0.04 * for_rounding) << held << rising;
+            };
+            for (int k = 0; k < held; ++k) go_on(NAN);
+            for (int k = 0; k < 200; ++k) go_on(4);
+            EXPECT_NEAR(force, rising ? 4 : 0, 1e-9);
+        }
+    }
+}
+
 TEST_F(OldSurface, StaysWhereNobodyMindsItsAge) {
     guard.stale_after_ns = 0;
     begin();
