@@ -68,7 +68,7 @@ public:
         if (!*packet) return std::optional<Next>();
         constexpr int of_colour = 1000;
         const int track = (*packet)->stream->index + ((*packet)->is_touch ? 0 : of_colour);
-        seen_.insert(track);
+        if ((*packet)->stream->codecpar->codec_id == AV_CODEC_ID_H264) seen_.insert(track);
         return std::optional(Next{track, (*packet)->stream, std::move((*packet)->packet)});
     }
     /// Segments have all of their tracks.

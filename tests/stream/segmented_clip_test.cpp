@@ -3,12 +3,14 @@
 
 #include <memory>
 
+#include "engine/film/film_writer.hpp"
 #include "engine/stream/hls_writer.hpp"
 #include "engine/stream/live_stream.hpp"
 #include "engine/stream/segment_pace.hpp"
 #include "engine/stream/stream_clip.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/web_server.hpp"
+#include "tests/video/sounding_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -18,9 +20,11 @@ struct SegmentedStream {
     TemporaryFolder folder;
     std::vector<RawFrame> frames;
 
-    SegmentedStream(int count, const Planes& planes) {
+    SegmentedStream(int count, const Planes& planes, bool sounds = false) {
         const Scene scene = small_scene(64, 48, 16);
-        const auto writer = HlsWriter::open({folder / "web", 500'000'000, 0}, scene);
+        std::optional<SoundPart> sound;
+        if (sounds) sound = SoundPart{sounding_film(), 0, 2'000'000'000};
+        const auto writer = HlsWriter::open({folder / "web", 500'000'000, 0}, scene, sound);
         EXPECT_EQ(message(writer), "");
         for (int n = 0; n < count; ++n) {
             frames.push_back(test_frame(scene, n, planes));
@@ -28,6 +32,17 @@ struct SegmentedStream {
             EXPECT_EQ(message((*writer)->add(frames.back(), label, scene.rate.time_ns(n))), "");
         }
         EXPECT_EQ(message((*writer)->finish()), "");
+        EXPECT_TRUE(!sounds || (*writer)->notes().empty());
+    }
+    /// Two seconds of a tone, as AAC.
+    std::filesystem::path sounding_film() const {
+        const std::vector<std::uint8_t> grey(16 * 16 * 3, 128);
+        const auto film = FilmWriter::create(folder / "film.mp4", Existing::keep);
+        EXPECT_EQ(message(film), "");
+        EXPECT_EQ(message((*film)->add({grey.data(), 16 * 3, 16, 16, 1, 3}, 0)), "");
+        EXPECT_EQ(message((*film)->add_sound(0, tone(440, 2))), "");
+        EXPECT_EQ(message((*film)->finish(60)), "");
+        return folder / "film.mp4";
     }
     WebServer::Answer answer() const {
         return [this](const std::string& path) { return reply_with_file(folder / "web", path); };
@@ -35,8 +50,12 @@ struct SegmentedStream {
 };
 
 TEST(SegmentedClip, IsWhatWasSentToTheBit) {
-    for (const Planes& planes : {all_planes, Planes{}}) {
-        const SegmentedStream sent(40, planes);
+    struct Sent {
+        Planes planes;
+        bool sounds;
+    };
+    for (const auto& [planes, sounds] : {Sent{all_planes, false}, Sent{all_planes, true}, Sent{{}, false}}) {
+        const SegmentedStream sent(40, planes, sounds);
         const WebServer server(sent.answer());
         const auto clip = open_clip(server.url("/master.m3u8"));
         ASSERT_EQ(message(clip), "");
