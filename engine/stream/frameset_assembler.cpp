@@ -28,12 +28,26 @@ FramesetAssembler::FramesetAssembler(const std::vector<PlaneRole>& roles) {
             needed_ |= bit_of(role);
 }
 
-bool FramesetAssembler::begins_anew(const StreamPicture& picture) const {
-    if (!last_) return false;
+FramesetAssembler::Anew FramesetAssembler::begins_anew(const StreamPicture& picture) const {
+    if (!last_) return Anew::no;
     if (picture.number > *last_ + most_ahead || picture.number + picture.frames < *last_ - most_behind)
-        return true;
-    // Whoever sends began again.
-    return picture.number <= *last_ && picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
+        return Anew::yes;
+    // Whoever sends began again, or its clock was put back and this is of before.
+    const bool is_newer = picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
+    return picture.number <= *last_ && is_newer ? Anew::perhaps : Anew::no;
+}
+
+/// Numbers and times of both agree about which of them is the later one.
+bool FramesetAssembler::goes_on_from_doubtful(const StreamPicture& picture) const {
+    const std::int64_t frames = picture.number - doubtful_->number;
+    const std::int64_t ns = picture.taken_ns - doubtful_->taken_ns;
+    if (frames < -most_behind || frames > most_behind || picture.taken_ns <= last_taken_ns_) return false;
+    return frames == 0 ? ns == 0 && picture.role != doubtful_->role : (frames > 0) == (ns > 0);
+}
+
+void FramesetAssembler::begin_anew(std::int64_t since_ns) {
+    before_ = {since_ns, *last_, most_of_before};
+    restart();
 }
 
 bool FramesetAssembler::is_of_before(const StreamPicture& picture) {
@@ -45,10 +59,31 @@ bool FramesetAssembler::is_of_before(const StreamPicture& picture) {
 
 void FramesetAssembler::add(StreamPicture picture) {
     if (is_of_before(picture)) return;
-    if (begins_anew(picture)) {
-        before_ = {picture.taken_ns, *last_, most_of_before};
-        restart();
+    if (doubtful_) {
+        if (goes_on_from_doubtful(picture)) {
+            StreamPicture first = std::move(*doubtful_);
+            begin_anew(std::min(first.taken_ns, picture.taken_ns));
+            admit(std::move(first));
+            return admit(std::move(picture));
+        }
+        leave_doubtful();
     }
+    const Anew anew = begins_anew(picture);
+    if (anew == Anew::perhaps) {
+        doubtful_ = std::move(picture);
+        return;
+    }
+    if (anew == Anew::yes) begin_anew(picture.taken_ns);
+    admit(std::move(picture));
+}
+
+/// What nothing goes on from is late.
+void FramesetAssembler::leave_doubtful() {
+    if (doubtful_ && doubtful_->role != PlaneRole::colour) add_late(*doubtful_);
+    doubtful_.reset();
+}
+
+void FramesetAssembler::admit(StreamPicture picture) {
     const PlaneRole role = picture.role;
     if (last_ && picture.number + picture.frames <= *last_ + 1 && role != PlaneRole::colour)
         return add_late(picture);
@@ -212,11 +247,13 @@ void FramesetAssembler::forget() {
 
 void FramesetAssembler::end() {
     ended_ = true;
+    leave_doubtful();
     give_whole();
 }
 
 void FramesetAssembler::restart() {
     for (auto& held : held_) held.clear();
+    doubtful_.reset();
     torn_ = 0;
     missed_.clear();
     last_.reset();

@@ -82,7 +82,12 @@ private:
         std::int64_t since_ns = 0, last = 0;
         int left = 0;  // pictures
     };
-    bool begins_anew(const StreamPicture& picture) const;
+    enum class Anew { no, perhaps, yes };
+    Anew begins_anew(const StreamPicture& picture) const;
+    bool goes_on_from_doubtful(const StreamPicture& picture) const;
+    void begin_anew(std::int64_t since_ns);
+    void leave_doubtful();
+    void admit(StreamPicture picture);
     bool is_of_before(const StreamPicture& picture);
     void add_late(const StreamPicture& picture);
     bool hold(StreamPicture&& picture);
@@ -102,6 +107,7 @@ private:
     std::optional<std::int64_t> last_;  // given
     std::int64_t last_taken_ns_ = 0;
     Before before_;
+    std::optional<StreamPicture> doubtful_;  // it may be the first of a sender that began again
     Plane newest_colour_;
     std::map<std::int64_t, Roles> missed_;  // not whole when a later one was given, and what there was of it
     std::deque<WholeFrameset> whole_;

@@ -140,16 +140,23 @@ TEST(FramesetAssembler, NeverMixesFrames) {
     Numbers numbers(7);
     for (int round = 0; round < 300; ++round) {
         FramesetAssembler assembler(all_of_them);
-        const int loss = numbers.below(4) * 5, twice = numbers.below(20), shuffle = numbers.below(24);
-        const bool restarts = round % 3 == 0;
+        const bool restarts = round % 3 == 0, steps_back = round % 3 == 1;
+        const int loss = numbers.below(4) * 5, twice = numbers.below(20),
+                  shuffle = steps_back ? 0 : numbers.below(24);
         std::vector<StreamPicture> sent;
         for (int n = 0; n < 200; ++n) {
             const std::int64_t number = restarts && n >= 100 ? n - 95 : n;
             for (const PlaneRole role : all_roles) {
                 if (numbers.below(100) < loss) continue;
-                sent.push_back(picture(role, number, 1'000 + n));
+                const bool is_before_step = steps_back && n < 100;
+                sent.push_back(picture(role, number, (is_before_step ? 1'000'000 : 1'000) + n));
                 if (numbers.below(100) < twice) sent.push_back(sent.back());
             }
+        }
+        if (steps_back) {  // one of before the sender's clock was put back comes late
+            const std::int64_t of = 80 + numbers.below(20);
+            sent.insert(sent.begin() + static_cast<std::ptrdiff_t>(sent.size() * 6 / 10),
+                        picture(round % 2 == 0 ? colour : haptic, of, 1'000'000 + of));
         }
         if (shuffle > 0)
             for (std::size_t k = 0; k + 1 < sent.size(); ++k)
@@ -178,6 +185,7 @@ TEST(FramesetAssembler, NeverMixesFrames) {
         check();
         const FramesetCounts& counts = assembler.counts();
         EXPECT_EQ(counts.whole, given);
+        EXPECT_EQ(counts.restarts, restarts && shuffle == 0 ? 1 : restarts ? counts.restarts : 0) << round;
         EXPECT_TRUE(loss > 0 || shuffle > 1 || given == 200);
         EXPECT_TRUE(restarts || counts.whole + counts.late + counts.lost + counts.torn <= 200);
     }
