@@ -94,16 +94,27 @@ void FramesetAssembler::admit(StreamPicture picture) {
 }
 
 void FramesetAssembler::add_late(const StreamPicture& picture) {
-    const auto missed = missed_.find(picture.number);
-    if (missed == missed_.end() || (missed->second & bit_of(picture.role)) != 0) {
+    const auto found = missed_.find(picture.number);
+    if (found == missed_.end() || (found->second.there & bit_of(picture.role)) != 0) {
         ++counts_.repeated;
         return;
     }
-    missed->second |= bit_of(picture.role);
-    if (missed->second != needed_) return;
-    missed_.erase(missed);
+    Missed& missed = found->second;
+    missed.there |= bit_of(picture.role);
+    if (missed.there != needed_) return;
+    count(missed, -1);
+    missed_.erase(found);
     ++counts_.late;
-    --counts_.lost;
+}
+
+/// Once more, or once less.
+void FramesetAssembler::count(const Missed& missed, std::int64_t by) {
+    if (missed.is_torn) {
+        counts_.torn += by;
+        return;
+    }
+    counts_.lost += by;
+    if (missed.first_missing) counts_.lost_of[index_of(*missed.first_missing)] += by;
 }
 
 /// False where it was there.
@@ -215,23 +226,18 @@ void FramesetAssembler::give(std::int64_t number) {
 /// Between the last one given and this.
 void FramesetAssembler::count_missing(std::int64_t next) {
     if (!last_) return;
-    for (std::int64_t number = std::max(*last_ + 1, next - std::int64_t{most_missed}); number < next;
-         ++number) {
-        const Roles roles = there(number);
-        missed_[number] = roles;
-        for (const PlaneRole role : all_roles) {
-            if ((needed_ & bit_of(role)) == 0 || (roles & bit_of(role)) != 0) continue;
-            if (torn_ > 0) {
-                --torn_;
-                ++counts_.torn;
-                --counts_.lost;
-            } else {
-                ++counts_.lost_of[index_of(role)];
-            }
-            break;
-        }
+    const std::int64_t first = std::max(*last_ + 1, next - std::int64_t{most_missed});
+    counts_.lost += first - (*last_ + 1);  // too many to tell of each
+    for (std::int64_t number = first; number < next; ++number) {
+        Missed missed{there(number), std::nullopt, false};
+        for (const PlaneRole role : all_roles)
+            if (!missed.first_missing && (needed_ & ~missed.there & bit_of(role)) != 0)
+                missed.first_missing = role;
+        missed.is_torn = missed.first_missing && torn_ > 0;
+        if (missed.is_torn) --torn_;
+        count(missed, 1);
+        missed_[number] = missed;
     }
-    counts_.lost += next - *last_ - 1;
     while (missed_.size() > most_missed) missed_.erase(missed_.begin());
 }
 

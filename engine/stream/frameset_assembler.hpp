@@ -57,7 +57,7 @@ public:
     explicit FramesetAssembler(const std::vector<PlaneRole>& roles);
 
     void add(StreamPicture picture);
-    /// So many pictures had a wrong checksum.
+    /// So many pictures of planes that are felt had a wrong checksum.
     void add_torn(std::int64_t pictures) { torn_ += pictures; }
     /// Nobody looks at colour: it is not waited for.
     void leave_out_colour() { has_colour_ = false; }
@@ -77,6 +77,12 @@ private:
         Plane plane;
     };
     using Roles = std::uint32_t;  // a bit for each
+    /// A frameset that was not whole when a later one was given.
+    struct Missed {
+        Roles there = 0;
+        std::optional<PlaneRole> first_missing;
+        bool is_torn = false;  // as which it is counted, else as lost
+    };
     /// Where numbers began anew: what was sent before may still come.
     struct Before {
         std::int64_t since_ns = 0, last = 0;
@@ -97,6 +103,7 @@ private:
     bool came_before_colour(std::int64_t number) const;
     void give_whole();
     void give(std::int64_t number);
+    void count(const Missed& missed, std::int64_t by);
     void count_missing(std::int64_t next);
     void forget();
 
@@ -109,7 +116,7 @@ private:
     Before before_;
     std::optional<StreamPicture> doubtful_;  // it may be the first of a sender that began again
     Plane newest_colour_;
-    std::map<std::int64_t, Roles> missed_;  // not whole when a later one was given, and what there was of it
+    std::map<std::int64_t, Missed> missed_;
     std::deque<WholeFrameset> whole_;
     FramesetCounts counts_;
 };

@@ -113,6 +113,7 @@ private:
     const std::string name_;
     LabelledDecoder decoder_{most_stream_pixels};
     std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
+    std::optional<int> colour_stream_;
     bool is_described_ = false;                         // by somebody else
     std::optional<SceneDescription> described_;
     std::string scene_text_;
@@ -191,9 +192,13 @@ Result<bool> LabelledPictures::read(Came& came) {
     const auto packet = packets_->next();
     if (!packet) return packet.error();
     const std::int64_t damaged = decoder_.faults().damaged;
+    // No frameset is missed because its colour is damaged.
     const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
         if (!pictures) return pictures.error();
-        came.torn += decoder_.faults().damaged - damaged;
+        if (*packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
+            colour_stream_ = (*packet)->track;
+        if (!*packet || colour_stream_ != (*packet)->track)
+            came.torn += decoder_.faults().damaged - damaged;
         return take(std::move(*pictures), came);
     };
     if (!*packet) {

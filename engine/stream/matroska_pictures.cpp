@@ -37,7 +37,7 @@ public:
     bool was_lost() const override { return bytes_->was_lost(); }
 
 private:
-    static Result<void> add(Result<StreamTrack::Outcome> outcome, Came& came);
+    static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came);
     std::int64_t number_of(int stream, std::int64_t timestamp);
 
     const std::shared_ptr<StreamBytes> bytes_;
@@ -88,9 +88,10 @@ std::int64_t MatroskaPictures::number_of(int stream, std::int64_t timestamp) {
     return rate_.nearest(std::llround(since * ns_per_second));
 }
 
-Result<void> MatroskaPictures::add(Result<StreamTrack::Outcome> outcome, Came& came) {
+/// No frameset is missed because its colour is damaged.
+Result<void> MatroskaPictures::add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came) {
     if (!outcome) return outcome.error();
-    came.torn += outcome->is_torn ? 1 : 0;
+    came.torn += outcome->is_torn && role != PlaneRole::colour ? 1 : 0;
     for (StreamPicture& picture : outcome->pictures) came.pictures.push_back(std::move(picture));
     return {};
 }
@@ -105,7 +106,8 @@ Result<std::optional<StreamPictures::Came>> MatroskaPictures::next() {
     for (StreamTrack& track : tracks_) {
         if (*packet && track.stream() != (*packet)->stream_index) continue;
         if (track.role() == PlaneRole::colour && !with_colour_) continue;
-        if (auto added = add(*packet ? track.take(**packet) : track.finish(), came); !added)
+        auto outcome = *packet ? track.take(**packet) : track.finish();
+        if (auto added = add(track.role(), std::move(outcome), came); !added)
             return added.error();
     }
     return std::optional(std::move(came));

@@ -78,7 +78,13 @@ TEST(FramesetAssembler, SaysWhatIsMissingLateTornOrThereTwice) {
     assembler.add(picture(haptic, 1));  // now it comes
     counts = assembler.counts();
     EXPECT_EQ(counts.late, 1);
+    EXPECT_EQ(counts.torn, 0) << "as which it was counted";
+    EXPECT_EQ(counts.lost, 4);
+    assembler.add(picture(depth, 2));
+    counts = assembler.counts();
+    EXPECT_EQ(counts.late, 2);
     EXPECT_EQ(counts.lost, 3);
+    EXPECT_EQ(counts.lost_of[static_cast<std::size_t>(depth)], 3);
     EXPECT_FALSE(assembler.take());
 }
 

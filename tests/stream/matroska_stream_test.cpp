@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "engine/ffmpeg/demuxer.hpp"
 #include "engine/sound/sound_track.hpp"
+#include "engine/stream/stream_pictures.hpp"
 #include "engine/video/block_addition.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"
@@ -48,6 +50,60 @@ Saved stream_of(const Scene& scene, int frames, const Planes& planes,
     const auto header = (*muxer)->header();
     saved.header.assign(header.begin(), header.end());
     return saved;
+}
+
+/// A stream in memory.
+class HeldBytes final : public StreamBytes {
+public:
+    explicit HeldBytes(std::string bytes)
+        : StreamBytes(std::make_shared<StreamWait>()), bytes_(std::move(bytes)) {}
+
+private:
+    std::int64_t some(std::uint8_t* to, std::size_t count) override {
+        const std::size_t got = bytes_.copy(reinterpret_cast<char*>(to), count, at_);
+        at_ += got;
+        return static_cast<std::int64_t>(got);
+    }
+    const std::string bytes_;
+    std::size_t at_ = 0;
+};
+
+/// How many of its pictures are torn; how many came of each plane.
+struct CameOf {
+    std::int64_t torn = 0;
+    std::map<PlaneRole, int> pictures;
+};
+CameOf all_that_came(const std::string& bytes) {
+    CameOf all;
+    const auto pictures = open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt);
+    EXPECT_EQ(message(pictures), "");
+    while (pictures.ok()) {
+        const auto came = (*pictures)->next();
+        EXPECT_EQ(message(came), "");
+        if (!came.ok() || !*came) break;
+        all.torn += (*came)->torn;
+        for (const StreamPicture& picture : (*came)->pictures) ++all.pictures[picture.role];
+    }
+    return all;
+}
+
+TEST(MatroskaStream, DamagedColourTearsNoFrameset) {
+    const Saved saved = stream_of(small_scene(48, 32, 12), 2, seen_planes);
+    const std::string bytes = saved.from(0);
+    int colour_lost = 0, touch_torn = 0;
+    for (std::size_t at = saved.header.size() + 60; at < bytes.size() - 8; at += 97) {
+        std::string damaged = bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ 16);
+        CameOf all = all_that_came(damaged);
+        const bool has_all_touch = all.pictures[PlaneRole::depth] == 2 &&
+                                   all.pictures[PlaneRole::haptic] == 2 &&
+                                   all.pictures[PlaneRole::height] == 2;
+        colour_lost += has_all_touch && all.pictures[PlaneRole::colour] < 2;
+        touch_torn += !has_all_touch && all.torn > 0;
+        EXPECT_TRUE(!has_all_touch || all.torn == 0) << at;
+    }
+    EXPECT_GT(colour_lost, 3);
+    EXPECT_GT(touch_torn, 3);
 }
 
 TEST(MatroskaStream, SavedIsAClipWithTheSamePlanes) {
