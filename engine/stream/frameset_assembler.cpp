@@ -1,6 +1,7 @@
 #include "engine/stream/frameset_assembler.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace touchable {
@@ -136,7 +137,24 @@ bool FramesetAssembler::hold(StreamPicture&& picture) {
         held.insert(at, std::move(made));
     }
     if (held.size() > most_pictures_held) held.pop_front();
+    drop_oldest();
     return true;
+}
+
+/// Until all that is held is few enough bytes.
+void FramesetAssembler::drop_oldest() {
+    std::size_t bytes = 0;
+    for (const auto& held : held_)
+        for (const Held& one : held) bytes += bytes_of_plane(one.plane.view);
+    while (bytes > most_bytes_waiting) {
+        const auto first = [](const std::deque<Held>& held) {
+            return held.empty() ? std::numeric_limits<std::int64_t>::max() : held.front().first;
+        };
+        auto& oldest = *std::ranges::min_element(held_, {}, first);
+        bytes -= bytes_of_plane(oldest.front().plane.view);
+        oldest.pop_front();
+        is_full_ = true;
+    }
 }
 
 const FramesetAssembler::Held* FramesetAssembler::of(PlaneRole role, std::int64_t number) const {
@@ -157,7 +175,7 @@ bool FramesetAssembler::has_its_colour(std::int64_t number) const {
     constexpr std::size_t most_without = 30;  // framesets that wait for the first colour
     if (!has_colour_ || ended_ || of(PlaneRole::colour, number)) return true;
     const auto& depth = held_[index_of(PlaneRole::depth)];
-    if (!colour_came_) return depth.size() > most_without;
+    if (!colour_came_) return is_full_ || depth.size() > most_without;
     const auto is_beyond = [&](PlaneRole role, std::int64_t than) {
         const auto& held = held_[index_of(role)];
         return !held.empty() && held.back().first > than;

@@ -20,6 +20,16 @@ struct StreamPicture {
     Plane plane{};
 };
 
+/// Of its samples.
+inline std::size_t bytes_of_plane(const PlaneView& plane) {
+    return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height) *
+           static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
+}
+
+/// What a stream's pictures may have: pixels each, and bytes all those together that wait for others.
+inline constexpr std::int64_t most_stream_pixels = std::int64_t{1} << 24U;
+inline constexpr std::size_t most_bytes_waiting = std::size_t{512} << 20U;
+
 /// Planes of one frame. What is not there is empty.
 struct WholeFrameset {
     std::int64_t number = 0, taken_ns = 0;
@@ -50,7 +60,8 @@ struct FramesetCounts {
 
 /// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes
 /// that are felt are there, of its number and no other; colour may be that of a frame before. They are given
-/// in order: what becomes whole behind a later one is late. Keeps a bounded number of pictures.
+/// in order: what becomes whole behind a later one is late. Keeps 64 pictures of each plane, and 512 MiB of all
+/// of them: the oldest ones go first.
 class FramesetAssembler {
 public:
     /// `roles`: those of the stream.
@@ -97,6 +108,7 @@ private:
     bool is_of_before(const StreamPicture& picture);
     void add_late(const StreamPicture& picture);
     bool hold(StreamPicture&& picture);
+    void drop_oldest();
     const Held* of(PlaneRole role, std::int64_t number) const;
     Roles there(std::int64_t number) const;
     bool has_its_colour(std::int64_t number) const;
@@ -109,6 +121,7 @@ private:
 
     Roles needed_ = 0;
     bool has_colour_ = false, colour_came_ = false, ended_ = false;
+    bool is_full_ = false;  // of bytes, before the first colour came
     std::array<std::deque<Held>, all_roles.size()> held_;
     std::int64_t torn_ = 0;             // not counted yet
     std::optional<std::int64_t> last_;  // given

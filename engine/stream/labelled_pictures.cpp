@@ -12,8 +12,6 @@
 namespace touchable {
 namespace {
 
-constexpr std::int64_t most_stream_pixels = std::int64_t{1} << 24U;
-
 /// Packets of a container that keeps neither names nor order of tracks.
 class LabelledPackets {
 public:
@@ -108,6 +106,7 @@ private:
     Result<void> take_scene(const std::string& json);
     void know(const LabelledPicture& picture);
     bool knows_all() const;
+    std::size_t bytes_of_first() const;
 
     const std::unique_ptr<LabelledPackets> packets_;
     const std::string name_;
@@ -130,6 +129,12 @@ bool LabelledPictures::knows_all() const {
     return described_ && depth_pictures_ >= 3 && known >= packets_->tracks();
 }
 
+std::size_t LabelledPictures::bytes_of_first() const {
+    std::size_t bytes = 0;
+    for (const StreamPicture& picture : first_.pictures) bytes += bytes_of_plane(picture.plane.view);
+    return bytes;
+}
+
 Result<void> LabelledPictures::open(const std::optional<SceneDescription>& described) {
     constexpr std::size_t most_pictures = 256, most_kept = 64;
     described_ = described;
@@ -141,7 +146,8 @@ Result<void> LabelledPictures::open(const std::optional<SceneDescription>& descr
         if (!more) return more.error();
         if (!*more) break;
         seen += first_.pictures.size() - before;
-        while (first_.pictures.size() > most_kept) first_.pictures.erase(first_.pictures.begin());
+        while (first_.pictures.size() > most_kept || bytes_of_first() > most_bytes_waiting)
+            first_.pictures.erase(first_.pictures.begin());
     }
     if (described_ && !infos_.empty() && infos_.front().role == "depth") return {};
     return input_error(name_ + ": " +

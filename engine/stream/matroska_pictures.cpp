@@ -67,6 +67,9 @@ Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& descr
     const auto found = container->tracks(*demuxer_, described_.scene);
     if (!found) return found.error();
     for (const ClipTrack& track : *found) {
+        const std::string where = name_ + ": track " + std::string(role_name(track.role));
+        if (auto fits = StreamTrack::check_size(*demuxer_->container().streams[track.stream], where); !fits)
+            return fits.error();
         auto decoder = TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_);
         if (!decoder) return decoder.error();
         tracks_.emplace_back(

@@ -6,6 +6,14 @@
 
 namespace touchable {
 
+Result<void> StreamTrack::check_size(const AVStream& stream, const std::string& where) {
+    const AVCodecParameters& codec = *stream.codecpar;
+    if (std::int64_t{codec.width} * codec.height <= most_stream_pixels) return {};
+    return input_error(where + ": has pictures of " + std::to_string(codec.width) + "x" +
+                       std::to_string(codec.height) + ": a stream's have at most " +
+                       std::to_string(most_stream_pixels) + " pixels");
+}
+
 /// Says in `newest_` which frame it is of.
 bool StreamTrack::is_sound(const AVPacket& packet) {
     constexpr std::int64_t largest_number = std::int64_t{1} << 60U;
@@ -67,6 +75,8 @@ Result<StreamTrack::Outcome> StreamTrack::decode(const AVPacket* packet) {
         auto picture = decoder_.receive();
         if (!picture) return failed(picture.error());
         if (!*picture || sent_.empty()) return outcome;
+        const PlaneView& view = (*picture)->plane.view;
+        if (std::int64_t{view.width} * view.height > most_stream_pixels) return torn();
         const Sent of = sent_.front();
         sent_.pop_front();
         outcome.pictures.push_back({role(), of.label ? of.label->frame : number_of_((*picture)->timestamp),

@@ -14,9 +14,12 @@
 namespace touchable {
 
 /// Makes pictures of the packets of one plane, of which some may be damaged or missing. What is decoded from
-/// one that is missing or damaged is not decoded.
+/// one that is missing or damaged is not decoded; larger pictures than 2^24 pixels are damaged ones.
 class StreamTrack {
 public:
+    /// Refuses (ErrorKind::input) a track whose header has pictures of more than 2^24 pixels. Messages begin
+    /// with `where`.
+    static Result<void> check_size(const AVStream& stream, const std::string& where);
     /// The frame of a picture without a label, by its time in the stream.
     using NumberOf = std::function<std::int64_t(std::int64_t timestamp)>;
     StreamTrack(TrackDecoder decoder, int stream, NumberOf number_of)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 #include "tests/clip/clip_fixture.hpp"
@@ -195,6 +196,41 @@ TEST(FramesetAssembler, NeverMixesFrames) {
         EXPECT_TRUE(loss > 0 || shuffle > 1 || given == 200);
         EXPECT_TRUE(restarts || counts.whole + counts.late + counts.lost + counts.torn <= 200);
     }
+}
+
+/// 32 MiB by what it says; nobody reads its samples here.
+StreamPicture large_picture(PlaneRole role, std::int64_t number) {
+    static const std::uint8_t sample = 0;
+    StreamPicture large{role, number, 1, 0, {}};
+    large.plane.view = {&sample, 8192, 4096, 4096, 2, 1};
+    large.plane.storage = std::make_shared<int>(0);
+    return large;
+}
+
+TEST(FramesetAssembler, KeepsABoundedNumberOfBytes) {
+    FramesetAssembler assembler({depth, haptic});
+    assembler.add(picture(depth, 0));
+    assembler.add(picture(haptic, 0));
+    std::vector<std::weak_ptr<const void>> all;
+    for (std::int64_t n = 1; n < 60; ++n) {
+        StreamPicture large = large_picture(depth, n);
+        all.emplace_back(large.plane.storage);
+        assembler.add(std::move(large));
+        const auto kept = std::ranges::count_if(all, [](const auto& one) { return !one.expired(); });
+        EXPECT_EQ(kept, std::min<std::int64_t>(n, 16));
+        EXPECT_EQ(all.back().expired(), false);
+    }
+    assembler.add(picture(haptic, 2));  // whose depth is dropped
+    assembler.add(picture(haptic, 59));
+    EXPECT_EQ(numbers_of(take_all(assembler)), Numbers64({0, 59}));
+    EXPECT_EQ(assembler.counts().lost, 58);
+}
+
+/// What waits for its first colour does not wait until it is dropped.
+TEST(FramesetAssembler, LargePicturesWithoutColourAreGiven) {
+    FramesetAssembler assembler({depth, colour});
+    for (std::int64_t n = 0; n < 40; ++n) assembler.add(large_picture(depth, n));
+    EXPECT_GT(take_all(assembler).size(), 20U);
 }
 
 TEST(FramesetAssembler, KeepsABoundedNumberOfPictures) {

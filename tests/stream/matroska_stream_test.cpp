@@ -87,6 +87,20 @@ CameOf all_that_came(const std::string& bytes) {
     return all;
 }
 
+TEST(MatroskaStream, TooLargePicturesAreRefused) {
+    std::string bytes = stream_of(small_scene(300, 300, 12), 1, touch_planes).from(0);
+    const std::string width("\xb0\x82\x01\x2c", 4), height("\xba\x82\x01\x2c", 4);  // 300
+    for (const std::string& what : {width, height}) {
+        const auto at = bytes.find(what);
+        ASSERT_NE(at, std::string::npos);
+        bytes.replace(at + 2, 2, what == width ? std::string("\x10\x01", 2) : std::string("\x10\x00", 2));
+    }
+    const auto pictures = open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt);
+    ASSERT_FALSE(pictures.ok());
+    EXPECT_NE(message(pictures).find("4097x4096: a stream's have at most 16777216 pixels"), std::string::npos)
+        << message(pictures);
+}
+
 TEST(MatroskaStream, DamagedColourTearsNoFrameset) {
     const Saved saved = stream_of(small_scene(48, 32, 12), 2, seen_planes);
     const std::string bytes = saved.from(0);
