@@ -169,13 +169,13 @@ void StreamOutput::wait_for_arrival() {
 bool StreamOutput::is_in_vain(int calls) {
     if (stop_ || ring_.is_ended()) return false;
     if (calls == 1)
-        audience_.remark(url_.text + (calls_ ? ": nobody answers (" : ": cannot wait for a caller there (") +
+        audience_.remark(url_.name() + (calls_ ? ": nobody answers (" : ": cannot wait for a caller there (") +
                          ffmpeg_text(failure_) + "); tried again until somebody does");
     return time_.wait_until(time_.now_ns() + wait_before_call_ns(calls));
 }
 
 void StreamOutput::send_all() {
-    const std::string name = calls_ ? url_.text : url_.text + ": a caller";
+    const std::string name = calls_ ? url_.name() : url_.name() + ": a caller";
     for (int calls = 1; !stop_ && !ring_.is_ended();) {
         auto output = open();
         if (!output) {

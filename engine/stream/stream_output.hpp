@@ -34,8 +34,9 @@ public:
     /// Ends at once what it does, within what FFmpeg takes to see it: a tenth of a second.
     ~StreamOutput();
 
-    /// "srt://0.0.0.0:7000", as whoever listens has to name it, or as it was given.
-    const std::string& address() const { return url_.text; }
+    /// "srt://0.0.0.0:7000", as whoever listens has to name it, or as it was given;
+    /// without its passphrase.
+    std::string address() const { return url_.name(); }
     bool calls() const { return calls_; }
     Result<void> start();
     /// From any thread: nothing is sent any more, not even what is on its way.

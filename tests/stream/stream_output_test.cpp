@@ -135,11 +135,12 @@ TEST(StreamOutput, OneCallerAfterTheOther) {
 
 TEST(StreamOutput, CallsUntilSomebodyAnswers) {
     SentOut sent;
-    const std::string place = "srt://127.0.0.1:" + free_port();
-    const auto output = sent.open(place + "?mode=caller");
+    const std::string place = "srt://127.0.0.1:" + free_port(), secret = "a-secret-of-two";
+    const auto output = sent.open(place + "?mode=caller&passphrase=" + secret);
     EXPECT_TRUE(output->calls());
+    EXPECT_EQ(output->address(), place + "?mode=caller&passphrase=...");
     std::string heard;
-    std::thread listener([&] { heard = heard_by_srt(place + "?mode=listener"); });
+    std::thread listener([&] { heard = heard_by_srt(place + "?mode=listener&passphrase=" + secret); });
     sent.wait_for_somebody();
     sent.add_all();
     sent.ring.end();
@@ -148,6 +149,7 @@ TEST(StreamOutput, CallsUntilSomebodyAnswers) {
     sent.wait_for_nobody();
     EXPECT_EQ(sent.audience.gone().front().sent, 20);
     EXPECT_EQ(sent.audience.gone().front().dropped, 0);
+    for (const std::string& line : sent.lines) EXPECT_EQ(line.find(secret), std::string::npos) << line;
 }
 
 TEST(StreamOutput, GoesByUdpInDatagrams) {
