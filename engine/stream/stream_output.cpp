@@ -164,33 +164,49 @@ void StreamOutput::wait_for_arrival() {
     (void)time_.wait_until(time_.now_ns() + (least_ms + 2 * latency_ms) * ns_per_ms);
 }
 
-/// Nobody answered, or something is wrong here: said the first time. False where there is nothing more to
-/// try.
-bool StreamOutput::is_in_vain(int calls) {
+/// False where there is nothing more to try.
+bool StreamOutput::waits_for_next(int calls) {
     if (stop_ || ring_.is_ended()) return false;
-    if (calls == 1)
-        audience_.remark(url_.name() + (calls_ ? ": nobody answers (" : ": cannot wait for a caller there (") +
-                         ffmpeg_text(failure_) + "); tried again until somebody does");
     return time_.wait_until(time_.now_ns() + wait_before_call_ns(calls));
 }
 
+/// Sends to whoever is there now. False where that one has gone before there was anything to speak of.
+bool StreamOutput::was_for_long(AVIOContext& output) {
+    constexpr std::int64_t short_ns = 1'000'000'000;
+    const bool is_udp = url_.transport == StreamTransport::udp;
+    const std::int64_t begin_ns = time_.now_ns();
+    // Of UDP nobody knows whether anybody is there.
+    ListenerFigures figures{url_.name() + (calls_ ? "" : ": a caller")};
+    audience_.came(figures.name, is_udp ? "is sent to, whoever listens" : "listens");
+    figures.end = send_to(output, figures);
+    if (is_udp && figures.end.empty()) figures.end = "was sent all";
+    const bool is_short = figures.sent == 0 || time_.now_ns() - begin_ns < short_ns;
+    audience_.went(std::move(figures));
+    return !is_short;
+}
+
+/// That nobody answers, that something is wrong here, or that whoever was called goes at once is said once
+/// until somebody stays.
 void StreamOutput::send_all() {
-    const std::string name = calls_ ? url_.name() : url_.name() + ": a caller";
+    const std::string name = url_.name();
+    bool is_said = false, is_short_said = false;
     for (int calls = 1; !stop_ && !ring_.is_ended();) {
         auto output = open();
-        if (!output) {
-            if (!is_in_vain(calls++)) return;
-            continue;
+        if (output) {
+            const bool stayed = was_for_long(*output);
+            output.reset();
+            if (stayed || !calls_) {
+                calls = 1;
+                is_said = is_short_said = false;
+                continue;
+            }
+            if (!stop_ && !ring_.is_ended() && !std::exchange(is_short_said, true))
+                audience_.remark(name + ": goes again within a second; called less and less often");
+        } else if (!stop_ && !ring_.is_ended() && !std::exchange(is_said, true)) {
+            audience_.remark(name + (calls_ ? ": nobody answers (" : ": cannot wait for a caller there (") +
+                             ffmpeg_text(failure_) + "); tried again until somebody does");
         }
-        calls = 1;
-        // Of UDP nobody knows whether anybody is there.
-        const bool is_udp = url_.transport == StreamTransport::udp;
-        audience_.came(name, is_udp ? "is sent to, whoever listens" : "listens");
-        ListenerFigures figures{name};
-        figures.end = send_to(*output, figures);
-        if (is_udp && figures.end.empty()) figures.end = "was sent all";
-        output.reset();
-        audience_.went(std::move(figures));
+        if (!waits_for_next(calls++)) return;
     }
 }
 

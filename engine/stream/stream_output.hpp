@@ -24,6 +24,7 @@ std::int64_t wait_before_call_ns(int calls_in_vain);
 
 /// A stream on a way of FFmpeg's that has one listener at a time, by a thread of its own: SRT, which is
 /// called (or calls, with mode=caller), and goes on with the next caller (or calls again) when one has gone;
+/// whoever it calls and goes within a second is called again as one that does not answer;
 /// UDP, which sends to whoever may be there.
 class StreamOutput {
 public:
@@ -56,7 +57,8 @@ private:
     bool give_all(AVIOContext& output, std::span<const std::uint8_t> bytes);
     std::string send_to(AVIOContext& output, ListenerFigures& figures);
     void wait_for_arrival();
-    bool is_in_vain(int calls);
+    bool was_for_long(AVIOContext& output);
+    bool waits_for_next(int calls);
 
     const StreamUrl url_;
     const StreamRing& ring_;

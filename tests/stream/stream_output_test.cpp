@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
@@ -150,6 +151,45 @@ TEST(StreamOutput, CallsUntilSomebodyAnswers) {
     EXPECT_EQ(sent.audience.gone().front().sent, 20);
     EXPECT_EQ(sent.audience.gone().front().dropped, 0);
     for (const std::string& line : sent.lines) EXPECT_EQ(line.find(secret), std::string::npos) << line;
+}
+
+/// Whoever listens there closes each connection at once.
+TEST(StreamOutput, CallsLessOftenWhereNobodyStays) {
+    using Clock = std::chrono::steady_clock;
+    const std::string place = "srt://127.0.0.1:" + free_port();
+    std::atomic<bool> is_said{false}, stop{false};
+    std::vector<std::pair<std::string, Clock::time_point>> lines;
+    StreamRing ring;
+    StreamAudience audience{[&](const std::string& line) {
+        lines.emplace_back(line, Clock::now());
+        if (line.find("goes again within a second") != std::string::npos) is_said = true;
+    }};
+    std::thread peer([&] {
+        const AVIOInterruptCB interrupt{
+            [](void* asked) { return *static_cast<std::atomic<bool>*>(asked) ? 1 : 0; }, &stop};
+        while (!stop) {
+            AVIOContext* io = nullptr;
+            (void)avio_open2(&io, (place + "?mode=listener").c_str(), AVIO_FLAG_READ, &interrupt, nullptr);
+            avio_closep(&io);
+        }
+    });
+    const std::string header = "HEADER";
+    ring.begin({reinterpret_cast<const std::uint8_t*>(header.data()), header.size()});
+    auto output = std::move(*StreamOutput::create(*read_stream_url(place + "?mode=caller"), ring, audience));
+    ASSERT_EQ(output->start().ok(), true);
+    constexpr int most_connections = 20;
+    for (std::int64_t n = 0; audience.all() < (is_said ? 2 : most_connections); ++n) {
+        ring.add({n, true, {'X'}});
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    output.reset();
+    stop = true;
+    peer.join();
+    EXPECT_TRUE(is_said);
+    for (std::size_t k = 0; k + 1 < lines.size(); ++k)
+        if (lines[k].first.find("goes again") != std::string::npos) {
+            EXPECT_GE(lines[k + 1].second - lines[k].second, std::chrono::milliseconds(500));
+        }
 }
 
 TEST(StreamOutput, GoesByUdpInDatagrams) {
