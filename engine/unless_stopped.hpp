@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -15,6 +16,10 @@
 
 namespace touchable {
 
+/// Threads of unless_stopped at whose work nobody waits any more. As long as there is one the program may not
+/// take apart what they use: it ends without (std::_Exit).
+inline std::atomic<int> abandoned_threads{0};
+
 /// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because
 /// somebody asks the program to stop or, if the caller says so, for another reason. It may take as long
 /// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
@@ -27,7 +32,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         std::condition_variable has_ended{};
         std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
         std::exception_ptr fault{};
-        bool over = false;
+        bool over = false, is_abandoned = false;
 
         void run() {
             std::optional<std::invoke_result_t<Work&>> made;
@@ -41,6 +46,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
             outcome = std::move(made);
             fault = std::move(thrown);
             over = true;
+            if (is_abandoned) --abandoned_threads;
             has_ended.notify_one();
         }
     };
@@ -53,7 +59,11 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
     std::unique_lock lock(errand->mutex);
     constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes nobody
     while (!errand->has_ended.wait_for(lock, look_again, [&] { return errand->over; }))
-        if (is_over()) return std::nullopt;
+        if (is_over()) {
+            errand->is_abandoned = true;
+            ++abandoned_threads;
+            return std::nullopt;
+        }
     if (errand->fault) std::rethrow_exception(errand->fault);
     return std::move(errand->outcome);
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -13,6 +14,7 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/nearest_word.hpp"
 #include "engine/printable.hpp"
+#include "engine/unless_stopped.hpp"
 #include "player/check/check_commands.hpp"
 #include "player/commands/commands.hpp"
 #include "player/options/command.hpp"
@@ -169,5 +171,10 @@ int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away takes no files with it
     const int code = touchable::run_or_tell(argc, argv);
     touchable::wait_for_given_up_gpus();
+    if (touchable::abandoned_threads > 0) {
+        std::fflush(nullptr);
+        std::cout.flush();
+        std::_Exit(code);
+    }
     return code;
 }

@@ -60,8 +60,8 @@ struct FramesetCounts {
 
 /// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes
 /// that are felt are there, of its number and no other; colour may be that of a frame before. They are given
-/// in order: what becomes whole behind a later one is late. Keeps 64 pictures of each plane, and 512 MiB of all
-/// of them: the oldest ones go first.
+/// in order: what becomes whole behind a later one is late. Keeps 64 pictures of each plane, and 512 MiB of
+/// all of them: the oldest ones go first.
 class FramesetAssembler {
 public:
     /// `roles`: those of the stream.

@@ -113,7 +113,7 @@ private:
     LabelledDecoder decoder_{most_stream_pixels};
     std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
     std::optional<int> colour_stream_;
-    bool is_described_ = false;                         // by somebody else
+    bool is_described_ = false;  // by somebody else
     std::optional<SceneDescription> described_;
     std::string scene_text_;
     std::vector<TrackInfo> infos_;
@@ -203,8 +203,7 @@ Result<bool> LabelledPictures::read(Came& came) {
         if (!pictures) return pictures.error();
         if (*packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
             colour_stream_ = (*packet)->track;
-        if (!*packet || colour_stream_ != (*packet)->track)
-            came.torn += decoder_.faults().damaged - damaged;
+        if (!*packet || colour_stream_ != (*packet)->track) came.torn += decoder_.faults().damaged - damaged;
         return take(std::move(*pictures), came);
     };
     if (!*packet) {

@@ -174,7 +174,8 @@ void LiveStream::receive() {
         if (source_.wait->is_interrupted()) return;
         if (!received && received.error().kind == ErrorKind::internal)
             return is_over(received.error().message);
-        const std::string why = received ? receiver_->how_it_ended() : in_short(received.error());
+        const std::string why =
+            received ? receiver_->how_it_ended() : "is given up: " + in_short(received.error());
         const bool has_ended = received && source_.url.is_playlist();
         if (has_ended || source_.url.transport == StreamTransport::pipe) return is_over(why);
         if (!connect_again(why)) return;
@@ -202,7 +203,7 @@ bool LiveStream::connect_again(std::string why) {
         auto receiver = StreamReceiver::open(source_);
         if (source_.wait->is_interrupted()) return false;
         if (!receiver) {
-            why = in_short(receiver.error());
+            why = "cannot be had: " + in_short(receiver.error());
             continue;
         }
         if (!(*receiver)->is_like(*receiver_)) {
@@ -336,7 +337,7 @@ std::vector<std::string> LiveStream::remarks() const {
     std::vector<std::string> all = run_.remarks();
     const std::lock_guard lock(mutex_);
     if (!why_again_.empty())
-        all.push_back("connecting to the sender again (" + why_again_ + ")");
+        all.push_back("the sender " + why_again_ + "; connecting again");
     else if (const std::int64_t silent = now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
         all.push_back(in_words("the sender has sent no whole frameset for %.0f s; it is waited for",
                                1e-9 * static_cast<double>(silent)));

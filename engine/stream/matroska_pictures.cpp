@@ -110,8 +110,7 @@ Result<std::optional<StreamPictures::Came>> MatroskaPictures::next() {
         if (*packet && track.stream() != (*packet)->stream_index) continue;
         if (track.role() == PlaneRole::colour && !with_colour_) continue;
         auto outcome = *packet ? track.take(**packet) : track.finish();
-        if (auto added = add(track.role(), std::move(outcome), came); !added)
-            return added.error();
+        if (auto added = add(track.role(), std::move(outcome), came); !added) return added.error();
     }
     return std::optional(std::move(came));
 }

@@ -14,7 +14,7 @@
 namespace touchable {
 
 /// What may be read of a stream before there is a packet: of its header, and later.
-inline constexpr std::uint64_t most_of_a_header = std::uint64_t{16} << 20U,
+inline constexpr std::uint64_t most_of_a_header = std::uint64_t{2} << 20U,
                                most_of_a_packet = std::uint64_t{256} << 20U;
 
 /// What a sender sends, as it comes: over FFmpeg's protocols, of which it uses those of its address alone, or

@@ -44,7 +44,7 @@ StreamOutput::StreamOutput(const StreamUrl& url, const StreamRing& ring, StreamA
 Result<std::unique_ptr<StreamOutput>> StreamOutput::create(const StreamUrl& url, const StreamRing& ring,
                                                            StreamAudience& audience) {
     const auto refused = [&](const std::string& right) {
-        return usage_error(in_quotes(url.text) + " cannot be sent to: " + right);
+        return usage_error(in_quotes(url.name()) + " cannot be sent to: " + right);
     };
     const bool is_srt = url.transport == StreamTransport::srt;
     if (!is_srt && url.transport != StreamTransport::udp) return refused("right would be srt:// or udp://");

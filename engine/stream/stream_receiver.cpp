@@ -43,6 +43,10 @@ Result<void> StreamReceiver::connect(const StreamSource& source) {
     const auto first = bytes->peek();
     if (!first) return error_at(name_, first.error());
     const bool is_transport_stream = *first == 0x47;  // its packets begin so
+    constexpr int first_of_matroska = 0x1a;
+    if (!is_transport_stream && *first != first_of_matroska)
+        return input_error(name_ +
+                           ": sends neither Matroska nor MPEG-TS; right would be a touchable serve there");
     auto pictures = (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
         std::move(bytes), name_, source.described);
     if (!pictures) return pictures.error();

@@ -75,7 +75,7 @@ Result<void> StreamServer::open_door(const StreamUrl& url) {
     wanted.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
     if (::getaddrinfo(host.c_str(), std::to_string(url.port).c_str(), &wanted, &found) != 0)
-        return usage_error(in_quotes(url.text) +
+        return usage_error(in_quotes(url.name()) +
                            ": right would be an address of this machine in numbers, such as " +
                            std::string(scheme_words(url)) + "0.0.0.0:7000 for all of them");
     const AddressList list(found);

@@ -1,5 +1,6 @@
 #include "engine/stream/stream_url.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
@@ -59,8 +60,26 @@ bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url)
     return true;
 }
 
+/// For messages: without what only both ends shall know.
+std::string without_secrets(std::string_view words) {
+    std::string said(words);
+    const std::size_t scheme = said.find("://"), user = said.find('@');
+    if (scheme != std::string::npos && user != std::string::npos && user > scheme)
+        said.replace(scheme + 3, user - scheme - 3, "...");
+    std::string small = said;
+    for (char& letter : small)
+        letter = static_cast<char>(letter >= 'A' && letter <= 'Z' ? letter + 32 : letter);
+    constexpr std::string_view key = "passphrase=";
+    for (std::size_t at = small.find(key); at != std::string::npos; at = small.find(key, at + key.size())) {
+        const std::size_t end = std::min(small.find('&', at), small.size());
+        said.replace(at + key.size(), end - at - key.size(), "...");
+        small.replace(at + key.size(), end - at - key.size(), "...");
+    }
+    return said;
+}
+
 Error unusable(std::string_view words, const std::string& right) {
-    return usage_error(in_quotes(words) + " cannot be used as a stream: " + right);
+    return usage_error(in_quotes(without_secrets(words)) + " cannot be used as a stream: " + right);
 }
 
 template <class Use>
@@ -101,9 +120,7 @@ bool is_stream_url(std::string_view words) {
 }
 
 std::string without_passphrase(const std::string& words) {
-    if (!words.starts_with("srt://")) return words;
-    const auto url = read_stream_url(words);
-    return url ? url->name() : "srt://...";
+    return is_stream_url(words) ? without_secrets(words) : words;
 }
 
 Result<StreamUrl> read_stream_url(std::string_view words) {
@@ -133,17 +150,16 @@ Result<StreamUrl> read_stream_url(std::string_view words) {
     const auto is_foreign = [&](std::string_view key) {
         return scheme->keys.find(std::string(1, ' ').append(key).append(1, ' ')) == std::string_view::npos;
     };
+    if (const std::size_t secret = url.value("passphrase").size(); secret > 0 && (secret < 10 || secret > 79))
+        return unusable(words, "a passphrase has 10 to 79 characters");
     if (const auto foreign = is_http ? std::nullopt : find_pair(url.query, is_foreign))
-        return unusable(words, "it has no setting " + in_quotes(*foreign) +
+        return unusable(words, "it has no setting " + in_quotes(without_secrets(*foreign)) +
                                    (scheme->keys.empty() ? "" : "; there are" + std::string(scheme->keys)));
     return url;
 }
 
 std::string StreamUrl::name() const {
-    std::string name = text;
-    if (const std::string secret = value("passphrase"); !secret.empty())
-        name.replace(name.find("passphrase=" + secret), 11 + secret.size(), "passphrase=...");
-    return printable(name, 200);
+    return printable(without_secrets(text), 200);
 }
 
 std::string StreamUrl::protocols() const {

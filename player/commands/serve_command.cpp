@@ -59,10 +59,15 @@ Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOption
 
 Result<void> check_url(const StreamUrl& url) {
     if (url.is_tls)
-        return usage_error(in_quotes(url.text) +
+        return usage_error(in_quotes(url.name()) +
                            ": https is for a web server in front of this one; right would be http://");
+    const auto is_plain = [](char letter) { return letter > ' ' && letter < 127 && letter != '%'; };
+    if (!std::all_of(url.path.begin(), url.path.end(), is_plain))
+        return usage_error(
+            in_quotes(url.name()) +
+            ": right would be a name of plain letters and digits behind the port, such as /clip.mkv");
     if (url.transport == StreamTransport::pipe)
-        return usage_error(in_quotes(url.text) +
+        return usage_error(in_quotes(url.name()) +
                            ": right would be tcp://, http://, srt:// or udp://, and an address to send at");
     return {};
 }

@@ -238,7 +238,7 @@ Result<void> Serving::send() {
     if (interrupted()) sender_->end();
     thread_.join();
     for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
-    if (hls_ && sender_->figures().framesets > 0)
+    if (hls_ && sender_->figures().framesets > 0 && (sent.ok() || interrupted()))
         if (auto finished = hls_->finish(); !finished.ok() && sent.ok()) sent = finished;
     if (!interrupted() && sent.ok()) wait_for_the_last();
     cpu_ns_ = cpu_ns() - cpu_ns_;

@@ -32,9 +32,16 @@ TEST(StreamUrl, PartsOfOne) {
 TEST(StreamUrl, ItsNameKeepsItsPassphrase) {
     EXPECT_EQ(read_stream_url("srt://h:1?passphrase=0123456789&latency=5")->name(),
               "srt://h:1?passphrase=...&latency=5");
-    EXPECT_EQ(without_passphrase("srt://h:1?latency=5&passphrase=latency=5"),
+    EXPECT_EQ(without_passphrase("srt://h:1?latency=5&passphrase=latency=50"),
               "srt://h:1?latency=5&passphrase=...");
-    EXPECT_EQ(without_passphrase("srt://h?passphrase=0123456789"), "srt://...");
+    EXPECT_EQ(without_passphrase("srt://h?Passphrase=0123456789"), "srt://h?Passphrase=...");
+    EXPECT_EQ(without_passphrase("http://me:secret@h/a.mkv"), "http://...@h/a.mkv");
+    for (const char* const words :
+         {"srt://h:99999?passphrase=0123456789", "srt://h:1?passphrase=012345", "http://me:0123456789@h/"}) {
+        const auto url = read_stream_url(words);
+        ASSERT_FALSE(url.ok()) << words;
+        EXPECT_EQ(url.error().message.find("01234"), std::string::npos) << url.error().message;
+    }
     EXPECT_EQ(without_passphrase("clip.mkv"), "clip.mkv");
 }
 
