@@ -71,7 +71,11 @@ public:
     }
     /// Segments have all of their tracks.
     int tracks() const override { return static_cast<int>(seen_.size()); }
-    std::string how_it_ended() const override { return "has come to its end"; }
+    std::string how_it_ended() const override {
+        if (!was_lost()) return "has come to its end";
+        return "left out " + std::to_string(input_->segments_lost()) + " of its segments, or cut them,";
+    }
+    bool was_lost() const override { return input_->segments_lost() > 0; }
 
 private:
     const std::shared_ptr<StreamWait> wait_;

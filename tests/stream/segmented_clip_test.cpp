@@ -72,6 +72,23 @@ TEST(SegmentedClip, IsWhatWasSentToTheBit) {
     }
 }
 
+TEST(SegmentedClip, WithoutOneOfItsSegmentsIsNotWhole) {
+    const SegmentedStream sent(40, {true, true, false, false});
+    for (const char* const segment : {"-0.m4s", "-1.m4s", "-2.m4s"}) {
+        const auto answer = sent.answer();
+        const WebServer server([&](const std::string& path) {
+            const bool is_missing = path.find("touch-") != std::string::npos && path.ends_with(segment);
+            return is_missing ? WebReply{.status = 404} : answer(path);
+        });
+        const auto clip = open_clip(server.url("/master.m3u8"));
+        const auto frames = clip ? read_all(**clip) : Result<std::vector<RawFrame>>(clip.error());
+        ASSERT_FALSE(frames.ok()) << segment;
+        EXPECT_EQ(frames.error().kind, ErrorKind::input);
+        EXPECT_NE(frames.error().message.find("left out 1 of its segments"), std::string::npos)
+            << frames.error().message;
+    }
+}
+
 TEST(SegmentedClip, IsTouchedLiveToItsEnd) {
     const SegmentedStream sent(40, {true, true, false, false});
     const WebServer server(sent.answer());
