@@ -20,6 +20,8 @@ class MatroskaGate final : public ByteFlow {
 public:
     explicit MatroskaGate(std::shared_ptr<ByteFlow> source) : source_(std::move(source)) {}
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) override;
+    /// It has ended within an element, of which this is not given.
+    bool is_cut() const { return has_ended_ && there() > 0; }
 
 private:
     enum class Place { before, segment, clusters };

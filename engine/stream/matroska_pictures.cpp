@@ -34,13 +34,14 @@ public:
     void leave_out_colour() override { with_colour_ = false; }
     Result<std::optional<Came>> next() override;
     std::string how_it_ended() const override { return bytes_->how_it_ended(); }
-    bool was_lost() const override { return bytes_->was_lost(); }
+    bool was_lost() const override { return bytes_->was_lost() || gate_->is_cut(); }
 
 private:
     static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came);
     std::int64_t number_of(int stream, std::int64_t timestamp);
 
     const std::shared_ptr<StreamBytes> bytes_;
+    const std::shared_ptr<MatroskaGate> gate_ = std::make_shared<MatroskaGate>(bytes_);
     const std::string name_;
     std::unique_ptr<Demuxer> demuxer_;
     SceneDescription described_;
@@ -53,7 +54,7 @@ private:
 
 Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& described) {
     bytes_->allow(most_of_a_header);
-    auto demuxer = Demuxer::open_live(std::make_shared<MatroskaGate>(bytes_), name_, "matroska");
+    auto demuxer = Demuxer::open_live(gate_, name_, "matroska");
     if (!demuxer) return demuxer.error();
     demuxer_ = std::move(*demuxer);
     const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));
