@@ -121,12 +121,16 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
     const auto port = test::free_port();
     if (!port.ok()) return port.error();
-    auto served = serve(stream, *port, clips);
-    if (!served.ok()) return served.error();
-    const auto kind = scheme_of(stream) == "srt" ? test::Relay::Kind::udp : test::Relay::Kind::tcp;
-    const auto relay = test::Relay::open(kind, *port, stream.faults);
+    // By UDP the sender sends to the relay; by all others the receiver connects to it.
+    const bool sends = stream.transport == "udp";
+    const bool has_datagrams = sends || scheme_of(stream) == "srt";
+    const auto relay = test::Relay::open(has_datagrams ? test::Relay::Kind::udp : test::Relay::Kind::tcp,
+                                         *port, stream.faults);
     if (!relay.ok()) return relay.error();
-    const auto setup = touch_live("stream:" + address(stream, (*relay)->port()), ticks_of(stream.clip));
+    auto served = serve(stream, sends ? (*relay)->port() : *port, clips);
+    if (!served.ok()) return served.error();
+    const auto setup =
+        touch_live("stream:" + address(stream, sends ? *port : (*relay)->port()), ticks_of(stream.clip));
     if (!setup.ok()) return setup.error();
     if (auto touched = measure_touch(**setup, figures); !touched.ok()) return touched;
     const auto came = (*setup)->feed->reader().stream_figures();

@@ -10,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -73,10 +74,12 @@ Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::pat
         return input_error(std::string(program) + ": cannot be run; build the target touchable");
     }
     std::unique_ptr<ServedClip> served(new ServedClip(process, ends[0], std::move(report)));
-    // "listening on tcp://127.0.0.1:7000: touchable play ...", or that it waits for a caller there.
+    // "listening on tcp://127.0.0.1:7000: touchable play ...", that it waits for a caller there, or that it
+    // sends there.
     const std::string said = first_line(ends[0]);
-    const std::size_t to = said.rfind(": touchable play "), from = said.rfind(' ', to);
-    if (to == std::string::npos || from >= to)
+    const std::size_t to = std::min(said.rfind(": touchable play "), said.size());
+    const std::size_t from = said.rfind(' ', to > 0 ? to - 1 : 0);
+    if (from == std::string::npos || said.find("://") == std::string::npos)
         return Error{ErrorKind::check, "touchable serve does not begin; it says: " + said};
     served->address_ = said.substr(from + 1, to - from - 1);
     return served;
