@@ -41,8 +41,13 @@ int fail(const CLI::App& app, const Error& error) {
 Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION
               << ": touch a depth video and feel its forces. Options: touchable help COMMAND\n";
-    for (const CLI::App* command : app.get_subcommands({}))
-        std::printf("  %-12s%s\n", command->get_name().c_str(), command->get_description().c_str());
+    for (const CLI::App* command : app.get_subcommands({})) {
+        const std::string& name = command->get_name();
+        if (name == "cameras")  // a line for both
+            std::printf("  cameras, devices  which of them are plugged in, ready or not, and why\n");
+        else if (name != "devices")
+            std::printf("  %-12s%s\n", name.c_str(), command->get_description().c_str());
+    }
     return {};
 }
 

@@ -88,8 +88,8 @@ TEST(LiveCameraWords, AreReadOrRefused) {
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
              {"webcam",
               "unknown camera 'webcam'; there are v4l2:/dev/videoN, one that is plugged in (touchable "
-              "cameras lists them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, and "
-              "replay:PATH"},
+              "cameras lists them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, "
+              "stream:ADDRESS, what touchable serve sends, and replay:PATH"},
              {"replay:,fps=3", "needs a recording"},
              {"replay:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"replay:a,drop=1", "drop takes 0 to 0.99 of the frames"},
