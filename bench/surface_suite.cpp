@@ -100,7 +100,7 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
         if (auto done = measure_median(c, picture, frames, kernels, figures); !done.ok()) return done;
     }
     picture.scene.filter = {};
-    if (terrace_scale(picture.scene))
+    if (has_working_codes(picture.scene))
         if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
     if (c.holes_pct > 0)
         if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;

@@ -19,6 +19,7 @@ layout(constant_id = 2) const uint may_be_invalid = 1u;
 layout(constant_id = 3) const uint may_be_excluded = 1u;
 layout(constant_id = 4) const uint ragged = 1u;
 layout(constant_id = 5) const uint to_finer = 0u;
+layout(constant_id = 6) const uint looked_up = 0u;
 
 layout(push_constant, std430) uniform Push { StripPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;

@@ -48,7 +48,7 @@ struct StripPush {
     uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
     uint validity_words;      // of a row
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
-    uint factor, shift;       // CodeScale of codes that filters after the median work on
+    uint factor;              // WorkingCodes of filters after the median; unused where they are looked up
     uint listed;              // runs of blocks that are built, of the last stage; 0: all of the frame
     ValidCodes valid;
 };
@@ -66,20 +66,21 @@ struct StripConstants {
     uint may_be_invalid;  // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
     uint ragged;          // 0 where the width is a multiple of 8 and the height of 2
-    uint to_finer;        // 1: codes are for filters that need finer ones: multiplied, or no_finer_code
+    uint to_finer;        // 1: codes are for filters that need finer ones: working codes, or no_finer_code
+    uint looked_up;       // 1: working codes are those of a table
 };
 
 /// A length by depth in codes; see engine/scene/code_curve.hpp.
 struct CurvePush {
-    uint constant, linear, quadratic, last, shift, from_last;
+    uint constant, linear, quadratic, falls, last, shift, from_last;
 };
 
 /// Of terraces; width to along_x as in StripPush, but that a lane has one row.
 struct TerracesPush {
     uint width, height, pitch;
     uint segments, segment_texels, along_x;
-    CurvePush levels;  // from one level to the next, in multiplied codes
-    uint step, noise;  // TerraceFilter
+    CurvePush steps, levels;  // from one stored code to the next, and from one level, in working codes
+    uint fraction, step, noise;  // TerraceFilter
 };
 
 /// Of flying_pixels.

@@ -8,6 +8,9 @@ layout(set = 0, binding = 3, std430) writeonly buffer Parts { u64vec2 out_parts[
 
 layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
 
+/// Working codes of all stored ones, two in a word, the lower code in the lower half.
+layout(set = 0, binding = 5, std430) readonly buffer Table { uint working_codes[]; };
+
 /// A lane's work in a whole frame, or a strip of listed blocks.
 Task task_of_listed(uint lane) {
     if (push.listed == 0u) return task_of(lane);
@@ -53,10 +56,10 @@ Bounds bounds_of(uint upper_code, uint lower_code, bool upper, bool lower, bool 
                   max(upper ? upper_code : 0u, lower ? lower_code : 0u), any_invalid ? 1u : 0u);
 }
 
-/// CodeScale::of, of codes that filters work on.
+/// WorkingCodes::of, where filters work on these.
 uint scaled(uint code) {
     if (to_finer == 0u) return code;
-    return push.shift == 0u ? code * push.factor : max((code >> (push.shift - 1u)) + 1u >> 1u, min(code, 1u));
+    return looked_up == 0u ? code * push.factor : working_codes[code >> 1u] >> (16u * (code & 1u)) & 0xffffu;
 }
 
 Written take(Task task, uint texel, Pixels pixels) {

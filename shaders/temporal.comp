@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// The temporal filter over multiplied codes (docs/conventions.md), a lane per texel of eight: what the frame before left, and
+// The temporal filter over working codes (docs/conventions.md), a lane per texel of eight: what the frame before left, and
 // what this one brings, become what is shown and left to the next one.
 
 #include "shaders/surface_codes.h"

@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// One pass of terrace removal over multiplied codes (docs/conventions.md): a lane goes along a row, texel by texel, and
+// One pass of terrace removal over working codes (docs/conventions.md): a lane goes along a row, texel by texel, and
 // keeps three texels each of its own row and of those `tap` above and below.
 
 #include "shaders/surface_codes.h"
@@ -23,7 +23,9 @@ layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[
 const uint most_level = 2900u;
 /// From one level to the next at a code.
 int level_at(uint code) {
-    return int(has_levels != 0u ? clamp(curve_at(push.levels, code), push.step, most_level) : push.step);
+    if (has_levels == 0u) return int(push.step);
+    const uint level = max(curve_at(push.levels, code), curve_at(push.steps, code)) >> push.fraction;
+    return int(clamp(level, push.step, most_level));
 }
 
 int gate_of(int level) { return (5 * level + 3 * int(push.noise)) >> 2; }

@@ -40,7 +40,7 @@ uint part(uvec4 texel, int n) {
 float depth_of(uint code) {
     const float m = float(is_from_top != 0u ? push.code_max - code : code);
     const float length_of_code = push.base + push.step * m;
-    return is_inverse != 0u ? 1.0f / length_of_code : length_of_code;
+    return is_inverse != 0u ? 1.0f / length_of_code - push.shift : length_of_code;
 }
 
 uint64_t pair_of(float first, float second) {

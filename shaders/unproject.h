@@ -43,6 +43,7 @@ struct UnprojectPush {
     uint segment_words;    // words of a part
     uint code_max;
     float base, step;                             // scene units, or 1 / scene units
+    float shift;                                  // scene units, of inverse codings
     float cx, cy, per_fx, per_fy;                 // pixels, 1 / pixels
     float height_per_code, next_height_per_code;  // scene units; 0: no heights
     float blend, rest;                            // weights of the later and the earlier frame, in all 1

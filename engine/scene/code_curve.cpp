@@ -1,8 +1,9 @@
 #include "engine/scene/code_curve.hpp"
 
 #include <cmath>
+#include <optional>
 
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/working_codes.hpp"
 
 namespace touchable {
 namespace {
@@ -15,26 +16,37 @@ std::uint16_t coefficient(double value) {
     return static_cast<std::uint16_t>(std::floor(std::min(most_coefficient, value) + 0.5));
 }
 
-/// Of what codes are even steps of: depth, or 1/depth.
-struct Steps {
-    double least, span;          // at distance 0, and how much more at the largest
-    double constant, quadratic;  // the length in it: constant + quadratic (least + share of span)^2
+/// A length in codes, t being the share of the largest distance: constant + linear t + quadratic t^2.
+struct Polynomial {
+    double constant, linear, quadratic;
 };
 
-Steps steps_of(const DepthCoding& coding, const DepthLength& length, int last) {
-    switch (coding.kind) {
-        case DepthCodingKind::metric:
-            return {0, coding.scale * last, length.constant, length.quadratic};
-        case DepthCodingKind::inverse: {
-            // An error e of depth z is one of e/z^2 of 1/z.
-            const double least = 1.0 / coding.far;
-            return {least, 1.0 / coding.near - least, length.quadratic, length.constant};
-        }
-        case DepthCodingKind::linear:
-        case DepthCodingKind::hue:
-            break;
+/// `of` (a + b t)^2.
+Polynomial squared(double of, double a, double b) {
+    return {of * a * a, of * 2 * a * b, of * b * b};
+}
+
+/// Nothing where planes are so close that doubles do not tell them apart.
+std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const DepthLength& length, int last) {
+    if (coding.kind != DepthCodingKind::inverse) {
+        const bool is_metric = coding.kind == DepthCodingKind::metric;
+        const double least = is_metric ? 0 : coding.near;
+        const double span = is_metric ? coding.scale * last : coding.far - coding.near;
+        if (!(span > 0)) return std::nullopt;
+        const Polynomial grows = squared(length.quadratic, least, span);
+        const double codes = last / span;
+        return Polynomial{codes * (length.constant + grows.constant), codes * grows.linear,
+                          codes * grows.quadratic};
     }
-    return {coding.near, coding.far - coding.near, length.constant, length.quadratic};
+    // An error e of depth z is one of e w^2 of w = 1/(z + shift), and z w = 1 - shift w.
+    const double least = 1.0 / (coding.far + coding.shift);
+    const double span = 1.0 / (coding.near + coding.shift) - least;
+    if (!(span > 0)) return std::nullopt;
+    const Polynomial even = squared(length.constant, least, span),
+                     grows = squared(length.quadratic, 1 - coding.shift * least, -coding.shift * span);
+    const double codes = last / span;
+    return Polynomial{codes * (even.constant + grows.constant), codes * (even.linear + grows.linear),
+                      codes * (even.quadratic + grows.quadratic)};
 }
 
 }  // namespace
@@ -46,16 +58,16 @@ CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, doubl
     while (last << (curve.shift + 1) <= 65535) ++curve.shift;
     const bool grows_with_depth = coding.kind != DepthCodingKind::inverse;
     curve.from_last = coding.deeper_is_higher() != grows_with_depth;
-    const Steps steps = steps_of(coding, length, last);
-    if (!(steps.span > 0)) {  // planes so close that doubles do not tell their inverses apart
+    const auto scaled = length_in_codes(coding, length, last);
+    if (!scaled) {
         curve.constant = curve.linear = curve.quadratic = coefficient(most_coefficient);
         return curve;
     }
-    const double codes = times * last / steps.span;
     const double unit = 65536.0 / (last << curve.shift);  // of a share, in filled distances
-    curve.constant = coefficient(codes * (steps.constant + steps.quadratic * steps.least * steps.least));
-    curve.linear = coefficient(codes * 2 * steps.quadratic * steps.least * steps.span * unit);
-    curve.quadratic = coefficient(codes * steps.quadratic * steps.span * steps.span * unit * unit);
+    curve.falls = scaled->linear < 0;
+    curve.constant = coefficient(times * scaled->constant);
+    curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
+    curve.quadratic = coefficient(times * scaled->quadratic * unit * unit);
     return curve;
 }
 

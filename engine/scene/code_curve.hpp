@@ -20,10 +20,12 @@ struct DepthLength {
 inline constexpr int code_curve_most = 32767;
 
 /// Such a length at a code, told in codes, in integers (docs/conventions.md). With every coding it is a
-/// polynomial of second degree in the code's distance from one end, with coefficients that are not negative:
-/// of inverse depth w it is constant w^2 + quadratic.
+/// polynomial of second degree in the code's distance from one end: of inverse depth w it is constant w^2 +
+/// quadratic. It is not negative, and neither are its coefficients, but for the linear one where codes have a
+/// shift.
 struct CodeCurve {
     std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
+    bool falls = false;                                     ///< the linear coefficient counts as negative
     std::uint16_t last = 0;                                 ///< largest code
     int shift = 0;                                          ///< by which a distance fills 16 bits
     bool from_last = false;                                 ///< distances are taken from `last`, not from 0
@@ -31,7 +33,9 @@ struct CodeCurve {
     /// At most code_curve_most.
     int at(std::uint16_t code) const {
         const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
-        const std::uint32_t value = constant + (linear * n >> 16) + (quadratic * (n * n >> 16) >> 16);
+        const std::uint32_t sloped = linear * n >> 16;
+        std::uint32_t value = constant + (quadratic * (n * n >> 16) >> 16);
+        value = falls ? value - std::min(value, sloped) : value + sloped;
         return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
     }
     bool is_zero() const { return (constant | linear | quadratic) == 0; }

@@ -9,8 +9,9 @@ namespace {
 /// The code, as a real number, that would stand for `depth`; any number where there is none.
 double real_code(const DepthCoding& coding, double depth) {
     if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
+    const double shift = coding.shift, deep = 1.0 / (coding.far + shift);
     const double from_far = coding.kind == DepthCodingKind::inverse
-                                ? (1.0 / depth - 1.0 / coding.far) / (1.0 / coding.near - 1.0 / coding.far)
+                                ? (1.0 / (depth + shift) - deep) / (1.0 / (coding.near + shift) - deep)
                                 : (coding.far - depth) / (coding.far - coding.near);
     return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
 }

@@ -10,7 +10,9 @@ namespace touchable {
 
 /// How a code becomes a depth in scene units; n = code / code_max where near_is_high, 1 - that otherwise.
 /// - linear:  far + (near - far) n                   (Eq. 3)
-/// - inverse: 1 / (1/far + (1/near - 1/far) n)
+/// - inverse: 1 / (1/far + (1/near - 1/far) n); with a shift s 1 / (1/(far + s) + (1/(near + s) - 1/(far +
+/// s)) n)
+///            - s
 /// - metric:  scale * code
 /// - hue:     as linear, of the code that shaders/hue_code.h makes from an RGB pixel
 enum class DepthCodingKind { linear, inverse, metric, hue };
@@ -26,6 +28,7 @@ struct DepthCoding {
     double near = 0;               ///< scene units; for metric the smallest depth that is valid (0: any)
     double far = 0;                ///< scene units, finite; deeper codes are invalid
     double scale = 0;              ///< metric: scene units per code
+    double shift = 0;              ///< scene units, added to the depth: see the kinds
     std::uint16_t code_max = 255;  ///< largest native code
     int least_sum = 0;             ///< hue: pixels with R + G + B below this, 0 to 765, are invalid
     std::array<std::uint16_t, max_invalid_codes> invalid_codes{};
@@ -50,8 +53,9 @@ struct DepthCoding {
         const double value = code, share = (near_is_high ? value : code_max - value) / code_max;
         if (share == 0.0) return far;  // the planes exactly, whatever rounding does between them
         if (share == 1.0) return near;
+        const double deep = far + shift;
         const double between = kind == DepthCodingKind::inverse
-                                   ? 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * share)
+                                   ? 1.0 / (1.0 / deep + (1.0 / (near + shift) - 1.0 / deep) * share) - shift
                                    : far + (near - far) * share;
         return std::clamp(between, near, far);
     }

@@ -237,10 +237,11 @@ Result<void> check_filter(const Scene& scene) {
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "
             "units, because filter.temporal is on");
-    if (filter.terraces == TerraceRemoval::on && !terrace_scale(scene))
-        return input_error("filter.terraces is on: must be off or auto where depth codes go beyond " +
-                           std::to_string(largest_code_with_terraces) +
-                           " (or less, with large filter.levels), because they leave no room for finer ones");
+    if (filter.terraces == TerraceRemoval::on && !has_working_codes(scene))
+        return input_error(
+            "filter.terraces is on: must be off or auto where fewer than two codes are valid, or "
+            "filter.levels "
+            "are as far apart as nearly all depths");
     return {};
 }
 

@@ -17,13 +17,13 @@ double gate_per_noise(int median) {
 
 std::optional<TemporalFilter> temporal_filter(const Scene& scene) {
     if (!scene.filter.temporal) return std::nullopt;
-    CodeScale scale = terrace_scale(scene).value_or(CodeScale{});
-    if (scale.shift > 0 && !terrace_filter(scene))
-        scale = {};  // rounding codes is worth it for terraces alone
-    const DepthCoding coding = scaled(scene.depth, scale);
+    // Looked-up codes are fewer, which is worth it for terraces alone.
+    auto working = working_codes(scene);
+    if (!working || (working->table && !terrace_filter(scene))) working = unchanged_codes(scene.depth);
+    const DepthCoding& coding = working->coding;
     const CodeCurve gate =
         code_curve(coding, scene.filter.temporal_noise, gate_per_noise(scene.filter.median));
-    return TemporalFilter{scale, gate, coding};
+    return TemporalFilter{*working, gate, coding};
 }
 
 }  // namespace touchable

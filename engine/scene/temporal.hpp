@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "engine/scene/code_curve.hpp"
-#include "engine/scene/code_scale.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/working_codes.hpp"
 
 namespace touchable {
 
@@ -16,9 +16,9 @@ inline constexpr int temporal_warm_up_frames = 16;
 
 /// The temporal filter, as it works on one scene's codes; docs/conventions.md has the arithmetic.
 struct TemporalFilter {
-    CodeScale scale;     ///< of codes first, so that a mean has somewhere to lie
-    CodeCurve gate;      ///< how far from one frame to the next a code may be off by noise alone
-    DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
+    WorkingCodes working;  ///< of codes first
+    CodeCurve gate;        ///< how far from one frame to the next a code may be off by noise alone
+    DepthCoding coding;    ///< of the working codes
     bool operator==(const TemporalFilter&) const = default;
 };
 

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/scene/code_scale.hpp"
+#include "engine/scene/code_curve.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/working_codes.hpp"
 
 namespace touchable {
 
@@ -13,14 +14,20 @@ namespace touchable {
 struct TerraceFilter {
     /// Of codes before the passes, nothing to do where the temporal filter did it; the last pass doubles
     /// them.
-    CodeScale scale;
-    int step = 0;        ///< from one stored code to the next, in multiplied codes
-    CodeCurve levels;    ///< from one level to the next, in multiplied codes; zero: every code is one
-    int noise = 0;       ///< standard deviation, in multiplied codes
-    DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
+    WorkingCodes working;
+    int step = 0;        ///< from one stored code to the next, in working codes; at least, where that differs
+    CodeCurve steps;     ///< the same where it differs; zero: it does not
+    CodeCurve levels;    ///< from one level to the next, in working codes; zero: every code is one
+    int fraction = 0;    ///< binary digits of both curves that are behind the point
+    int noise = 0;       ///< standard deviation, in working codes; of looked-up ones it is in the curves
+    DepthCoding coding;  ///< of the finer codes; of an unchanged multiplied code the depth is the same double
 
-    /// At a multiplied code: from one level to the next.
-    int level_at(std::uint16_t code) const { return std::clamp(levels.at(code), step, most_level); }
+    /// Whether gates are the same at every code.
+    bool is_even() const { return levels.is_zero() && steps.is_zero(); }
+    /// At a working code: from one level to the next.
+    int level_at(std::uint16_t code) const {
+        return std::clamp(std::max(levels.at(code), steps.at(code)) >> fraction, step, most_level);
+    }
     /// Second differences up to it are terraces, from twice it on they are the surface's own.
     int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
     /// By how much a code may change, before it is doubled.
@@ -33,27 +40,8 @@ struct TerraceFilter {
 /// Pixels from one tap to the next, pass by pass. A code depends on those at most terrace_reach away.
 inline constexpr int terrace_steps[] = {8, 4, 2, 1, 1};
 inline constexpr int terrace_reach = 16;
-/// Codes in between and a gate are together at most this. So a second difference that leaves 16 bits and
-/// wraps around is beyond twice the gate all the same, and so is one with a code of 65535, which no finer one
-/// is.
-inline constexpr int terrace_range = 32767;
 /// Noise that there is room for, in stored codes.
 inline constexpr int most_terrace_noise = 4;
-
-/// Of the codes that filters work on: at most 126 times as many. Nothing where codes are too large to be
-/// twice as many, or to become fewer: terrace removal has no room.
-std::optional<CodeScale> terrace_scale(const Scene& scene);
-/// Codes beyond it leave no room, even where every one of them is a level.
-inline constexpr int largest_code_with_terraces = 16378;
-
-/// The largest code that a depth is told by: of metric codes only those up to `far` are.
-int largest_code(const DepthCoding& coding);
-/// The coding of these codes.
-DepthCoding scaled(const DepthCoding& coding, const CodeScale& scale);
-/// The coding of codes `factor` times as many, of metric codes a power of two: a multiplied code is the same
-/// depth, to the bit. From the least valid code to the
-/// largest all are valid.
-DepthCoding finer(const DepthCoding& coding, int factor);
 
 /// From one level to the next at a depth, scene units: a code's step, or what the scene says where that is
 /// more.

@@ -30,8 +30,11 @@ template <class Lanes>
     const Lanes n = (curve.from_last ? curve.last - codes : codes) << curve.shift;
     // Wide products are slow, and most curves lack one.
     Lanes sum = constant;
-    if (curve.linear > 0) sum += high_product<Lanes>(n, Lanes{} + curve.linear);
     if (curve.quadratic > 0) sum += high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + curve.quadratic);
+    if (curve.linear > 0) {
+        const Lanes sloped = high_product<Lanes>(n, Lanes{} + curve.linear);
+        sum = curve.falls ? sum - lesser<Lanes>(sum, sloped) : sum + sloped;
+    }
     return lesser<Lanes>(sum, Lanes{} + std::uint16_t{code_curve_most});
 }
 

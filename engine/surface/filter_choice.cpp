@@ -42,7 +42,7 @@ DepthLength flat_within(const MeasuredDepth& measured) {
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
     Scene with_levels = scene;
     with_levels.filter.levels = measured.levels;
-    return terrace_scale(with_levels) && measured.kappa >= kappa_of_terraces;
+    return has_working_codes(with_levels) && measured.kappa >= kappa_of_terraces;
 }
 
 void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,

@@ -320,12 +320,12 @@ TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
 // No finer code is farther from its stored one, nor beyond the finer ones of valid codes.
 TileBounds LazyVertices::finer_bounds(const TileBounds& stored) const {
     if (stored.least > stored.greatest) return stored;
-    const CodeScale& scale = terraces_->scale;
+    const WorkingCodes& working = terraces_->working;
     // Levels grow towards one end or the other.
-    const int most =
-        std::max(terraces_->most_at(scale.of(stored.least)), terraces_->most_at(scale.of(stored.greatest)));
-    const int least = 2 * (scale.of(stored.least) - most);
-    const int greatest = 2 * (scale.of(stored.greatest) + most);
+    const int most = std::max(terraces_->most_at(working.of(stored.least)),
+                              terraces_->most_at(working.of(stored.greatest)));
+    const int least = 2 * (working.of(stored.least) - most);
+    const int greatest = 2 * (working.of(stored.greatest) + most);
     return {static_cast<std::uint16_t>(std::max<int>(least, terraces_->coding.valid_min)),
             static_cast<std::uint16_t>(std::min<int>(greatest, terraces_->coding.valid_max)),
             stored.any_invalid};

@@ -128,7 +128,7 @@ int levelling_of(const Picture& picture, int x, int y, int step, int gate) {
 }
 
 Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
-    for (Pixel& pixel : picture.pixels) pixel.code = filter.scale.of(pixel.code);
+    for (Pixel& pixel : picture.pixels) pixel.code = filter.working.of(pixel.code);
     const Picture first = picture;
     for (const int& step : terrace_steps) {
         const bool is_last = &step == std::end(terrace_steps) - 1;
@@ -166,7 +166,7 @@ std::uint16_t smoothed(int code, int before, const CodeCurve& gate) {
 /// Changes what is remembered into that of this frame.
 void smooth(Picture picture, const RawFrame& raw, const TemporalFilter& filter,
             std::optional<Remembered>& remembered) {
-    for (Pixel& pixel : picture.pixels) pixel.code = filter.scale.of(pixel.code);
+    for (Pixel& pixel : picture.pixels) pixel.code = filter.working.of(pixel.code);
     if (!remembered || !remembered->place.is_before(raw)) {
         remembered = {FramePlace(raw), picture, std::vector<int>(picture.pixels.size(), 0)};
         return;

@@ -110,11 +110,11 @@ struct RowSmoothing {
 
     template <class Lanes>
     [[gnu::always_inline]] Lanes finer_codes(const std::uint16_t* at) const {
-        const Lanes stored = load_lanes<Lanes>(at);
-        const CodeScale& scale = filter.scale;
-        if (scale.shift == 0) return stored * static_cast<std::uint16_t>(scale.factor);
-        const Lanes one = Lanes{} + std::uint16_t{1};
-        return greater<Lanes>(((stored >> (scale.shift - 1)) + one) >> 1, lesser<Lanes>(stored, one));
+        const WorkingCodes& working = filter.working;
+        if (!working.table) return load_lanes<Lanes>(at) * static_cast<std::uint16_t>(working.factor);
+        std::uint16_t found[lane_count<Lanes>];
+        working.row(at, lane_count<Lanes>, found);
+        return load_lanes<Lanes>(found);
     }
     template <class Lanes>
     [[gnu::always_inline]] void store(const Lanes& result, std::uint16_t* at, std::uint16_t* before) const {

@@ -20,9 +20,9 @@ constexpr int known_rows = terrace_reach + 2;
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  const std::int16_t* limits, std::uint32_t validity, std::uint16_t* codes, int count) {
     std::uint16_t was[strip_pixels];
-    for (int k = 0; k < count; ++k) was[k] = filter.scale.of(before[k]);
+    filter.working.row(before, count, was);
     std::int16_t most[strip_pixels];
-    if (filter.levels.is_zero())
+    if (filter.is_even())
         std::fill_n(most, strip_pixels, static_cast<std::int16_t>(2 * filter.most_at(0)));
     else
         for (int k = 0; k < strip_pixels; ++k) most[k] = static_cast<std::int16_t>(2 * limits[k]);
@@ -59,8 +59,8 @@ void TerraceRemover::resize(int width, int threads) {
         }
         work.masks.assign(static_cast<std::size_t>(pitch_ * (known_rows + 1)), -1);
         for (auto* rows : {&work.gates, &work.most})
-            rows->resize(
-                filter_.levels.is_zero() ? 0 : static_cast<std::size_t>(words_ * strip_pixels * known_rows));
+            rows->resize(filter_.is_even() ? 0
+                                           : static_cast<std::size_t>(words_ * strip_pixels * known_rows));
         work.holes.assign(static_cast<std::size_t>((words_ + 2) * (known_rows + 1)), ~std::uint32_t{0});
     }
 }
@@ -89,8 +89,8 @@ void TerraceRemover::load(int y, Work& work) const {
     const SurfaceFrame& from = with_terraces_;
     const std::uint16_t* stored = from.codes.data() + from.index(0, y);
     std::int16_t* to = codes(work, 0, y);
-    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(filter_.scale.of(stored[x]));
-    if (!filter_.levels.is_zero())
+    filter_.working.row(stored, from.width, to);
+    if (!filter_.is_even())
         find_gates(unit_, filter_, to, words_, work.gates.data() + gates_at(y),
                    work.most.data() + gates_at(y));
     const std::uint32_t* validity = from.validity_row(y);
@@ -111,7 +111,7 @@ void TerraceRemover::store(int y, Work& work, SurfaceFrame& out) const {
     std::copy(validity, validity + words_, out.validity_row(y));
     for (int word = 0; word < words_; ++word) {
         const int x = word * strip_pixels;
-        const std::int16_t* limits = filter_.levels.is_zero() ? nullptr : work.most.data() + gates_at(y) + x;
+        const std::int16_t* limits = filter_.is_even() ? nullptr : work.most.data() + gates_at(y) + x;
         store_strip(filter_, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), limits,
                     validity[word], out.codes.data() + out.index(x, y),
                     std::min(strip_pixels, from.width - x));
@@ -125,7 +125,7 @@ TerraceRow TerraceRemover::row(const Work& work, int pass, int y) const {
     return {ring.codes.data() + pitch_ * slot + terrace_margin,
             work.masks.data() + pitch_ * known + terrace_margin,
             work.holes.data() + std::ptrdiff_t{words_ + 2} * known + 1,
-            inside && !filter_.levels.is_zero() ? work.gates.data() + gates_at(y) : nullptr};
+            inside && !filter_.is_even() ? work.gates.data() + gates_at(y) : nullptr};
 }
 
 std::ptrdiff_t TerraceRemover::gates_at(int y) const {

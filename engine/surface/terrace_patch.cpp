@@ -17,7 +17,7 @@ TerracePatch::TerracePatch(int width, int height, int bx, int by)
 
 void TerracePatch::set(int x, int y, std::uint16_t code, const TerraceFilter& filter) {
     const int column = x - left_, line = y - top_;
-    before_[line][terrace_margin + column] = static_cast<std::int16_t>(filter.scale.of(code));
+    before_[line][terrace_margin + column] = static_cast<std::int16_t>(filter.working.of(code));
     masks_[line][terrace_margin + column] = 0;
     holes_[line][1 + column / strip_pixels] &= ~(std::uint32_t{1} << (column % strip_pixels));
 }

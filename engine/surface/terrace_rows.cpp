@@ -93,8 +93,10 @@ struct RowGates {
         const Bits largest = Bits{} + std::uint16_t{TerraceFilter::most_level};
         const Bits noise = Bits{} + static_cast<std::uint16_t>(3 * filter.noise);
         for (int x = 0; x < words * strip_pixels; x += lane_count<Bits>) {
-            const Bits level = lesser<Bits>(
-                greater<Bits>(curve_at(filter.levels, load_lanes<Bits>(codes + x)), step), largest);
+            const Bits code = load_lanes<Bits>(codes + x);
+            Bits level = curve_at(filter.levels, code);
+            if (!filter.steps.is_zero()) level = greater<Bits>(level, curve_at(filter.steps, code));
+            level = lesser<Bits>(greater<Bits>(level >> filter.fraction, step), largest);
             const Bits four = (level << 2) + noise, gate = (four + level) >> 2, limit = four >> 2;
             std::memcpy(gates + x, &gate, sizeof(gate));
             std::memcpy(most + x, &limit, sizeof(limit));
@@ -146,7 +148,7 @@ void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t
 
 void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
                int words, const TerracePass& pass, std::int16_t* out) {
-    if (pass.filter.levels.is_zero())
+    if (pass.filter.is_even())
         run_vectors(unit, RowLevelling<false>{above, here, below, words, pass, out});
     else
         run_vectors(unit, RowLevelling<true>{above, here, below, words, pass, out});

@@ -7,7 +7,7 @@
 
 namespace touchable {
 
-/// A row of multiplied codes, for one pass of terrace removal. Which pixels do not count, because they are
+/// A row of working codes, for one pass of terrace removal. Which pixels do not count, because they are
 /// invalid or outside, is said twice: as a mask for each (-1: does not count), and as a bit for each in words
 /// of 32. Codes and masks may be read terrace_margin beyond both ends, which lie on whole words, where codes
 /// mean nothing and masks are -1; words -1 and `words` may be read too, and are not 0.
@@ -18,7 +18,7 @@ struct TerraceRow {
 };
 inline constexpr int terrace_margin = 8;
 
-/// TerraceFilter::gate_at and most_at of each of `words` times 32 multiplied codes.
+/// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
 void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
                 std::int16_t* gates, std::int16_t* most);
 

@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "engine/frame/stored_code.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/working_codes.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
 #include "shaders/flying_pixels.spv.h"
@@ -78,7 +78,7 @@ Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
 Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
     const auto constants = std::bit_cast<Constants>(c);
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
-    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
+    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 4, buffer);
     const KernelSource source = source_of(kernel);
     return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }

@@ -47,7 +47,7 @@ public:
     Result<GpuProgram> hue_codes();
 
 private:
-    using Constants = std::array<std::uint32_t, 6>;
+    using Constants = std::array<std::uint32_t, 7>;
 
     Result<GpuProgram> made(GpuProgram& kept, const char* name, std::span<const std::uint32_t> spirv,
                             GpuLayout layout, std::span<const std::uint32_t> constants = {});

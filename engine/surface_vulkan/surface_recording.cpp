@@ -19,11 +19,8 @@ bool leaves_room_above(const ValidCodes& valid) {
 }
 
 CurvePush pushed(const CodeCurve& curve) {
-    return {curve.constant,
-            curve.linear,
-            curve.quadratic,
-            curve.last,
-            static_cast<std::uint32_t>(curve.shift),
+    return {curve.constant,           curve.linear, curve.quadratic,
+            curve.falls ? 1U : 0U,    curve.last,   static_cast<std::uint32_t>(curve.shift),
             curve.from_last ? 1U : 0U};
 }
 
@@ -103,6 +100,20 @@ Result<void> SurfaceRecording::make_buffers() {
         if (!created.ok()) return created.error();
         buffer = *created;
     }
+    return make_table();
+}
+
+/// Of the filter that looks codes up: the temporal one, which is the first, or terrace removal.
+Result<void> SurfaceRecording::make_table() {
+    const auto* temporal = filters_.find<TemporalFilter>();
+    const auto* terraces = filters_.find<TerraceFilter>();
+    const auto table = temporal ? temporal->working.table : terraces ? terraces->working.table : nullptr;
+    if (!table) return {};
+    auto created = GpuBuffer::create(device(), "working codes", table->size() * sizeof(table->front()),
+                                     GpuMemory::upload);
+    if (!created.ok()) return created.error();
+    table_ = *created;
+    std::copy(table->begin(), table->end(), table_.mapped<std::uint16_t>().begin());
     return {};
 }
 
@@ -125,7 +136,7 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
             std::visit([&](const auto& filter) { return record(filter, frame); }, planned.filter);
         if (!recorded.ok()) return recorded;
     }
-    if (auto ended = record_codes(frame, false, {}, slot.codes.gpu); !ended.ok()) return ended;
+    if (auto ended = record_codes(frame, nullptr, slot.codes.gpu); !ended.ok()) return ended;
     return record_bounds(frame);
 }
 
@@ -145,33 +156,36 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t liste
     return push;
 }
 
-Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows, bool to_finer) {
+Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows,
+                                                 const WorkingCodes* working) {
     return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, to_finer ? 1U : 0U});
+                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, working ? 1U : 0U,
+                                    working && working->table ? 1U : 0U});
 }
 
-/// The kernel that ends in codes, validity and parts of bounds; `to_finer`: in codes for filters that need
-/// finer ones, and only validity is final.
-Result<void> SurfaceRecording::record_codes(Frame& frame, bool to_finer, const CodeScale& scale,
-                                            const GpuBuffer& to) {
-    const auto program = program_for(frame.kernel, frame.rows, to_finer);
+/// The kernel that ends in codes, validity and parts of bounds. With `working` in working codes, and only
+/// validity is final.
+Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
+    const auto program = program_for(frame.kernel, frame.rows, working);
     if (!program.ok()) return program.error();
     StripPush push = push_for(frame.rows, frame.list.count());
-    push.factor = static_cast<std::uint32_t>(scale.factor);
-    push.shift = static_cast<std::uint32_t>(scale.shift);
-    frame.commands.dispatch(*program, push,
-                            {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, frame.list.buffer()},
-                            {push.groups});
+    push.factor = working ? static_cast<std::uint32_t>(working->factor) : 1;
+    const GpuBuffer& list = frame.list.buffer();
+    frame.commands.dispatch(
+        *program, push,
+        {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, list, table_ ? table_ : list},
+        {push.groups});
     frame.commands.barrier(GpuStage::compute, GpuStage::compute);
     frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
     return {};
 }
 
-/// Multiplied codes, where they are not there yet.
-Result<void> SurfaceRecording::record_finer(const CodeScale& scale, Frame& frame) {
+/// Working codes, where they are not there yet.
+Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& frame) {
     if (std::exchange(frame.is_finer, true)) return {};
-    if (auto made = record_codes(frame, has_room_above(), scale, finer_); !made.ok()) return made;
+    if (auto made = record_codes(frame, has_room_above() ? &working : nullptr, finer_); !made.ok())
+        return made;
     frame.rows = {finer_, 2, pitch_, finer_codes};
     frame.kernel = StripKernel::decode;
     return {};
@@ -184,7 +198,7 @@ Result<void> SurfaceRecording::record(const MedianWindow& window, Frame& frame) 
 
 /// What the filter reads and writes changes places from frame to frame.
 Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.scale, frame); !made.ok()) return made;
+    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
     const auto program = kernels_->temporal();
     if (!program.ok()) return program.error();
     ValidCodes valid = finer_codes;
@@ -205,14 +219,16 @@ Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame
 }
 
 Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.scale, frame); !made.ok()) return made;
+    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
     const TerracesPush push{width_,
                             height_,
                             pitch_,
                             segments_,
                             segment_texels_,
                             plan_.along_x ? 1U : 0U,
+                            pushed(filter.steps),
                             pushed(filter.levels),
+                            static_cast<std::uint32_t>(filter.fraction),
                             static_cast<std::uint32_t>(filter.step),
                             static_cast<std::uint32_t>(filter.noise)};
     const GpuBuffer first = frame.rows.buffer;
@@ -220,7 +236,7 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
         const bool is_last = pass + 1 == std::size(terrace_steps);
         const auto program =
-            kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last, !filter.levels.is_zero());
+            kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last, !filter.is_even());
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
         frame.commands.dispatch(*program, push, {from, first, to},

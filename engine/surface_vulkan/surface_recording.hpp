@@ -31,11 +31,12 @@ private:
 
     const GpuDevice& device() const { return *kernels_->device(); }
     bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
-    /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are not
-    /// multiplied.
+    /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are the stored
+    /// ones.
     bool has_room_above() const;
     Result<void> check_limits() const;
     Result<void> make_buffers();
+    Result<void> make_table();
 
     /// A frame whose stages are recorded one after the other.
     struct Frame {
@@ -45,19 +46,21 @@ private:
         const VulkanVertices& slot;
         StoredRows rows;                           // what the next stage reads
         StripKernel kernel = StripKernel::decode;  // which is to end in codes; a median waits for that
-        bool is_finer = false;                     // the rows are multiplied codes
+        bool is_finer = false;                     // the rows are working codes
     };
 
     StripPush push_for(const StoredRows& rows, std::uint32_t listed) const;
-    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool to_finer = false);
+    /// `working`: of codes for filters that need finer ones; null: the codes are final.
+    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows,
+                                   const WorkingCodes* working = nullptr);
     Result<void> record_hue(Frame& frame);
     Result<void> record(const FlyingPixels& filter, Frame& frame);
     Result<void> record(const HoleFilling& filling, Frame& frame);
     Result<void> record(const MedianWindow& window, Frame& frame);
     Result<void> record(const TemporalFilter& filter, Frame& frame);
     Result<void> record(const TerraceFilter& filter, Frame& frame);
-    Result<void> record_finer(const CodeScale& scale, Frame& frame);
-    Result<void> record_codes(Frame& frame, bool to_finer, const CodeScale& scale, const GpuBuffer& to);
+    Result<void> record_finer(const WorkingCodes& working, Frame& frame);
+    Result<void> record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to);
     Result<void> record_bounds(const Frame& frame);
 
     Scene scene_;
@@ -74,6 +77,7 @@ private:
     GpuBuffer held_;           // for how many frames codes have only been held
     GpuBuffer fill_passes_;    // which passes of hole filling have something to do
     GpuBuffer parts_;          // of tile bounds
+    GpuBuffer table_;          // of working codes, where these are looked up
 };
 
 }  // namespace touchable

@@ -153,7 +153,7 @@ void Findings::look_at_codes() {
     if (!facts_.measured || facts_.measured->kappa < kappa_of_terraces) return;
     Scene scene = facts_.scene;
     scene.filter.levels = facts_.measured->levels;
-    if (terrace_scale(scene)) return;
+    if (has_working_codes(scene)) return;
     add("codes",
         "codes are too coarse for their pixels: one step is " + number(mm(facts_.measured->distance)) +
             " mm deep, a pixel " + number(mm(facts_.measured->pixel)) +

@@ -98,7 +98,7 @@ Scene with_levels(const ClipFacts& facts) {
 std::string level_words(const ClipFacts& facts) {
     if (!facts.measured) return "not known: no pixel of the first frames is valid";
     const std::string words = levels_in_words(*facts.measured, facts.scene.metres_per_unit);
-    if (!terrace_scale(with_levels(facts))) return words + "; codes leave no room for finer ones";
+    if (!has_working_codes(with_levels(facts))) return words + "; codes leave no room for finer ones";
     const bool left = facts.scene.filter.terraces == TerraceRemoval::off;
     return words + (left && removal_advised(*facts.measured, facts.scene)
                         ? "; --terraces auto removes their steps"
@@ -107,9 +107,12 @@ std::string level_words(const ClipFacts& facts) {
 
 /// The same for a program.
 Json terraces_json(const ClipFacts& facts) {
-    const auto scale = terrace_scale(with_levels(facts));
-    return {{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
-            {"advised", facts.measured && removal_advised(*facts.measured, facts.scene)}};
+    const Scene scene = with_levels(facts);
+    const auto working = working_codes(scene);
+    const double stored = scene.depth.valid_max - scene.depth.valid_min;
+    return {
+        {"finer_codes", working ? 2.0 * (working->coding.valid_max - working->coding.valid_min) / stored : 0},
+        {"advised", facts.measured && removal_advised(*facts.measured, facts.scene)}};
 }
 
 double mm_per_unit(const Scene& scene) {

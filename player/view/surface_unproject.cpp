@@ -11,15 +11,16 @@
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 64);
+static_assert(sizeof(UnprojectPush) == 68);
 
-/// Length = base + step m of a coding, and how m comes from the code; see shaders/unproject.h.
+/// Length = base + step m, or its inverse less the shift, of a coding, and how m comes from the code; see
+/// shaders/unproject.h.
 void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstants& constants) {
     double base = 0, step = coding.scale;  // metric
     if (coding.kind == DepthCodingKind::inverse) {
         constants.is_inverse = 1;
-        base = 1.0 / coding.far;
-        step = (1.0 / coding.near - 1.0 / coding.far) / coding.code_max;
+        base = 1.0 / (coding.far + coding.shift);
+        step = (1.0 / (coding.near + coding.shift) - base) / coding.code_max;
         constants.is_from_top = coding.near_is_high ? 0 : 1;  // it is 1 / length that grows
     } else if (coding.kind != DepthCodingKind::metric) {
         base = coding.near;
@@ -27,6 +28,7 @@ void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstan
         constants.is_from_top = coding.near_is_high ? 1 : 0;
     }
     push.code_max = coding.code_max;
+    push.shift = static_cast<float>(coding.shift);
     push.base = static_cast<float>(base);
     push.step = static_cast<float>(step);
 }

@@ -14,7 +14,10 @@ Real depth_of(const DepthCoding& coding, std::uint16_t code) {
     const Real share = Real(code) / coding.code_max;
     const Real n = coding.near_is_high ? share : 1 - share;
     const Real near = coding.near, far = coding.far;
-    if (coding.kind == DepthCodingKind::inverse) return 1 / (1 / far + (1 / near - 1 / far) * n);
+    if (coding.kind == DepthCodingKind::inverse) {
+        const Real shift = coding.shift, deep = 1 / (far + shift);
+        return 1 / (deep + (1 / (near + shift) - deep) * n) - shift;
+    }
     return far + (near - far) * n;
 }
 

@@ -49,9 +49,9 @@ TEST(SceneDescription, HasDefaultsOfRateAndFarButNotOfTheCamera) {
     EXPECT_NE(none.error().message.find("camera is missing: must be given"), std::string::npos);
 }
 
-// Whether there is room for finer codes is known with the far plane.
+// Whether levels leave room for finer codes is known with the far plane.
 TEST(SceneDescription, TerraceRemovalIsJudgedWithTheFarPlane) {
-    const SceneDescription open = of_millimetres(R"(, "filter": {"terraces": "on"})");
+    const SceneDescription open = of_millimetres(R"(, "filter": {"terraces": "on", "levels": [0, 30]})");
     FoundInClip found = all_found();
     EXPECT_TRUE(settle(open, found).ok());
     found.far = 60;

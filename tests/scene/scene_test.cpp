@@ -208,11 +208,9 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
         {"terraces",
          [](Scene& s) {
              s.filter.terraces = TerraceRemoval::on;
-             s.depth_bits = 14;
-             s.depth.code_max = 16379;
-             derive_valid_range(s.depth);
+             s.filter.levels = {1e6, 0};
          },
-         {"filter.terraces is on", "16378"}},
+         {"filter.terraces is on", "filter.levels"}},
         {"temporal noise nan",
          [](Scene& s) { s.filter.temporal_noise.constant = nan; },
          {"filter.temporal_noise's constant is nan"}},

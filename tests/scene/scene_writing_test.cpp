@@ -123,7 +123,7 @@ SceneDescription random_description(Random& random) {
                                 static_friction * random.between(0, 1)};
     scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
     scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
-    if (!open.far && !terrace_scale(scene) && scene.filter.terraces == TerraceRemoval::on)
+    if (!open.far && !has_working_codes(scene) && scene.filter.terraces == TerraceRemoval::on)
         scene.filter.terraces = TerraceRemoval::off;
     if (random.below(2)) scene.filter.terrace_noise = random.between(0, 4);
     if (random.below(2)) scene.filter.temporal_noise = {random.between(0.1, 9), random.between(0, 1e-3)};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/scene/terraces.hpp"
+#include "engine/scene/working_codes.hpp"
 
 namespace touchable {
 namespace {
@@ -114,18 +115,22 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
         Scene scene = coded(DepthCodingKind::linear, code_max, true, {6, 0});
         const auto filter = temporal_filter(scene);
         ASSERT_TRUE(filter);
-        EXPECT_EQ(filter->scale, terrace_scale(scene).value_or(CodeScale{}));
+        const auto working = working_codes(scene);
+        ASSERT_TRUE(working);
+        EXPECT_EQ(filter->working, working->table ? unchanged_codes(scene.depth) : *working)
+            << "no code is looked up for that alone";
         for (int code = 0; code <= code_max; code += 7)
-            EXPECT_EQ(filter->coding.depth(static_cast<std::uint16_t>(code * filter->scale.factor)),
+            EXPECT_EQ(filter->coding.depth(filter->working.of(code)),
                       scene.depth.depth(static_cast<std::uint16_t>(code)));
         scene.filter.terraces = TerraceRemoval::on;
+        const auto before = temporal_filter(scene);
         const auto terraces = terrace_filter(scene);
         scene.filter.temporal = false;
         const auto alone = terrace_filter(scene);
-        ASSERT_EQ(terraces.has_value(), alone.has_value());
-        if (!alone) continue;
-        EXPECT_EQ(alone->scale, filter->scale);
-        EXPECT_EQ(terraces->scale, CodeScale{}) << "they are finer already";
+        ASSERT_TRUE(terraces && alone);
+        EXPECT_EQ(before->working, *working);
+        EXPECT_EQ(alone->working, *working);
+        EXPECT_EQ(terraces->working, unchanged_codes(working->coding)) << "they are finer already";
         EXPECT_EQ(terraces->gate_at(0), alone->gate_at(0));
         EXPECT_EQ(terraces->most_at(0), alone->most_at(0));
         EXPECT_EQ(terraces->coding, alone->coding);

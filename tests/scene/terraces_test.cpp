@@ -40,9 +40,10 @@ Scene removed(Scene scene, double noise = 0) {
     return scene;
 }
 
-int factor_of(const Scene& scene) {
-    const auto scale = terrace_scale(scene);
-    return scale ? scale->factor : 0;
+/// 0 where working codes are looked up.
+int multiplied_by(const Scene& scene) {
+    const auto working = working_codes(scene);
+    return working && !working->table ? working->factor : 0;
 }
 
 // 32767 over the largest code and room for the gate, five factors.
@@ -50,17 +51,17 @@ TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
     const std::pair<int, int> expected[] = {{8, 126}, {9, 63}, {10, 31}, {11, 15},
                                             {12, 7},  {13, 3}, {14, 0},  {16, 0}};
     for (const auto& [bits, factor] : expected)
-        EXPECT_EQ(factor_of(coded(DepthCodingKind::linear, bits)), factor) << bits;
+        EXPECT_EQ(multiplied_by(coded(DepthCodingKind::linear, bits)), factor) << bits;
     Scene few = coded(DepthCodingKind::linear, 8);
     few.depth.code_max = 15;
-    EXPECT_EQ(factor_of(few), 126);
+    EXPECT_EQ(multiplied_by(few), 126);
     Scene hue = coded(DepthCodingKind::hue, 8, false);
     hue.depth.code_max = 1536;
-    EXPECT_EQ(factor_of(hue), 21);
-    EXPECT_EQ(factor_of(millimetres(300, 4000)), 8) << "codes beyond `far` need no room";
-    EXPECT_EQ(factor_of(millimetres(300, 5000)), 4) << "of metric codes a power of two";
-    EXPECT_EQ(factor_of(millimetres(300, 16378)), 2);
-    EXPECT_EQ(factor_of(millimetres(300, 16379)), 0);
+    EXPECT_EQ(multiplied_by(hue), 21);
+    EXPECT_EQ(multiplied_by(millimetres(300, 4000)), 8) << "codes beyond `far` need no room";
+    EXPECT_EQ(multiplied_by(millimetres(300, 5000)), 4) << "of metric codes a power of two";
+    EXPECT_EQ(multiplied_by(millimetres(300, 8186)), 4);
+    EXPECT_EQ(multiplied_by(millimetres(300, 8187)), 0) << "twice as many would be coarse near the camera";
 }
 
 TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
@@ -81,10 +82,11 @@ TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
         scene.depth.code_max = static_cast<std::uint16_t>(code_max);
         derive_valid_range(scene.depth);
         const auto filter = terrace_filter(removed(scene, most_terrace_noise));
-        ASSERT_EQ(filter.has_value(), code_max <= largest_code_with_terraces);
-        if (!filter) continue;
-        EXPECT_LE(code_max * filter->scale.factor + filter->gate_at(0), terrace_range) << code_max;
-        EXPECT_EQ(filter->coding.code_max, 2 * code_max * filter->scale.factor);
+        ASSERT_TRUE(filter);
+        const int last = filter->working.of(code_max);
+        EXPECT_LE(last + filter->gate_at(static_cast<std::uint16_t>(last)), terrace_range) << code_max;
+        EXPECT_LE(last + filter->gate_at(0), terrace_range) << code_max;
+        EXPECT_EQ(filter->coding.code_max, 2 * last);
     }
 }
 
@@ -102,12 +104,12 @@ TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
         ASSERT_TRUE(filter);
         const DepthCoding &stored = scene.depth, &finer = filter->coding;
         for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
-            const auto fine = static_cast<std::uint16_t>(code * 2 * filter->scale.factor);
+            const auto fine = static_cast<std::uint16_t>(code * 2 * filter->working.factor);
             ASSERT_EQ(finer.depth(fine), stored.depth(static_cast<std::uint16_t>(code))) << code;
             ASSERT_TRUE(finer.is_valid(fine)) << code;
         }
-        EXPECT_EQ(finer.valid_min, stored.valid_min * 2 * filter->scale.factor);
-        EXPECT_EQ(finer.valid_max, stored.valid_max * 2 * filter->scale.factor);
+        EXPECT_EQ(finer.valid_min, stored.valid_min * 2 * filter->working.factor);
+        EXPECT_EQ(finer.valid_max, stored.valid_max * 2 * filter->working.factor);
         EXPECT_EQ(finer.near, stored.near);
         EXPECT_EQ(finer.far, stored.far);
     }
@@ -131,7 +133,7 @@ TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
     scene.filter.levels = {0, 2.75e-6};
     const auto filter = terrace_filter(scene);
     ASSERT_TRUE(filter);
-    EXPECT_EQ(filter->scale.factor, 8);
+    EXPECT_EQ(filter->working.factor, 8);
     for (const double depth : {500.0, 700.0, 1000.0, 2000.0, 3000.0, 4000.0}) {
         const auto code = static_cast<std::uint16_t>(8 * depth);
         const double level = std::max(1.0, 2.75e-6 * depth * depth);
@@ -143,7 +145,7 @@ TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
         EXPECT_LE(code + filter->gate_at(code), terrace_range);
     }
     scene.filter.levels = {0, 30e-6};
-    EXPECT_EQ(terrace_filter(scene)->scale.factor, 4) << "levels of 480 codes at 4 m need room";
+    EXPECT_EQ(terrace_filter(scene)->working.factor, 4) << "levels of 480 codes at 4 m need room";
 }
 
 // Levels as of disparity are as far apart everywhere in inverse depth.
@@ -155,43 +157,10 @@ TEST(Terraces, LevelsOfInverseCodesAreToldInCodesToo) {
         const auto filter = terrace_filter(scene);
         ASSERT_TRUE(filter);
         for (int code = 0; code <= 1023; code += 93)
-            EXPECT_NEAR(filter->level_at(static_cast<std::uint16_t>(code * filter->scale.factor)),
-                        3 * filter->scale.factor, 1)
+            EXPECT_NEAR(filter->level_at(static_cast<std::uint16_t>(code * filter->working.factor)),
+                        3 * filter->working.factor, 1)
                 << code;
     }
-}
-
-// Fifths of a millimetre, as of many published recordings, of a camera whose levels are tens of them apart.
-TEST(Terraces, CodesThatAreTooLargeAreRoundedWhereLevelsAreFarApart) {
-    Scene scene = removed(millimetres(1, 9000));
-    scene.metres_per_unit = 1;
-    scene.depth.scale = 0.0002;
-    scene.depth.near = 0.0002;
-    scene.depth.far = 9;
-    derive_valid_range(scene.depth);
-    EXPECT_FALSE(terrace_filter(scene));
-    scene.filter.levels = {0, 2e-6};
-    EXPECT_FALSE(terrace_filter(scene)) << "less than a code apart";
-    scene.filter.levels = {0, 0.003};
-    const auto filter = terrace_filter(scene);
-    ASSERT_TRUE(filter);
-    EXPECT_EQ(filter->scale, (CodeScale{1, 1}));
-    for (const int code : {1, 2, 3, 4000, 30000, 44999, 45000}) {
-        const int working = filter->scale.of(code);
-        EXPECT_EQ(working, (code + 1) / 2) << code;
-        EXPECT_LE(working + filter->gate_at(static_cast<std::uint16_t>(working)), terrace_range);
-        EXPECT_NEAR(filter->coding.depth(static_cast<std::uint16_t>(2 * working)), 0.0002 * code, 0.000201)
-            << code;
-        EXPECT_TRUE(filter->coding.is_valid(static_cast<std::uint16_t>(2 * working))) << code;
-    }
-    const auto at_2_m = static_cast<std::uint16_t>(filter->scale.of(10000));
-    EXPECT_NEAR(filter->level_at(at_2_m), 0.003 * 4 / 0.0004, 1.5);
-    scene.filter.temporal = true;
-    scene.filter.temporal_noise = {0.001, 0};
-    EXPECT_EQ(temporal_filter(scene)->scale, (CodeScale{1, 1}));
-    EXPECT_EQ(terrace_filter(scene)->scale, CodeScale{});
-    scene.filter.terraces = TerraceRemoval::off;
-    EXPECT_EQ(temporal_filter(scene)->scale, CodeScale{}) << "no code is rounded for that alone";
 }
 
 TEST(Terraces, CodesAndGateFitTheRangeWhateverTheLevels) {
@@ -199,14 +168,14 @@ TEST(Terraces, CodesAndGateFitTheRangeWhateverTheLevels) {
         for (const double quadratic : {0.0, 1e-6, 1e-3, 1e9})
             for (const auto kind :
                  {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric})
-                for (const int bits : {8, 10, 12}) {
+                for (const int bits : {8, 10, 12, 16}) {
                     Scene scene = kind == DepthCodingKind::metric ? millimetres(20, (1 << bits) - 1)
                                                                   : coded(kind, bits);
                     scene = removed(scene, most_terrace_noise);
                     scene.filter.levels = {constant, quadratic};
                     const auto filter = terrace_filter(scene);
                     if (!filter) continue;
-                    const int last = filter->scale.of(largest_code(scene.depth));
+                    const int last = largest_code(filter->working.coding);
                     for (const int code : {0, last / 3, last}) {
                         const int gate = filter->gate_at(static_cast<std::uint16_t>(code));
                         ASSERT_LE(last + gate, terrace_range) << constant << " " << quadratic << " " << bits;
@@ -226,7 +195,7 @@ TEST(Terraces, AreRemovedAutomaticallyWhereKappaSaysSo) {
         scene.filter.terraces = TerraceRemoval::automatic;
         EXPECT_EQ(terrace_filter(scene).has_value(), advised) << bits;
         scene.filter.terraces = TerraceRemoval::on;
-        EXPECT_EQ(terrace_filter(scene).has_value(), bits < 14) << bits;
+        EXPECT_TRUE(terrace_filter(scene)) << bits;
     }
     EXPECT_TRUE(terraces_advised(millimetres(300, 2000))) << "16 bits, but a step is a third of a pixel";
 }

@@ -139,19 +139,19 @@ TEST(ChosenFilters, TerracesGoFromAKappaOfAQuarterOn) {
     EXPECT_EQ(chosen_by(measured).levels, measured.levels);
 }
 
-// Codes beyond 16378 leave none, but where levels are eight codes apart or more (docs/conventions.md, step
-// 6).
-TEST(ChosenFilters, TerracesStayWhereCodesLeaveNoRoom) {
+TEST(ChosenFilters, TerracesStayWhereLevelsLeaveNoRoom) {
     MeasuredDepth measured = of_a_camera();
     measured.kappa = 1;
     Scene scene = open_scene();
     scene.depth.scale = 0.2;
     scene.depth.code_max = 20'000;
     derive_valid_range(scene.depth);
-    for (const bool coarse : {false, true}) {
-        measured.levels = {coarse ? 2.0 : 0.0, 0};
-        EXPECT_EQ(removal_advised(measured, scene), coarse);
+    for (const double level : {0.0, 2.0}) {
+        measured.levels = {level, 0};
+        EXPECT_TRUE(removal_advised(measured, scene)) << level;
     }
+    measured.levels = {1e6, 0};
+    EXPECT_FALSE(removal_advised(measured, scene));
 }
 
 // Whatever was measured: all of it asks for a filter here.

@@ -24,7 +24,7 @@ TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
     ASSERT_EQ(still.filters.size(), 3U);
     EXPECT_EQ(std::get<HoleFilling>(still.filters[0].filter).passes, 2);
     EXPECT_EQ(std::get<MedianWindow>(still.filters[1].filter).side, 5);
-    EXPECT_EQ(std::get<TerraceFilter>(still.filters[2].filter).scale.factor, 126);  // floor(32767 / 260)
+    EXPECT_EQ(std::get<TerraceFilter>(still.filters[2].filter).working.factor, 126);  // floor(32767 / 260)
     EXPECT_EQ(still.reach(), 2 + 2 + 16);
     EXPECT_FALSE(still.remembers());
 
@@ -32,8 +32,8 @@ TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
     all.temporal_noise = {0.1, 0};
     const FilterPlan moving = plan_of(all);
     ASSERT_EQ(moving.filters.size(), 4U);
-    EXPECT_EQ(std::get<TemporalFilter>(moving.filters[2].filter).scale.factor, 126);
-    EXPECT_EQ(std::get<TerraceFilter>(moving.filters[3].filter).scale, CodeScale{}) << "multiplied before";
+    EXPECT_EQ(std::get<TemporalFilter>(moving.filters[2].filter).working.factor, 126);
+    EXPECT_EQ(std::get<TerraceFilter>(moving.filters[3].filter).working.factor, 1) << "multiplied before";
     EXPECT_TRUE(moving.remembers());
     EXPECT_NE(moving, still);
 }
@@ -54,7 +54,7 @@ TEST(FilterPlan, FindsWhatTheSceneAsksFor) {
     EXPECT_EQ(plan.find<HoleFilling>(), nullptr);
     EXPECT_EQ(plan.find<TemporalFilter>(), nullptr);
     const FilterPlan too_fine = plan_of({.terraces = TerraceRemoval::automatic}, 16);
-    EXPECT_EQ(too_fine.find<TerraceFilter>(), nullptr) << "no room, so nobody removes any";
+    EXPECT_EQ(too_fine.find<TerraceFilter>(), nullptr) << "a step is too small to be felt";
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ protected:
         ++seen_.pictures;
         const auto terraces = terrace_filter(scene);
         const auto unchanged = [&](std::uint16_t code) {
-            return terraces ? 2 * terraces->scale.of(code) : int{code};
+            return terraces ? 2 * terraces->working.of(code) : int{code};
         };
         seen_.finer += terraces.has_value();
         for (int y = 0; y < frame.height; ++y)

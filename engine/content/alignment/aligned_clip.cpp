@@ -157,12 +157,8 @@ Scene aligned_scene(Scene scene, const Span& span) {
     scene.depth_bits = 16;
     depth.invalid_code_count = 0;
     depth.invalid_codes = {};
-    int code_max = were_few ? codes_of_few : need_room ? largest_code_with_terraces : codes_of_many;
-    do {
-        depth.code_max = static_cast<std::uint16_t>(code_max);
-        derive_valid_range(depth);
-        code_max -= 1024;
-    } while (need_room && !terrace_scale(scene) && code_max > few_codes);
+    depth.code_max = static_cast<std::uint16_t>(were_few ? codes_of_few : codes_of_many);
+    derive_valid_range(depth);
     return scene;
 }
 
