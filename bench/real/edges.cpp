@@ -13,14 +13,15 @@ namespace {
 constexpr int edges_width = 320, edges_height = 240, edges_frames = 16;
 constexpr int first_row = 30, end_row = 210;  // of what is looked at
 constexpr int pen_left = 80, pen_right = 85;  // columns, to before
+constexpr int low_pen_left = 40, low_pen_right = 45;
 constexpr int step_left = 140, step_right = 200;
 constexpr int box_left = 235, box_right = 290, box_top = 60, box_bottom = 180;
-constexpr double pen_levels = 10, step_levels = 4;
+constexpr double pen_steps = 10, low_pen_steps = 4, step_steps = 4;
 
-/// Without a level of its own nothing could be ten of them high: the scene is made of even steps of 1/depth.
+/// Things are some steps high: even ones of 1/depth.
 struct EdgesScene {
     DepthMap truth;
-    double step = 0;  // from level to level, 1/mm
+    double step = 0;  // 1/mm
 
     double wall(int x, int y) const { return (1 - 0.4 * truth.camera.u(x) + 0.2 * truth.camera.v(y)) / 1000; }
     double box(int x, int y) const {
@@ -31,15 +32,16 @@ struct EdgesScene {
         return x >= box_left && x < box_right && y >= box_top && y < box_bottom;
     }
     double inverse_depth(int x, int y) const {
-        if (x >= pen_left && x < pen_right) return wall(x, y) + pen_levels * step;
-        if (x >= step_left && x < step_right) return wall(x, y) + step_levels * step;
+        if (x >= pen_left && x < pen_right) return wall(x, y) + pen_steps * step;
+        if (x >= low_pen_left && x < low_pen_right) return wall(x, y) + low_pen_steps * step;
+        if (x >= step_left && x < step_right) return wall(x, y) + step_steps * step;
         return in_box(x, y) ? box(x, y) : wall(x, y);
     }
 };
 
-EdgesScene edges_scene(const SensorModel& model) {
+EdgesScene edges_scene(double step) {
     EdgesScene scene{{edges_width, edges_height, {edges_focal_length, edges_focal_length, 159.5, 119.5}, {}},
-                     model.disparity_step};
+                     step};
     for (int y = 0; y < edges_height; ++y)
         for (int x = 0; x < edges_width; ++x) scene.truth.depths.push_back(1 / scene.inverse_depth(x, y));
     return scene;
@@ -57,16 +59,17 @@ double relief(const EdgesScene& edges, const SurfaceFrame& frame, int x) {
     return sum / count;
 }
 
-/// Of its three columns in the middle.
-double pen_pct(const EdgesScene& edges, const SurfaceFrame& frame) {
+/// Of a pen's three columns in the middle.
+double pen_pct(const EdgesScene& edges, const SurfaceFrame& frame, int left, double steps) {
     double sum = 0;
-    for (int x = pen_left + 1; x < pen_right - 1; ++x) sum += relief(edges, frame, x);
-    return 100 * sum / (pen_right - pen_left - 2) / pen_levels;
+    for (int x = left + 1; x < left + 4; ++x) sum += relief(edges, frame, x);
+    return 100 * sum / 3 / steps;
 }
 
-/// Columns from where the surface is one level above the lower side to where it is one below the upper.
+/// Columns from where the surface is a quarter of the step above the lower side to where it is one below the
+/// upper.
 double step_px(const EdgesScene& edges, const SurfaceFrame& frame) {
-    const auto height = [&](int x) { return relief(edges, frame, x) / step_levels; };
+    const auto height = [&](int x) { return relief(edges, frame, x) / step_steps; };
     int high = step_left;
     while (high + 1 < step_right && height(high) < 0.75) ++high;
     int low = high - 1;
@@ -103,16 +106,19 @@ double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const Sensor
     return pixels;
 }
 
-Result<void> add_figures(const SensorModel& model, const FilterChoice& choice, const std::string& suffix,
-                         Figures& figures) {
-    const EdgesScene edges = edges_scene(model);
-    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+std::vector<RawFrame> stored_frames(const SensorModel& model, const EdgesScene& edges, const Scene& scene) {
     std::vector<RawFrame> raws;
-    for (int n = 0; n < edges_frames; ++n) raws.push_back(stored_frame(model, unfiltered, edges.truth, n));
-    const auto frames = built(choice.of(raws, unfiltered), raws);
+    for (int n = 0; n < edges_frames; ++n) raws.push_back(stored_frame(model, scene, edges.truth, n));
+    return raws;
+}
+
+Result<void> add_figures(const SensorModel& model, const EdgesScene& edges, const Scene& scene,
+                         const std::string& suffix, Figures& figures) {
+    const auto frames = built(scene, stored_frames(model, edges, scene));
     if (!frames.ok()) return frames.error();
     const SurfaceFrame& last = frames->back();
-    figures.push_back({"pen_pct" + suffix, pen_pct(edges, last), "%"});
+    figures.push_back({"pen_pct" + suffix, pen_pct(edges, last, pen_left, pen_steps), "%"});
+    figures.push_back({"low_pen_pct" + suffix, pen_pct(edges, last, low_pen_left, low_pen_steps), "%"});
     figures.push_back({"step_px" + suffix, step_px(edges, last), "px"});
     figures.push_back({"bleed_px" + suffix, bleed_px(edges, last, model), "px"});
     return {};
@@ -121,8 +127,34 @@ Result<void> add_figures(const SensorModel& model, const FilterChoice& choice, c
 }  // namespace
 
 Result<void> measure_edges(const SensorModel& model, const FilterChoice& choice, Figures& figures) {
-    if (auto done = add_figures(without_noise(model), choice, "", figures); !done.ok()) return done;
-    return add_figures(model, choice, "_noisy", figures);
+    const EdgesScene edges = edges_scene(model.disparity_step);
+    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    for (const bool noisy : {false, true}) {
+        const SensorModel seen_by = noisy ? model : without_noise(model);
+        const Scene scene = choice.of(stored_frames(seen_by, edges, unfiltered), unfiltered);
+        if (auto done = add_figures(seen_by, edges, scene, noisy ? "_noisy" : "", figures); !done.ok())
+            return done;
+    }
+    return {};
+}
+
+Result<void> measure_least_steps(const SensorModel& model, Figures& figures) {
+    const EdgesScene edges = edges_scene(model.least_step(1000) / 1e6);
+    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    const Scene scene = chosen_filters(stored_frames(model, edges, unfiltered), unfiltered);
+    if (auto done = add_figures(without_noise(model), edges, scene, "", figures); !done.ok()) return done;
+    return add_figures(model, edges, scene, "_noisy", figures);
+}
+
+Result<bool> keeps_edges(const SensorModel& model, const FilterSettings& filter) {
+    const EdgesScene edges = edges_scene(model.least_step(1000) / 1e6);
+    Scene scene = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    scene.filter = filter;
+    const auto frames = built(scene, stored_frames(without_noise(model), edges, scene));
+    if (!frames.ok()) return frames.error();
+    const SurfaceFrame& last = frames->back();
+    return pen_pct(edges, last, low_pen_left, low_pen_steps) >= least_low_pen_pct &&
+           step_px(edges, last) <= most_step_px;
 }
 
 }  // namespace touchable

@@ -35,14 +35,13 @@ Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
     return scene;
 }
 
-/// What the program settles on where nothing is stated.
-Scene chosen(const std::vector<RawFrame>& first, Scene scene) {
+}  // namespace
+
+Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter = {};
     choose_filters(measured(first, scene), all_unstated, scene);
     return scene;
 }
-
-}  // namespace
 
 const std::vector<FilterChoice>& filter_choices() {
     static const std::vector<FilterChoice> choices{{"none", with_filters<0, false, false>},
@@ -54,7 +53,7 @@ const std::vector<FilterChoice>& filter_choices() {
                                                    {"m3-temporal-t", with_filters<3, true, true>},
                                                    {"m5-temporal-t", with_filters<5, true, true>},
                                                    {"m5-temporal-wide-t", with_wide_gate},
-                                                   {"chosen", chosen}};
+                                                   {"chosen", chosen_filters}};
     return choices;
 }
 

@@ -15,6 +15,9 @@ struct FilterChoice {
     Scene (*of)(const std::vector<RawFrame>& first, Scene scene);
 };
 
+/// The choice of the program where nothing is stated.
+Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene);
+
 /// In the order of the tables. A new choice is a function and a line here.
 const std::vector<FilterChoice>& filter_choices();
 

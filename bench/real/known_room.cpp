@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/real/built_frames.hpp"
-#include "bench/real/pressing.hpp"
+#include "bench/real/edges.hpp"
 #include "bench/real/resting.hpp"
 #include "engine/import/open_clip.hpp"
 
@@ -111,20 +111,58 @@ Result<double> KnownRoom::lag(const Scene& scene, const std::vector<SurfaceFrame
     return moving.value() - still.value();
 }
 
+Result<PressErrors> KnownRoom::pressed(const Scene& scene) const {
+    PressErrors errors;
+    for (const Room& room : rooms_) {
+        const auto frames = built(scene, room.stored);
+        if (!frames.ok()) return frames.error();
+        if (auto done = errors.press(scene, frames->back(), room.smooth); !done.ok()) return done.error();
+    }
+    return errors;
+}
+
+Result<void> KnownRoom::search(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = make(quick); !done.ok()) return done;
+    const auto chosen = pressed(chosen_filters(rooms_[0].stored, *scene_));
+    if (!chosen.ok()) return chosen.error();
+    const double depth = median_depth(rooms_[0].truth);
+    const DepthLength least{0, model_.least_step(depth) / (depth * depth)};
+    double best = 180, best_of_all = 180;
+    for (const int median : {0, 3, 5})
+        for (const double averaged : {0.0, 1.0, 1.5})
+            for (const double level : {0.0, 0.1, 0.2, 0.3, 0.45, 0.7, 1.0, 1.2, 1.4}) {
+                Scene scene = *scene_;
+                scene.filter = {.median = median,
+                                .terraces = level > 0 ? TerraceRemoval::on : TerraceRemoval::off,
+                                .levels = least.times(level),
+                                .temporal = averaged > 0,
+                                .temporal_noise = model_.stated_noise.times(averaged)};
+                const auto errors = pressed(scene);
+                if (!errors.ok()) return errors.error();
+                const double left = errors->angle_deg_rms();
+                best_of_all = std::min(best_of_all, left);
+                if (left >= best) continue;
+                const auto keeps = keeps_edges(model_, scene.filter);
+                if (!keeps.ok()) return keeps.error();
+                if (*keeps) best = left;
+            }
+    figures.push_back({"force_angle_deg_chosen", chosen->angle_deg_rms(), "deg"});
+    figures.push_back({"force_angle_deg_best", best, "deg"});
+    figures.push_back({"force_angle_deg_best_of_all", best_of_all, "deg"});
+    figures.push_back({"times_best", chosen->angle_deg_rms() / best, ""});
+    return {};
+}
+
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {
     if (!scene_)
         if (auto done = make(quick); !done.ok()) return done;
     const Scene scene = choice.of(rooms_[0].stored, *scene_);
+    const auto errors = pressed(scene);
+    if (!errors.ok()) return errors.error();
+    errors->report(figures);
     const auto at_rest = built(scene, rooms_[0].stored);
     if (!at_rest.ok()) return at_rest.error();
-    PressErrors errors;
-    if (auto done = errors.press(scene, at_rest->back(), rooms_[0].smooth); !done.ok()) return done;
-    for (std::size_t k = 1; k < rooms_.size(); ++k) {
-        const auto frames = built(scene, rooms_[k].stored);
-        if (!frames.ok()) return frames.error();
-        if (auto done = errors.press(scene, frames->back(), rooms_[k].smooth); !done.ok()) return done;
-    }
-    errors.report(figures);
     if (auto done = measure_rest(scene, *at_rest, resting_places_, settled_frames, figures); !done.ok())
         return done;
     const auto behind = lag(scene, *at_rest);

@@ -7,6 +7,7 @@
 
 #include "bench/real/depth_plane.hpp"
 #include "bench/real/filter_choices.hpp"
+#include "bench/real/pressing.hpp"
 #include "bench/real/sensor_models.hpp"
 #include "bench/suite.hpp"
 
@@ -25,6 +26,10 @@ public:
     /// what measure_rest does, lag_mm, frame_cpu_ms and frame_ms, and level_mm, the level distance that was
     /// measured, at the room's median depth (0: every code is a level). `quick`: of two rooms.
     Result<void> measure(const FilterChoice& choice, bool quick, Figures& figures);
+    /// Appends what the filters that the program chooses leave, and the best of all: every median, levels of
+    /// a tenth to twice the least step that the sensor can tell, and averaging of no noise, its noise or more
+    /// of it. force_angle_deg_chosen, _best of those that keep edges (keeps_edges), _best_of_all; times_best.
+    Result<void> search(bool quick, Figures& figures);
 
 private:
     struct Room {
@@ -39,6 +44,8 @@ private:
 
     std::vector<DepthPlane> smooth_places(const DepthMap& truth, int step) const;
     Result<void> make(bool quick);
+    /// Of the filters' surface, against true normals.
+    Result<PressErrors> pressed(const Scene& scene) const;
     Result<void> make_approach();
     Result<double> lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const;
 

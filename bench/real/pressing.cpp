@@ -61,6 +61,10 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
     return {};
 }
 
+double PressErrors::angle_deg_rms() const {
+    return angles_.empty() ? 180 : root_mean_square(angles_);
+}
+
 void PressErrors::report(Figures& figures) const {
     std::vector<double> sorted = angles_;
     std::sort(sorted.begin(), sorted.end());

@@ -18,6 +18,8 @@ public:
     /// presses, force_angle_deg_rms, _median and _p95 of the ticks in contact, contact_lost_pct of the
     /// others.
     void report(Figures& figures) const;
+    /// 180 where nothing was felt.
+    double angle_deg_rms() const;
 
 private:
     std::vector<double> angles_;

@@ -18,6 +18,7 @@ namespace {
 constexpr double room_focal_length = 481.2;
 /// Rooms are too large for cameras of short range.
 constexpr double half_as_large = 0.5, smallest = 0.4;
+constexpr int drawn_models = 8;
 
 /// A case for each choice of filters; `made` is shared by them, and gone with the last.
 template <class Made>
@@ -33,11 +34,26 @@ void add(std::vector<BenchCase>& cases, const std::string& what, const std::shar
     }
 }
 
+void add_least_steps(std::vector<BenchCase>& cases, const SensorModel& model) {
+    cases.push_back({"real-edges-" + model.name + "-chosen",
+                     [model](Figures& figures) { return measure_least_steps(model, figures); }});
+}
+
 void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
     for (const FilterChoice& choice : filter_choices())
         cases.push_back(
             {"real-edges-" + model.name + "-" + std::string(choice.name),
              [model, choice](Figures& figures) { return measure_edges(model, choice, figures); }});
+}
+
+/// Of cameras that nobody makes: what the program chooses, against what an exhaustive search finds.
+void add_drawn(std::vector<BenchCase>& cases, const std::filesystem::path& data, bool quick) {
+    for (int number = 1; number <= drawn_models; ++number) {
+        const SensorModel model = drawn_model(number);
+        const auto room = std::make_shared<KnownRoom>(data, model, half_as_large);
+        cases.push_back({"real-search-" + model.name,
+                         [room, quick](Figures& figures) { return room->search(quick, figures); }});
+    }
 }
 
 void add_generated(std::vector<BenchCase>& cases) {
@@ -67,6 +83,8 @@ std::vector<BenchCase> real_cases(bool quick) {
             quick);
         add(cases, "icl-sr300", std::make_shared<KnownRoom>(data, sr300(), smallest), quick);
     }
+    if (std::filesystem::exists(data / "stills/icl_nuim5")) add_drawn(cases, data, quick);
+    for (int number = 1; number <= drawn_models; ++number) add_least_steps(cases, drawn_model(number));
     add_edges(cases, kinect_v1());
     add_edges(cases, d435(edges_focal_length));
     add_generated(cases);

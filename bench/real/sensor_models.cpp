@@ -64,6 +64,42 @@ double SensorModel::level(double depth) const {
     return std::max(code_mm, disparity_step * depth * depth);
 }
 
+double SensorModel::least_step(double depth) const {
+    const double rough = std::sqrt(12.0) * sigma(depth), one = level(depth);
+    return one >= 0.75 * rough ? one : rough;
+}
+
+SensorModel drawn_model(int number) {
+    SplitMix64 random(mix64(0x5eed + static_cast<std::uint64_t>(number)));
+    // As many below the middle of a range as above it, by factors.
+    const auto factor = [&](double least, double most) {
+        double drawn = least;
+        for (int n = 0; n < 6; ++n)
+            if (const double wider = std::sqrt(most / least); random.unit() < 0.5) {
+                drawn *= wider;
+                least *= wider;
+            } else {
+                most = least * wider;
+            }
+        return drawn;
+    };
+    constexpr double codes[] = {0.1, 0.125, 0.2, 0.25, 0.5, 1, 1, 1};
+    SensorModel model;
+    model.name = "drawn" + std::to_string(number);
+    model.far_mm = 20700;
+    model.code_mm = codes[static_cast<std::size_t>(8 * random.unit())];
+    if (model.code_mm * 65535 < model.far_mm) model.far_mm = model.code_mm * 65535;
+    if (number % 2 == 0) model.disparity_step = factor(8e-7, 5e-6);
+    model.axial_constant = factor(0.2, 2.5);
+    model.axial_quadratic = factor(2e-7, 3e-6);
+    model.lateral_px = random.unit();
+    if (number % 3 == 0) model.mixed_share = 0.3;
+    model.stray_share = 1e-5;
+    model.stray_mm = std::min(19700.0, model.far_mm);
+    model.stated_noise = {model.axial_constant, model.axial_quadratic};
+    return model;
+}
+
 SensorModel kinect_v1() {
     SensorModel model;
     model.name = "kinect";
@@ -102,6 +138,7 @@ SensorModel sr300() {
 
 SensorModel without_noise(SensorModel model) {
     model.axial_constant = model.axial_quadratic = model.lateral_px = model.mixed_share = 0;
+    model.stray_share = 0;
     return model;
 }
 
@@ -138,6 +175,7 @@ RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthM
             depth += added_sigma(model, depth) * noise[codes->size()];
             if (model.mixed_share > 0) depth = mixed(model, truth, x, y, depth, random);
             depth = levelled(model, std::max(depth, 1.0));
+            if (model.stray_share > 0 && random.unit() < model.stray_share) depth = model.stray_mm;
             codes->push_back(
                 static_cast<std::uint16_t>(std::floor(std::min(depth / model.code_mm, 65534.0) + 0.5)));
         }

@@ -18,14 +18,19 @@ struct SensorModel {
     double axial_constant = 0;   ///< standard deviation of a depth z: this
     double axial_quadratic = 0;  ///< + this (z - axial_from)^2
     double axial_from = 0;
-    double lateral_px = 0;     ///< standard deviation of where a silhouette is seen
-    double mixed_share = 0;    ///< of the pixels at a silhouette, those anywhere between its sides
+    double lateral_px = 0;   ///< standard deviation of where a silhouette is seen
+    double mixed_share = 0;  ///< of the pixels at a silhouette, those anywhere between its sides
+    double stray_share = 0;  ///< of all pixels, those that are at stray_mm
+    double stray_mm = 0;
     DepthLength stated_noise;  ///< the axial one as a scene states it
 
     /// Standard deviation of what is stored of a depth.
     double sigma(double depth) const;
     /// From one level to the next.
     double level(double depth) const;
+    /// The least step that it can tell from none: a level, or sqrt(12) sigma, as levels that far apart would
+    /// be as rough, where a level is less than three quarters of that.
+    double least_step(double depth) const;
 };
 
 /// Kinect of the first kind. Axial noise 1.2 + 1.9 (z - 0.4)^2 mm, z in metres, and 0.8 pixels at
@@ -39,6 +44,10 @@ SensorModel d435(double focal_length);
 /// Short range, coded light or time of flight: noise of 1 + z^2 mm (z in metres; assumed, 1 to 2 mm within
 /// its range), three in ten pixels at silhouettes anywhere between both sides, 0.125 mm codes.
 SensorModel sr300();
+/// A camera that nobody makes: levels of disparity or none, codes of a tenth of a millimetre to one, noise
+/// that is constant or grows, edges that are mixed or not, and a few pixels at 19.7 m, drawn at random.
+/// `number`: which, 1 to 8.
+SensorModel drawn_model(int number);
 /// The same levels and codes, without noise.
 SensorModel without_noise(SensorModel model);
 

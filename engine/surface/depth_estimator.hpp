@@ -1,9 +1,12 @@
 #pragma once
 
+#include <deque>
 #include <optional>
+#include <vector>
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/filter_search.hpp"
 #include "engine/surface/level_estimator.hpp"
 #include "engine/surface/noise_estimator.hpp"
 
@@ -23,11 +26,16 @@ struct MeasuredDepth {
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
     double tiny_holes = 0;                         ///< share of the pixels that are tiny holes
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
+    /// Filters, and what they leave: of a camera's depth a search, of other depth whose steps are felt the
+    /// removal of these. None: too little of it is smooth.
+    std::vector<TriedFilters> tried;
 
     /// From this share of pixels on they are no chance, and worth to be filled.
     static constexpr double some_tiny_holes = 1e-4;
 
     double noise_at_median() const { return noise.at(median); }
+    /// Whether noise is worth to be averaged, in pictures of this width.
+    bool is_noisy(int width) const;
     /// Whether something says that a camera measured it: noise, dropouts, tiny holes, or levels of disparity.
     bool from_a_camera() const;
 };
@@ -46,9 +54,12 @@ public:
     std::optional<MeasuredDepth> measured() const;
 
 private:
+    std::optional<MeasuredDepth> measured_without_trying() const;
+
     const Scene scene_;
     LevelEstimator levels_;
     NoiseEstimator noise_;
+    std::deque<CodePicture> last_;
     int added_ = 0;
 };
 

@@ -7,11 +7,6 @@
 namespace touchable {
 namespace {
 
-/// Noise is averaged from a ten-thousandth of the picture's width on. The hand's 16 cm are as wide as the
-/// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
-constexpr double noise_per_picture = 1e-4;
-/// What the filter is told: so that two levels beside each other, too, are averaged (docs/real-depth.md).
-constexpr double stated_per_measured = 1.5, stated_with_small_median = 1.3;
 /// Cameras' surfaces have a median where they are rougher than this share of a pixel's width, which tilts
 /// faces by about ten degrees.
 constexpr double roughness_per_pixel = 0.15;
@@ -37,6 +32,23 @@ DepthLength flat_within(const MeasuredDepth& measured) {
     return DepthLength{1, 1 / (measured.median * measured.median)}.times(0.5 * length);
 }
 
+bool may_be_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
+                  const FilterSettings& stated) {
+    return measured.from_a_camera() && unstated.median && unstated.terraces && stated.levels == DepthLength{} && !measured.tried.empty();
+}
+
+/// Where nothing was tried.
+void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilters& unstated, Scene& scene) {
+    FilterSettings& filter = scene.filter;
+    if (unstated.median)
+        filter.median = measured.from_a_camera() && measured.roughness >= roughness_per_pixel * measured.pixel
+                            ? median_of_cameras(measured)
+                            : 0;
+    if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
+        filter.terraces = removal_advised(measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
+    if (filter.terraces == TerraceRemoval::on) filter.levels = measured.levels;
+}
+
 }  // namespace
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
@@ -52,25 +64,23 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
         if (filter.terraces == TerraceRemoval::automatic) filter.terraces = TerraceRemoval::off;
         return;
     }
-    const bool camera = measured->from_a_camera();
-    if (unstated.median)
-        filter.median = camera && measured->roughness >= roughness_per_pixel * measured->pixel
-                            ? median_of_cameras(*measured)
-                            : 0;
+    if (may_be_tried(*measured, unstated, filter)) {
+        const TriedFilters& best = mildest_of_the_best(measured->tried);
+        filter.median = best.median;
+        filter.terraces = best.terraces ? TerraceRemoval::on : TerraceRemoval::off;
+        filter.levels = best.levels;
+    } else {
+        choose_smoothing_by_rule(*measured, unstated, scene);
+    }
     if (unstated.flying_pixels)
-        filter.flying_pixels =
-            camera && measured->flying >= flying_to_land ? flat_within(*measured) : DepthLength{};
+        filter.flying_pixels = measured->from_a_camera() && measured->flying >= flying_to_land
+                                   ? flat_within(*measured)
+                                   : DepthLength{};
     if (unstated.fill_holes)
         filter.fill_holes = measured->tiny_holes >= MeasuredDepth::some_tiny_holes ? passes : 0;
-    if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
-        filter.terraces = removal_advised(*measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
-    if (filter.terraces == TerraceRemoval::on) filter.levels = measured->levels;
-    if (unstated.temporal)
-        filter.temporal = measured->noise_at_median() >= noise_per_picture * measured->pixel * scene.width;
-    if (filter.temporal && filter.temporal_noise == DepthLength{}) {
-        const double stated = filter.median == 3 ? stated_with_small_median : stated_per_measured;
-        filter.temporal_noise = measured->noise.times(stated);
-    }
+    if (unstated.temporal) filter.temporal = measured->is_noisy(scene.width);
+    if (filter.temporal && filter.temporal_noise == DepthLength{})
+        filter.temporal_noise = stated_noise(measured->noise, filter.median);
 }
 
 }  // namespace touchable

@@ -14,6 +14,18 @@ Json length(const DepthLength& value) {
     return {value.constant, value.quadratic};
 }
 
+/// What median and terrace removal leave on smooth places of the clip.
+Json tried_json(const std::vector<TriedFilters>& tried) {
+    Json out = Json::array();
+    for (const TriedFilters& one : tried) {
+        Json filters{{"median", one.median}, {"terraces", one.terraces}};
+        if (one.terraces) filters["levels"] = length(one.levels);
+        filters["left_degrees"] = one.left_deg;
+        out.push_back(std::move(filters));
+    }
+    return out;
+}
+
 Json measured_json(const MeasuredDepth& measured) {
     return {{"median_depth", measured.median},
             {"pixel_width", measured.pixel},
@@ -28,7 +40,8 @@ Json measured_json(const MeasuredDepth& measured) {
             {"dropouts", measured.dropouts},
             {"tiny_holes", measured.tiny_holes},
             {"flying", measured.flying},
-            {"from_a_camera", measured.from_a_camera()}};
+            {"from_a_camera", measured.from_a_camera()},
+            {"tried", tried_json(measured.tried)}};
 }
 
 }  // namespace

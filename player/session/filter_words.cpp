@@ -44,6 +44,23 @@ std::string median_reason(const MeasuredDepth& measured, double metres_per_unit)
     return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
 }
 
+/// What removal takes levels for, where that is not what was found.
+std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& filter,
+                           double metres_per_unit) {
+    const bool is_wider = filter.terraces == TerraceRemoval::on && filter.levels != measured.levels;
+    return "levels " + where_it_is(measured, metres_per_unit) +
+           (is_wider ? ", noise and all " + mm(filter.levels.at(measured.median), metres_per_unit) : "");
+}
+
+/// What these filters did to the clip's own smooth places.
+std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings& filter) {
+    const TriedFilters* const with = found_among(measured.tried, filter);
+    const TriedFilters* const without = found_among(measured.tried, {});
+    if (!with || !without || with == without) return "";
+    return "; smooth places lean " + number(with->left_deg, "") + " degrees to and fro, " +
+           number(without->left_deg, " as stored");
+}
+
 /// Lines of filters that are on, and of those that were left out by choice.
 class FilterList {
 public:
@@ -94,11 +111,12 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
     list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
              "noise " + noise_found(measured, unit));
     list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
-             "levels " + where_it_is(measured, unit));
+             removal_reason(measured, filter, unit));
     if (known && by == all_unstated && !list.has_any())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
                noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
-    return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
+    return list.in_words() + effect_in_words(measured, filter) +
+           (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }
 
 std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {

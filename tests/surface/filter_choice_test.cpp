@@ -82,20 +82,47 @@ TEST(ChosenFilters, TheTemporalFilterFromANoiseOfATenThousandthOfThePicturesWidt
     EXPECT_FALSE(chosen_by(measured).temporal);
     measured.noise = {0.03, 0.0341 / (median_mm * median_mm)};
     EXPECT_TRUE(chosen_by(measured).temporal);
-    EXPECT_EQ(chosen_by(measured).temporal_noise.constant, 1.5 * 0.03);
-    EXPECT_NEAR(chosen_by(measured).temporal_noise.at(median_mm), 1.5 * 0.0641, 1e-12);
+    EXPECT_EQ(chosen_by(measured).temporal_noise.constant, 0.9 * 0.03);
+    EXPECT_NEAR(chosen_by(measured).temporal_noise.at(median_mm), 0.9 * 0.0641, 1e-12);
 }
 
-TEST(ChosenFilters, TheTemporalFilterIsTold13TenthsOfTheNoiseAfterASmallMedian) {
+// A gate is twice the noise that the median leaves, and that of no median the most.
+TEST(ChosenFilters, TheTemporalFilterIsToldMoreOfTheNoiseAfterAMedian) {
     MeasuredDepth measured = of_a_camera();
     measured.noise = {2, 0};
     measured.roughness = 1;
     measured.distance = 4;
     EXPECT_EQ(chosen_by(measured).median, 3);
-    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{2.6, 0}));
+    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{3, 0}));
     measured.distance = 1;
     EXPECT_EQ(chosen_by(measured).median, 5);
     EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{3, 0}));
+    measured.roughness = 0;
+    EXPECT_EQ(chosen_by(measured).median, 0);
+    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{1.8, 0}));
+}
+
+// Those that were tried, where the scene states neither of the two filters.
+TEST(ChosenFilters, TheMildestOfTheBestThatWereTriedOnTheRecording) {
+    MeasuredDepth measured = of_a_camera();
+    measured.roughness = 2;
+    measured.kappa = 1;
+    measured.tried = {{0, false, {}, 0, 30},
+                      {0, true, {4, 0}, 0.7, 4.1},
+                      {3, true, {4, 0}, 1.05, 4},
+                      {5, true, {6, 0}, 1.9, 3.99}};
+    EXPECT_EQ(chosen_by(measured).median, 0);
+    EXPECT_EQ(chosen_by(measured).terraces, TerraceRemoval::on);
+    EXPECT_EQ(chosen_by(measured).levels, (DepthLength{4, 0}));
+    measured.tried[1].left_deg = 5;
+    EXPECT_EQ(chosen_by(measured).median, 3);
+    Scene scene = open_scene();
+    scene.filter.median = 5;
+    UnstatedFilters unstated = all_unstated;
+    unstated.median = false;
+    choose_filters(measured, unstated, scene);
+    EXPECT_EQ(scene.filter.median, 5);
+    EXPECT_EQ(scene.filter.levels, DepthLength{}) << "as measured";
 }
 
 TEST(ChosenFilters, TwoPassesOfHoleFillingFromATenThousandthOfTinyHolesOn) {
@@ -171,7 +198,7 @@ TEST(ChosenFilters, EachThatTheSceneStatesStays) {
     };
     FilterSettings but = all;
     but.median = 0;
-    but.temporal_noise = all.temporal_noise;
+    but.temporal_noise = {1.8, 0};
     EXPECT_EQ(chosen_but(&UnstatedFilters::median), but);
     but = all;
     but.fill_holes = 0;

@@ -1,0 +1,308 @@
+#include "engine/surface/smooth_patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int border = (SmoothPatches::side - SmoothPatches::core) / 2;
+constexpr int parts = 8;      // of the picture, across and down
+constexpr int fit_terms = 6;  // of a paraboloid
+constexpr double pixels_of_a_unit = 16;
+/// Patches that are rougher than this times the lower quartile, against their pixels' width, have an edge or
+/// a relief of their own.
+constexpr double rough_per_quartile = 2.5;
+/// Of the core's pixels, how many may have no depth, or lie somewhere else altogether.
+constexpr double most_left_out = 0.1;
+constexpr int rounds_without_outliers = 3;
+constexpr double outlier_per_residual = 4;
+/// What is as rough in all pictures together as in one has not moved.
+constexpr double moves_per_residual = 1.1;
+
+using Terms = std::array<double, fit_terms>;
+
+Terms terms_at(double x, double y) {
+    return {1, x, y, x * x, x * y, y * y};
+}
+
+double sum_of(const Terms& of, const Terms& terms) {
+    double sum = 0;
+    for (int n = 0; n < fit_terms; ++n)
+        sum += of[static_cast<std::size_t>(n)] * terms[static_cast<std::size_t>(n)];
+    return sum;
+}
+
+/// Sums of least squares, and their solution by elimination with the largest pivot.
+struct LeastSquares {
+    std::array<Terms, fit_terms> products{};
+    Terms values{};
+
+    void add(const Terms& terms, double value) {
+        for (std::size_t r = 0; r < fit_terms; ++r) {
+            for (std::size_t c = r; c < fit_terms; ++c) products[r][c] += terms[r] * terms[c];
+            values[r] += terms[r] * value;
+        }
+    }
+    std::optional<Terms> solved() {
+        for (std::size_t r = 1; r < fit_terms; ++r)
+            for (std::size_t c = 0; c < r; ++c) products[r][c] = products[c][r];
+        for (std::size_t k = 0; k < fit_terms; ++k) {
+            std::size_t pivot = k;
+            for (std::size_t r = k + 1; r < fit_terms; ++r)
+                if (std::fabs(products[r][k]) > std::fabs(products[pivot][k])) pivot = r;
+            if (std::fabs(products[pivot][k]) < 1e-9) return std::nullopt;
+            std::swap(products[k], products[pivot]);
+            std::swap(values[k], values[pivot]);
+            for (std::size_t r = 0; r < fit_terms; ++r) {
+                if (r == k) continue;
+                const double share = products[r][k] / products[k][k];
+                for (std::size_t c = k; c < fit_terms; ++c) products[r][c] -= share * products[k][c];
+                values[r] -= share * values[k];
+            }
+        }
+        Terms found{};
+        for (std::size_t k = 0; k < fit_terms; ++k) found[k] = values[k] / products[k][k];
+        return found;
+    }
+};
+
+double middle_of(int pixel) {
+    return (pixel - (SmoothPatches::core - 1) / 2.0) / pixels_of_a_unit;
+}
+
+/// A face of inverse depth w at (x, y) that grows by `right` and `down` from pixel to pixel.
+glm::dvec3 face_normal(const Camera& camera, double x, double y, double w, double right, double down) {
+    return {-right * camera.fx, down * camera.fy, w + right * (camera.cx - x) + down * (camera.cy - y)};
+}
+
+/// The square of the chord of the angle between two directions, at most 1: that of 60 degrees.
+double chord_square(const glm::dvec3& a, const glm::dvec3& b) {
+    const double lengths = glm::dot(a, a) * glm::dot(b, b);
+    if (!(lengths > 0)) return 1;
+    return std::min(1.0, 2 - 2 * glm::dot(a, b) / std::sqrt(lengths));
+}
+
+template <class T>
+T quantile(std::vector<T> values, double share) {
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+Scene scene_of_mosaic(const Scene& scene) {
+    Scene mosaic;
+    mosaic.width = mosaic.height = SmoothPatches::side;
+    mosaic.camera = scene.camera;
+    mosaic.depth_bits = 16;
+    mosaic.depth = scene.depth;
+    mosaic.metres_per_unit = scene.metres_per_unit;
+    mosaic.filter = {};
+    if (mosaic.depth.kind == DepthCodingKind::hue) {  // its codes are even steps of depth
+        mosaic.depth.kind = DepthCodingKind::linear;
+        mosaic.depth.least_sum = 0;
+    }
+    return mosaic;
+}
+
+}  // namespace
+
+SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures)
+    : scene_(scene), inverse_of_code_(65536), mosaic_scene_(scene_of_mosaic(scene)) {
+    for (int code = scene.depth.valid_min; code <= scene.depth.valid_max; ++code)
+        inverse_of_code_[static_cast<std::size_t>(code)] =
+            1 / scene.depth.depth(static_cast<std::uint16_t>(code));
+    while (no_depth_ < 65535 && mosaic_scene_.depth.is_valid(static_cast<std::uint16_t>(no_depth_)))
+        ++no_depth_;
+    if (!pictures.empty()) choose(pictures.back());
+    if (!enough()) return;
+    const int count = static_cast<int>(patches_.size()), across = std::min(count, most_across);
+    mosaic_scene_.width = across * side;
+    mosaic_scene_.height = (count + across - 1) / across * side;
+    fit_to_all(pictures);
+    for (const CodePicture& picture : pictures) {
+        mosaics_.push_back(mosaic(picture));
+        mosaics_.back().number = static_cast<std::int64_t>(mosaics_.size());
+    }
+}
+
+SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pictures, int left,
+                                         int top) const {
+    const bool is_range = scene_.depth.semantics == DepthSemantics::range;
+    const double all = core * core * static_cast<double>(pictures.size());
+    // Of every pixel that has a depth, and lies within the limit of what was fitted before.
+    Fit fit;
+    double limit = std::numeric_limits<double>::infinity();
+    const auto each = [&](const auto& visit) {
+        for (const CodePicture* const picture : pictures)
+            for (int y = 0; y < core; ++y)
+                for (int x = 0; x < core; ++x) {
+                    const int code = picture->row(top + y)[left + x];
+                    if (code == CodePicture::invalid) continue;
+                    const double inverse = inverse_of_code_[static_cast<std::size_t>(code)];
+                    const double w =
+                        is_range ? inverse * scene_.camera.ray_length(left + x, top + y) : inverse;
+                    const Terms terms = terms_at(middle_of(x), middle_of(y));
+                    if (std::fabs(w - sum_of(fit.of, terms)) <= limit) visit(terms, w);
+                }
+    };
+    for (int round = 0; round < rounds_without_outliers; ++round) {
+        LeastSquares sums;
+        int count = 0;
+        each([&](const Terms& terms, double w) {
+            sums.add(terms, w);
+            ++count;
+        });
+        const auto found = count >= (1 - most_left_out) * all ? sums.solved() : std::nullopt;
+        if (!found) return {};
+        double squares = 0;
+        each([&](const Terms& terms, double w) {
+            const double off = w - sum_of(*found, terms);
+            squares += off * off;
+        });
+        fit = {*found, std::sqrt(squares / count), true};
+        limit = outlier_per_residual * fit.residual;
+    }
+    return fit;
+}
+
+void SmoothPatches::choose(const CodePicture& picture) {
+    const int room_x = picture.width - side, room_y = picture.height - side;
+    if (room_x < 0 || room_y < 0) return;
+    std::vector<std::pair<double, Patch>> best;
+    for (int part_y = 0; part_y < parts; ++part_y)
+        for (int part_x = 0; part_x < parts; ++part_x) {
+            std::optional<std::pair<double, Patch>> found;
+            for (int k = 0; k < 9; ++k) {
+                const int left = border + room_x * (3 * part_x + k % 3) / (3 * parts - 1),
+                          top = border + room_y * (3 * part_y + k / 3) / (3 * parts - 1);
+                const CodePicture* const last[] = {&picture};
+                const Fit fit = fitted(last, left, top);
+                if (!fit.ok || !(fit.of[0] > 0)) continue;
+                // Against a pixel's width: an error e of w is one of e/w^2 of depth, and a pixel is 1/(w fx).
+                const double rough = fit.residual / fit.of[0];
+                if (!found || rough < found->first) found = {rough, Patch{left, top, fit}};
+            }
+            if (found) best.push_back(*found);
+        }
+    if (best.empty()) return;
+    std::vector<double> all;
+    for (const auto& [rough, patch] : best) all.push_back(rough);
+    const double limit = rough_per_quartile * quantile(all, 0.25);
+    for (const auto& [rough, patch] : best)
+        if (rough <= limit) patches_.push_back(patch);
+}
+
+/// Where nothing moves all pictures tell more than one.
+void SmoothPatches::fit_to_all(const std::deque<CodePicture>& pictures) {
+    std::vector<const CodePicture*> all;
+    for (const CodePicture& picture : pictures) all.push_back(&picture);
+    for (Patch& patch : patches_)
+        if (const Fit fit = fitted(all, patch.x, patch.y);
+            fit.ok && fit.residual <= moves_per_residual * patch.fit.residual)
+            patch.fit.of = fit.of;
+}
+
+RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
+    const int width = mosaic_scene_.width, height = mosaic_scene_.height, across = width / side;
+    const auto place = [width](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    };
+    const auto none = static_cast<std::uint16_t>(no_depth_);
+    auto codes = std::make_shared<std::vector<std::uint16_t>>(place(0, height), none);
+    for (int n = 0; n < static_cast<int>(patches_.size()); ++n) {
+        const Patch& patch = patches_[static_cast<std::size_t>(n)];
+        for (int y = 0; y < side; ++y) {
+            const int* from = picture.row(patch.y - border + y) + patch.x - border;
+            std::uint16_t* to = codes->data() + place(n % across * side, n / across * side + y);
+            for (int x = 0; x < side; ++x)
+                to[x] = from[x] == CodePicture::invalid ? none : static_cast<std::uint16_t>(from[x]);
+        }
+    }
+    RawFrame raw;
+    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),  // plane views are of bytes
+                 std::ptrdiff_t{2} * width,
+                 width,
+                 height,
+                 2,
+                 1};
+    raw.storage = std::move(codes);
+    return raw;
+}
+
+std::vector<std::pair<SmoothPatches::Place, SmoothPatches::Place>> SmoothPatches::places() const {
+    const int across = mosaic_scene_.width / side;
+    std::vector<std::pair<Place, Place>> places;
+    for (int n = 0; n < static_cast<int>(patches_.size()); ++n)
+        places.push_back({{patches_[static_cast<std::size_t>(n)].x, patches_[static_cast<std::size_t>(n)].y},
+                          {n % across * side + border, n / across * side + border}});
+    return places;
+}
+
+double SmoothPatches::median_depth() const {
+    std::vector<double> depths;
+    for (const Patch& patch : patches_)
+        if (patch.fit.ok) depths.push_back(1 / patch.fit.of[0]);
+    return depths.empty() ? 0 : quantile(depths, 0.5);
+}
+
+DepthLength SmoothPatches::roughness() const {
+    std::vector<double> constant, quadratic;
+    for (const Patch& patch : patches_) {
+        if (!patch.fit.ok) continue;
+        const double depth = 1 / patch.fit.of[0];
+        quadratic.push_back(patch.fit.residual);  // an error e of w is one of e depth^2
+        constant.push_back(patch.fit.residual * depth * depth);
+    }
+    if (constant.empty()) return {};
+    // What is more alike at all depths.
+    const auto spread = [](const std::vector<double>& of) { return quantile(of, 0.8) / quantile(of, 0.2); };
+    if (spread(constant) < spread(quadratic)) return {quantile(constant, 0.5), 0};
+    return {0, quantile(quadratic, 0.5)};
+}
+
+double SmoothPatches::faces_off_deg(const SurfaceFrame& built) const {
+    const Camera& camera = scene_.camera;
+    const bool is_range = scene_.depth.semantics == DepthSemantics::range;
+    const std::vector<std::pair<Place, Place>> all = places();
+    double squares = 0;
+    std::int64_t faces = 0;
+    for (std::size_t n = 0; n < patches_.size(); ++n) {
+        const Patch& patch = patches_[n];
+        if (!patch.fit.ok) continue;
+        const auto& [left, top] = all[n].second;
+        // Of a vertex of the core; 0 where it has no depth.
+        const auto w = [&](int x, int y) {
+            if (!built.is_valid(left + x, top + y)) return 0.0;
+            const double depth = built.coding.depth(built.codes[built.index(left + x, top + y)]);
+            return is_range ? camera.ray_length(patch.x + x, patch.y + y) / depth : 1 / depth;
+        };
+        for (int y = margin; y < core - margin; ++y)
+            for (int x = margin; x < core - margin; ++x) {
+                const double w00 = w(x, y), w10 = w(x + 1, y), w01 = w(x, y + 1), w11 = w(x + 1, y + 1);
+                if (!(w00 > 0 && w10 > 0 && w01 > 0 && w11 > 0)) continue;
+                const double u = middle_of(x) + 0.5 / pixels_of_a_unit,
+                             v = middle_of(y) + 0.5 / pixels_of_a_unit;
+                const auto& of = patch.fit.of;
+                const double at = sum_of(of, terms_at(u, v));
+                const double right = (of[1] + 2 * of[3] * u + of[4] * v) / pixels_of_a_unit,
+                             down = (of[2] + of[4] * u + 2 * of[5] * v) / pixels_of_a_unit;
+                const double px = patch.x + x + 0.5, py = patch.y + y + 0.5;
+                const glm::dvec3 smooth = face_normal(camera, px, py, at, right, down);
+                squares += chord_square(smooth, face_normal(camera, px, py, at, w10 - w00, w11 - w10)) +
+                           chord_square(smooth, face_normal(camera, px, py, at, w11 - w01, w01 - w00));
+                faces += 2;
+            }
+    }
+    return faces == 0 ? 60 : std::sqrt(squares / static_cast<double>(faces)) * 180 / pi;
+}
+
+}  // namespace touchable

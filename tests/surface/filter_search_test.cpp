@@ -1,0 +1,205 @@
+// Filters are tried on smooth places of a recording, put side by side.
+#include "engine/surface/filter_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/surface/surface_builder.hpp"
+#include "tests/frame/random.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int picture_width = 320, picture_height = 240;
+
+Scene scene_of_millimetres() {
+    Scene scene;
+    scene.width = picture_width;
+    scene.height = picture_height;
+    scene.camera = {300, 300, 159.5, 119.5};
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 1;
+    scene.depth.far = 20700;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+/// Whole millimetres of a wall that leans.
+struct Wall {
+    double noise = 0;  ///< standard deviation, mm
+    double level = 0;  ///< mm at a metre, of disparity; 0: none
+    bool holes = false, strays = false;
+
+    CodePicture picture(std::uint64_t seed) const {
+        Random random(seed);
+        CodePicture picture{picture_width, picture_height, {}};
+        for (int y = 0; y < picture_height; ++y)
+            for (int x = 0; x < picture_width; ++x) {
+                double depth = 1000 / (1 - 0.3 * (x - 159.5) / 300 + 0.2 * (y - 119.5) / 300);
+                double sum = -6;
+                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
+                depth += noise * sum;
+                if (level > 0) {
+                    const double step = level * 1e-6;
+                    depth = 1 / (step * std::floor(1 / depth / step + 0.5));
+                }
+                int code = static_cast<int>(depth + 0.5);
+                if (strays && random.below(2000) == 0) code = 19700;
+                if (holes && random.below(50) == 0) code = CodePicture::invalid;
+                picture.codes.push_back(code);
+            }
+        return picture;
+    }
+};
+
+std::deque<CodePicture> still_of(const Wall& wall) {
+    return {wall.picture(1)};
+}
+
+const TriedFilters& unfiltered(const std::vector<TriedFilters>& tried) {
+    return *found_among(tried, {});
+}
+
+TEST(SmoothPatches, AFittedWallOfWholeMillimetresIsAboutAsRoughAsRounding) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({}));
+    ASSERT_TRUE(patches.enough());
+    EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 1 / std::sqrt(12.0), 0.06);
+    EXPECT_NEAR(patches.median_depth(), 1000, 60);
+}
+
+TEST(SmoothPatches, RoughnessIsTheNoiseWhateverIsMissingOrFarBehind) {
+    for (const bool spoilt : {false, true}) {
+        const SmoothPatches patches(scene_of_millimetres(),
+                                    still_of({.noise = 4, .holes = spoilt, .strays = spoilt}));
+        ASSERT_TRUE(patches.enough());
+        EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 4, 0.4);
+    }
+}
+
+TEST(SmoothPatches, FacesOfNoiseLeanAsFarAsItSays) {
+    for (const double noise : {0.1, 0.3, 1.0}) {
+        Scene scene = scene_of_millimetres();
+        scene.depth.scale = 0.05;  // finer than all noise
+        scene.depth.far = 3000;
+        derive_valid_range(scene.depth);
+        std::deque<CodePicture> pictures = still_of({});
+        Random random(7);
+        for (int y = 0; y < picture_height; ++y)
+            for (int x = 0; x < picture_width; ++x) {
+                double sum = -6;
+                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
+                pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
+                    static_cast<int>(20 * (1000 + noise * sum) + 0.5);
+            }
+        const SmoothPatches patches(scene, pictures);
+        ASSERT_TRUE(patches.enough());
+        SurfaceFrame built;
+        ASSERT_TRUE(make_reference_builder(patches.mosaic_scene())->build(patches.mosaics().back(), built));
+        // Two slopes across each other, each sqrt(2) noise over 10/3 mm.
+        const double expected =
+            std::atan(std::sqrt(2.0) * std::sqrt(2.0) * noise / (1000.0 / 300)) * 180 / 3.14159265;
+        EXPECT_NEAR(patches.faces_off_deg(built), expected, 0.08 * expected) << noise;
+    }
+}
+
+// Filters of a mosaic do to the middle of a patch's core, of which faces are looked at, what they do to the
+// picture.
+TEST(SmoothPatches, AreFilteredAsThePictureIs) {
+    Scene scene = scene_of_millimetres();
+    const std::deque<CodePicture> pictures = still_of({.noise = 2, .level = 3, .holes = true});
+    const SmoothPatches patches(scene, pictures);
+    ASSERT_TRUE(patches.enough());
+    const FilterSettings filter{.median = 5, .terraces = TerraceRemoval::on, .levels = {0, 4e-6}};
+    std::vector<std::uint16_t> codes;
+    for (const int code : pictures[0].codes)
+        codes.push_back(static_cast<std::uint16_t>(code == CodePicture::invalid ? 0 : code));
+    RawFrame raw;
+    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()),
+                 2 * picture_width,
+                 picture_width,
+                 picture_height,
+                 2,
+                 1};
+    scene.filter = filter;
+    Scene mosaic = patches.mosaic_scene();
+    mosaic.filter = filter;
+    SurfaceFrame whole, built;
+    ASSERT_TRUE(make_reference_builder(scene)->build(raw, whole));
+    ASSERT_TRUE(make_reference_builder(mosaic)->build(patches.mosaics().back(), built));
+    ASSERT_GE(patches.places().size(), 30U);
+    for (const auto& [from, to] : patches.places())
+        for (int y = SmoothPatches::margin; y <= SmoothPatches::core - SmoothPatches::margin; ++y)
+            for (int x = SmoothPatches::margin; x <= SmoothPatches::core - SmoothPatches::margin; ++x) {
+                const auto in_mosaic = built.index(to.x + x, to.y + y),
+                           in_whole = whole.index(from.x + x, from.y + y);
+                ASSERT_EQ(built.codes[in_mosaic], whole.codes[in_whole]) << x << ", " << y;
+            }
+}
+
+TEST(SmoothPatches, AreTooFewInASmallPictureAndWithoutDepth) {
+    Scene scene = scene_of_millimetres();
+    EXPECT_FALSE(SmoothPatches(scene, {}).enough());
+    CodePicture none{picture_width, picture_height,
+                     std::vector<int>(std::size_t{picture_width} * picture_height, CodePicture::invalid)};
+    EXPECT_FALSE(SmoothPatches(scene, {none}).enough());
+    scene.width = 63;
+    CodePicture small{63, 64, std::vector<int>(std::size_t{63} * 64, 1000)};
+    EXPECT_FALSE(SmoothPatches(scene, {small}).enough());
+}
+
+TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.noise = 4, .strays = true}));
+    const auto tried = tried_filters(patches, {}, {});
+    ASSERT_GT(tried.size(), 10U);
+    const TriedFilters& best = mildest_of_the_best(tried);
+    EXPECT_GT(unfiltered(tried).left_deg, 30);
+    EXPECT_LT(best.left_deg, 6);
+    EXPECT_TRUE(best.terraces);
+    for (std::size_t n = 1; n < tried.size(); ++n) EXPECT_GE(tried[n].harshness, tried[n - 1].harshness);
+}
+
+TEST(FilterSearch, TakesLevelsThatWereSeenForWhatTheyAre) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
+    const auto tried = tried_filters(patches, {0, 12e-6}, {});
+    const TriedFilters& best = mildest_of_the_best(tried);
+    EXPECT_EQ(best.median, 0);
+    EXPECT_TRUE(best.terraces);
+    EXPECT_GE(best.levels.quadratic, 12e-6);
+    EXPECT_LE(best.levels.quadratic, 1.4001 * 12e-6);
+    EXPECT_LT(best.left_deg, 0.1 * unfiltered(tried).left_deg);
+}
+
+TEST(FilterSearch, LeavesASmoothWallAlone) {
+    Scene scene = scene_of_millimetres();
+    scene.depth.scale = 0.05;
+    scene.depth.far = 3000;
+    derive_valid_range(scene.depth);
+    std::deque<CodePicture> pictures = still_of({});
+    for (int& code : pictures[0].codes) code *= 20;
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width; ++x)
+            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
+                static_cast<int>(20 * 1000 / (1 - 0.3 * (x - 159.5) / 300) + 0.5);
+    const auto tried = tried_filters(SmoothPatches(scene, pictures), {}, {});
+    ASSERT_FALSE(tried.empty());
+    const TriedFilters& best = mildest_of_the_best(tried);
+    EXPECT_EQ(best.median, 0);
+    EXPECT_FALSE(best.terraces);
+}
+
+TEST(FilterSearch, TellsWhatRemovalAloneDoes) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
+    const auto tried = tried_removal(patches, {0, 12e-6});
+    ASSERT_EQ(tried.size(), 2U);
+    EXPECT_LT(tried[1].left_deg, 0.1 * tried[0].left_deg);
+    EXPECT_EQ(found_among(tried, {.terraces = TerraceRemoval::on, .levels = {0, 12e-6}}), &tried[1]);
+    EXPECT_EQ(found_among(tried, {.median = 5}), nullptr);
+}
+
+}  // namespace
+}  // namespace touchable::test
