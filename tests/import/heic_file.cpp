@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -123,6 +124,101 @@ std::string with_auxiliary(const std::string& file, std::uint64_t primary, std::
     });
 }
 
+/// The part of a picture from a place on; beyond its edges they are repeated.
+Image tile_of(const Image& image, int left, int top, int side) {
+    Image tile{side, side, 1, image.channels, {}};
+    for (int y = top; y < top + side; ++y)
+        for (int x = left; x < left + side; ++x)
+            for (int channel = 0; channel < image.channels; ++channel)
+                tile.samples.push_back(static_cast<std::uint8_t>(image.view().sample(
+                    std::min(x, image.width - 1), std::min(y, image.height - 1), channel)));
+    return tile;
+}
+
+/// Of pictures 1 to columns x rows, by rows, which are no pictures of their own from now on. Its data lies in
+/// `idat`, as a phone has it; libheif has the like there for a picture of an odd size.
+struct Grid {
+    std::uint64_t item = 0;
+    int columns = 0, rows = 0, width = 0, height = 0;
+
+    std::uint64_t tiles() const { return static_cast<std::uint64_t>(columns * rows); }
+    std::string data() const {
+        return big_endian(0, 2) + big_endian(rows - 1, 1) + big_endian(columns - 1, 1) +
+               big_endian(width, 2) + big_endian(height, 2);
+    }
+    std::string kinds(const std::string& iinf) const {
+        EXPECT_EQ(number_at(iinf, 0, 1), 0U) << "version";
+        std::uint64_t number = 0;
+        const std::string listed = mapped_boxes(iinf.substr(6), [&](const std::string&, std::string kind) {
+            if (++number <= tiles()) kind[3] = 1;  // hidden
+            return kind;
+        });
+        return iinf.substr(0, 4) + big_endian(number_at(iinf, 4, 2) + 1, 2) + listed +
+               box("infe", big_endian(2, 1) + big_endian(0, 3) + big_endian(item, 2) + big_endian(0, 2) +
+                               "grid" + std::string(1, '\0'));
+    }
+    /// In version 1, which can say that it lies in `idat`.
+    std::string places(const std::string& iloc, std::uint64_t begin) const {
+        const std::uint64_t version = number_at(iloc, 0, 1), sizes = number_at(iloc, 4, 2);
+        const std::size_t offset = sizes >> 12 & 15, length = sizes >> 8 & 15, base = sizes >> 4 & 15;
+        EXPECT_EQ(sizes & 15, 0U) << "sizes of indices";
+        std::string items = iloc.substr(8);
+        if (version == 0)
+            for (std::size_t at = 0; at < items.size();) {
+                items.insert(at + 2, 2, '\0');
+                at += 6 + base + 2 + number_at(items, at + 6 + base, 2) * (offset + length);
+            }
+        return big_endian(1, 1) + iloc.substr(1, 5) + big_endian(number_at(iloc, 6, 2) + 1, 2) + items +
+               big_endian(item, 2) + big_endian(1, 2) + big_endian(0, 2) +
+               big_endian(0, static_cast<int>(base)) + big_endian(1, 2) +
+               big_endian(begin, static_cast<int>(offset)) +
+               big_endian(data().size(), static_cast<int>(length));
+    }
+    std::string properties(const std::string& iprp) const {
+        std::uint64_t known = 0;
+        return mapped_boxes(iprp, [&](const std::string& kind, const std::string& content) {
+            if (kind == "ipma")
+                return content.substr(0, 4) + big_endian(number_at(content, 4, 4) + 1, 4) +
+                       content.substr(8) + big_endian(item, 2) + big_endian(1, 1) + big_endian(known + 1, 1);
+            mapped_boxes(content, [&](const std::string&, const std::string&) {
+                ++known;
+                return std::string();
+            });
+            return content + box("ispe", big_endian(0, 4) + big_endian(width, 4) + big_endian(height, 4));
+        });
+    }
+    std::string references() const {
+        std::string of_tiles;
+        for (std::uint64_t tile = 1; tile <= tiles(); ++tile) of_tiles += big_endian(tile, 2);
+        return box("dimg", big_endian(item, 2) + big_endian(tiles(), 2) + of_tiles);
+    }
+    std::string meta(const std::string& before, std::uint64_t moved_by) const {
+        bool has_references = false;
+        std::string in_meta;  // what has its data there already
+        mapped_boxes(before.substr(4), [&](const std::string& kind, const std::string& content) {
+            if (kind == "idat") in_meta = content;
+            return std::string();
+        });
+        std::string made = mapped_boxes(before.substr(4), [&](const std::string& kind, std::string content) {
+            if (kind == "idat") return content + data();
+            if (kind == "pitm") return content.substr(0, 4) + big_endian(item, 2);
+            if (kind == "iinf") return kinds(content);
+            if (kind == "iloc") return places(moved(content, moved_by), in_meta.size());
+            if (kind == "iprp") return properties(content);
+            if (kind != "iref") return content;
+            has_references = true;
+            return content + references();
+        });
+        if (!has_references) made += box("iref", big_endian(0, 4) + references());
+        return before.substr(0, 4) + made + (in_meta.empty() ? box("idat", data()) : std::string());
+    }
+    std::string in(const std::string& file) const {
+        return mapped_boxes(file, [&](const std::string& kind, const std::string& content) {
+            return kind == "meta" ? meta(content, meta(content, 0).size() - content.size()) : content;
+        });
+    }
+};
+
 class BitWriter {
 public:
     void put(std::uint64_t value, int count) {
@@ -180,9 +276,9 @@ std::string HeicFile::bytes() const {
     heif_encoding_options* options = heif_encoding_options_alloc();
     heif_color_profile_nclx* luma = heif_nclx_color_profile_alloc();  // otherwise grey is made colour
     heif_nclx_color_profile_set_matrix_coefficients(luma, 1);
-    for (const bool is_depth : {false, true}) {
-        if (is_depth && !has_depth) continue;
-        heif_image* image = picture_of(is_depth ? depth : colour, is_depth ? depth_bits : 8);
+    heif_item_id count = 0;  // of pictures, which libheif counts from 1 on in the order they are written in
+    const auto write = [&](const Image& picture, bool is_depth) {
+        heif_image* image = picture_of(picture, is_depth ? depth_bits : 8);
         heif_image_handle* handle = nullptr;
         options->output_nclx_profile = is_depth && depth.channels == 1 ? luma : nullptr;
         options->image_orientation = is_depth ? depth_turn : colour_turn;
@@ -195,9 +291,21 @@ std::string HeicFile::bytes() const {
                 heif_context_add_exif_metadata(context, handle, exif.data(), static_cast<int>(exif.size())));
         heif_image_handle_release(handle);
         heif_image_release(image);
+        ++count;
+    };
+    Grid grid;
+    if (tile_side == 0) {
+        write(colour, false);
+    } else {
+        const auto tiles = [&](int side) { return (side + tile_side - 1) / tile_side; };
+        grid = {0, tiles(colour.width), tiles(colour.height), colour.width, colour.height};
+        for (int row = 0; row < grid.rows; ++row)
+            for (int column = 0; column < grid.columns; ++column)
+                write(tile_of(colour, column * tile_side, row * tile_side, tile_side), false);
     }
-    heif_item_id ids[2] = {0, 0};  // in the order in which they were written
-    heif_context_get_list_of_top_level_image_IDs(context, ids, 2);
+    if (has_depth) write(depth, true);
+    std::vector<heif_item_id> ids(count);
+    heif_context_get_list_of_top_level_image_IDs(context, ids.data(), static_cast<int>(count));
     std::string file;
     heif_writer writer{1, append};
     check(heif_context_write(context, &writer, &file));
@@ -205,8 +313,14 @@ std::string HeicFile::bytes() const {
     heif_nclx_color_profile_free(luma);
     heif_encoder_release(encoder);
     heif_context_free(context);
+    heif_item_id primary = ids.front();
+    if (tile_side > 0) {
+        grid.item = 100;  // which no other has
+        primary = 100;
+        file = grid.in(file);
+    }
     if (!has_depth) return file;
-    return with_auxiliary(file, ids[0], ids[1], depth_sei, format == heif_compression_AV1);
+    return with_auxiliary(file, primary, ids.back(), depth_sei, format == heif_compression_AV1);
 }
 
 }  // namespace touchable::test

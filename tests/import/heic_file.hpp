@@ -24,6 +24,7 @@ struct HeicFile {
     std::string depth_xmp;  ///< empty: none
     std::string exif;       ///< TIFF; empty: none
     bool has_depth = true;
+    int tile_side = 0;  ///< of the square tiles of which colour is put together, as phones do; 0: none
     heif_compression_format format = heif_compression_HEVC;
     std::string bytes() const;
 };

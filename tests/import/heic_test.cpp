@@ -126,6 +126,33 @@ TEST_F(Heic, DepthMayBeStoredAsColourThatIsGrey) {
     EXPECT_NE(message(open(file.bytes())).find("its depth is coloured"), std::string::npos);
 }
 
+/// As phones store it: tiles of one size, those at the right and the lower edge hang over.
+TEST_F(Heic, PictureMayBeOfTiles) {
+    for (const auto& [width, height] : {std::pair{128, 64}, {161, 115}, {63, 129}}) {
+        HeicFile file = heic_portrait();
+        file.tile_side = 64;
+        file.colour = {width, height, 1, 3, {}};
+        const auto shade = [](int x, int y) { return 20 + x + y / 2; };
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                file.colour.samples.insert(file.colour.samples.end(), 3,
+                                           static_cast<std::uint8_t>(shade(x, y)));
+        file.depth = {width, height, 1, 1, {}};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                file.depth.samples.push_back(static_cast<std::uint8_t>(x + y / 4));
+        const auto clip = open(file.bytes());
+        const RawFrame frame = frame_of(clip);
+        ASSERT_EQ(frame.colour.width, width);
+        ASSERT_EQ(frame.colour.height, height);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                ASSERT_NEAR(frame.colour.sample(x, y, 1), shade(x, y), 2) << x << ' ' << y;
+                ASSERT_EQ(frame.depth.sample(x, y), x + y / 4);
+            }
+    }
+}
+
 /// libheif would end the program where a layer is not there, and decode a tile of itself until it has no
 /// stack.
 TEST_F(Heic, LayersAndTilesOfThemselvesAreRefused) {

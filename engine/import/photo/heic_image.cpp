@@ -71,6 +71,10 @@ private:
     }
     Result<void> open();
     Result<void> limit_sizes();
+    /// libheif refuses a picture of tiles whose side is the limit itself.
+    void refuse_sides_beyond(int side) {
+        heif_context_set_maximum_image_size_limit(context_.get(), side + 1);
+    }
     Result<void> check_parts() const;
     Result<void> check_size(std::int64_t width, std::int64_t height, const std::string& what) const;
     Result<void> read_depth();
@@ -100,7 +104,7 @@ Result<DepthPhoto> HeicImage::read() {
 
 Result<void> HeicImage::open() {
     context_.reset(heif_context_alloc());
-    heif_context_set_maximum_image_size_limit(context_.get(), largest_picture_side);
+    refuse_sides_beyond(largest_picture_side);
     if (const auto error =
             heif_context_read_from_memory_without_copy(context_.get(), bytes_.data(), bytes_.size(), nullptr);
         error.code != heif_error_Ok)
@@ -157,7 +161,7 @@ Result<void> HeicImage::limit_sizes() {
                 admit(heif_image_handle_get_width(picture), heif_image_handle_get_height(picture), what);
             !checked)
             return checked;
-    heif_context_set_maximum_image_size_limit(context_.get(), static_cast<int>(largest));
+    refuse_sides_beyond(static_cast<int>(largest));
     return {};
 }
 
