@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/import/guess/camera_beside.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -33,7 +34,7 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
          {500, 501, 320.5, 240.25, 640, 480}},
         {"header:\n  seq: 0\nheight: 480\nwidth: 640\nK: [500.0, 0.0, 320.5, 0.0, 501.0, 240.25, 0.0, 0.0, "
          "1.0]\nR: [1.0]\n",
-         wanted},
+         {500, 501, 320.5, 240.25, 640, 480}},
         {"%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [500, 0, 320.5, 0, 501, "
          "240.25, 0, 0, 1]\n",
          wanted},
@@ -78,7 +79,7 @@ TEST(CameraFiles, WithoutACameraAreRefused) {
         write_bytes(folder / "camera.txt", text);
         EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("has no camera"), std::string::npos)
             << text;
-        EXPECT_EQ(camera_file_in(folder.path()), std::nullopt);
+        EXPECT_EQ(camera_beside({.folder = folder.path()}).camera, std::nullopt);
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
     EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("principal point"), std::string::npos);
@@ -91,7 +92,7 @@ TEST(CameraFiles, ThatOfDepthIsTakenBeforeOthers) {
     write_bytes(folder / "camera_colour.json", R"({"fx": 1, "fy": 1})");
     write_bytes(folder / "intrinsics_depth.txt", "500 0 320.5\n0 501 240.25\n0 0 1\n");
     write_bytes(folder / "groundtruth.txt", "1 0 1\n0 1 1\n0 0 1\n");
-    EXPECT_EQ(camera_file_in(folder.path()), folder / "intrinsics_depth.txt");
+    EXPECT_EQ(camera_beside({.folder = folder.path()}).file, folder / "intrinsics_depth.txt");
 }
 
 }  // namespace

@@ -2,30 +2,21 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
-#include "engine/import/guess/source_description.hpp"
+#include "engine/import/guess/camera_text.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// What a camera's own file says.
-struct CameraFile {
-    Intrinsics intrinsics;
-    double baseline = 0;         ///< metres; of a stereo pair, otherwise 0
-    double offset = 0;           ///< of its disparities, pixels
-    double codes_per_metre = 0;  ///< of its depth; 0: not said
-};
+/// What a camera's own file, of up to 16 MiB, says, as `cameras_in_text` understands it. No camera in it is
+/// no error; an error says that it cannot be read, or what of the cameras in it cannot be.
+Result<CameraText> read_camera_text(const std::filesystem::path& file);
 
-/// Intrinsics as programs write them: JSON of RealSense (fx, ppx), Open3D (intrinsic_matrix), Record3D and
-/// ROS (K); YAML of ROS (camera_matrix); COLMAP's cameras.txt; Middlebury's calib.txt; ARKitScenes' .pincam;
-/// a matrix of 3x3 or 4x4 numbers. An error says what a file that is none of these should have.
+/// The first camera in such a file. An error says what a file without one should have.
 Result<CameraFile> read_camera_file(const std::filesystem::path& file);
 
 /// What an object of JSON, such as those files are, says of a camera.
 std::optional<Intrinsics> intrinsics_in_json(const std::string& text);
-
-/// The camera file that lies in a folder, by the names those programs give it; nothing where none does, or
-/// none can be read.
-std::optional<std::filesystem::path> camera_file_in(const std::filesystem::path& folder);
 
 }  // namespace touchable

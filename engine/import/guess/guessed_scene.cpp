@@ -1,12 +1,15 @@
 #include "engine/import/guess/guessed_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "engine/clip/far_plane.hpp"
-#include "engine/import/guess/camera_file.hpp"
+#include "engine/import/guess/camera_beside.hpp"
 #include "engine/import/guess/guessed_cameras.hpp"
 #include "engine/import/guess/known_camera.hpp"
 #include "engine/import/guess/picture_files.hpp"
@@ -48,11 +51,14 @@ public:
     void tell_of_layers(const BesideDepth& beside, bool has_colour);
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     void know_list(const std::string& file) { list_ = file; }
+    /// Where a camera's file is sought; its folder is that of `describe`.
+    void know_place(PicturesOfCamera place) { place_ = std::move(place); }
     Result<void> find_rate(const fs::path& folder);
     void doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures);
 
 private:
     Result<void> find_camera(const fs::path& folder);
+    void say_whose_camera(std::string guess, Hints hints);
     void take(const Intrinsics& intrinsics, const std::string& whose);
     void take_fov(double degrees);
     Result<void> find_unit(const EstimatedValues& values);
@@ -66,7 +72,9 @@ private:
     SceneDescription described_;
     Scene& scene_ = described_.scene;
     std::vector<fs::path> inputs_;
-    CameraFile file_;
+    PicturesOfCamera place_;
+    CameraBeside beside_;
+    CameraFile file_;                       // that beside_ has, if any
     std::optional<GuessedCameras> frames_;  // that have one each
     std::string list_;                      // of pictures and their times; empty: there is none
     bool has_camera_of_depth_ = false;      // which was said, or read
@@ -87,14 +95,15 @@ void Guess::take_fov(double degrees) {
 }
 
 Result<void> Guess::find_camera(const fs::path& folder) {
-    const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder);
-    auto beside = camera_file_in(here);
-    if (!beside) beside = camera_file_in(here.parent_path());
-    if (beside) {
-        if (const auto read = read_camera_file(*beside); read.ok()) file_ = *read;
-        inputs_.push_back(*beside);
+    place_.folder = folder;
+    place_.width = scene_.width;
+    place_.height = scene_.height;
+    beside_ = camera_beside(place_);
+    if (beside_.camera) {
+        file_ = *beside_.camera;
+        inputs_.push_back(beside_.file);
     }
-    has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside;
+    has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside_.camera;
     if (known_.intrinsics) {
         take(*known_.intrinsics, "the camera that was said");
         const Camera& camera = scene_.camera;
@@ -108,19 +117,34 @@ Result<void> Guess::find_camera(const fs::path& folder) {
         scene_.camera = frames_->median;
         say("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
             Hints{{Setting::intrinsics}});
-    } else if (beside) {
-        take(file_.intrinsics, beside->filename().string());
-        say("the camera is that of " + beside->lexically_relative(here).string(),
-            Hints{{Setting::intrinsics}});
+    } else if (beside_.camera) {
+        const std::string name = printable(beside_.file.filename().string());
+        take(file_.intrinsics, name);
+        std::error_code ignored;
+        const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
+        std::string guess =
+            "the camera is that of " + printable(beside_.file.lexically_relative(here).string());
+        if (!file_.name.empty()) guess += " (" + printable(file_.name, 60) + ')';
+        if (!beside_.doubt.empty()) guess += ", " + beside_.doubt;
+        if (file_.has_distortion) guess += "; its lens's distortion is not undone";
+        say_whose_camera(std::move(guess), Hints{{Setting::intrinsics}});
     } else if (preset_ && preset_->intrinsics.fx > 0) {
         take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
-        say("the camera sees " + short_number(fov) + " degrees from left to right",
-            Hints{{Setting::field_of_view}, {Setting::intrinsics}});
+        say_whose_camera("the camera sees " + short_number(fov) + " degrees from left to right",
+                         Hints{{Setting::field_of_view}, {Setting::intrinsics}});
     }
     return {};
+}
+
+/// Names files that look like a camera's and are not understood.
+void Guess::say_whose_camera(std::string guess, Hints hints) {
+    std::string names;
+    for (const std::string& name : beside_.not_understood) names += (names.empty() ? "" : ", ") + name;
+    if (!names.empty()) guess += "; not understood as a camera's file: " + printable(names, 200);
+    say(std::move(guess), std::move(hints));
 }
 
 void Guess::set_metric(double metres_per_code) {
@@ -267,10 +291,28 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
         {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
 }
 
+/// As programs say it: 29.97 stands for 30000/1001.
+FrameRate stated_rate(double per_second) {
+    const double whole = std::round(per_second), ntsc = whole * 1000 / 1001;
+    if (std::abs(per_second - ntsc) < 0.0006 * whole && whole >= 24)
+        return {1000 * static_cast<std::int64_t>(whole), 1001};
+    const std::int64_t thousandths = std::llround(1000 * per_second), common = std::gcd(thousandths, 1000);
+    return {thousandths / common, 1000 / common};
+}
+
 Result<void> Guess::find_rate(const fs::path& folder) {
     const auto files = depth_files(folder, *scene_.folder);
     if (!files) return files.error();
     const auto rate = rate_of(*files);
+    constexpr double slowest = 0.01;
+    if (!rate && beside_.frames_per_second >= slowest) {
+        scene_.rate = stated_rate(beside_.frames_per_second);
+        if (inputs_.empty() || inputs_.back() != beside_.rate_file) inputs_.push_back(beside_.rate_file);
+        say(short_number(scene_.rate.per_second()) + " frames a second, as " +
+                printable(beside_.rate_file.filename().string()) + " says",
+            "a scene file's rate says otherwise");
+        return {};
+    }
     if (rate) scene_.rate = *rate;
     const std::string why = unusable_times(*files);
     say(short_number(scene_.rate.per_second()) + " frames a second" +
@@ -539,6 +581,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
     if (cameras) guess.know_cameras(*cameras);
     if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
+    guess.know_place({.folder = folder, .within = folder_of(*depth), .is_whole_folder = true});
     if (auto described = guess.describe(folder, *stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
@@ -594,6 +637,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const auto stored = telling_depth({file}, *pictures);
     if (!stored) return stored.error();
     Guess guess(known, *preset);
+    guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
         return error_at(file.string(), described.error());
     guess.scene().name = file.stem().string();
