@@ -38,6 +38,20 @@ WorkForAll::~WorkForAll() {
     innermost = around_;
 }
 
+WorkAlongside::Whom WorkAlongside::this_thread() {
+    return {innermost, goes_on};
+}
+
+WorkAlongside::WorkAlongside(const Whom& whom) : before_(this_thread()) {
+    innermost = whom.until;
+    goes_on = whom.goes_on;
+}
+
+WorkAlongside::~WorkAlongside() {
+    innermost = before_.until;
+    goes_on = before_.goes_on;
+}
+
 Error interrupted_error() {
     return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
 }

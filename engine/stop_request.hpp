@@ -44,6 +44,26 @@ private:
     const WorkUntil* const around_;
 };
 
+/// As long as it lives, its thread does a part of what another one does meanwhile: `stop_requested` says
+/// there what it says to that one, which waits for it.
+class WorkAlongside {
+public:
+    /// What `stop_requested` goes by in a thread.
+    struct Whom {
+        const WorkUntil* until = nullptr;
+        bool goes_on = false;
+    };
+    static Whom this_thread();
+
+    explicit WorkAlongside(const Whom& whom);
+    ~WorkAlongside();
+    WorkAlongside(const WorkAlongside&) = delete;
+    WorkAlongside& operator=(const WorkAlongside&) = delete;
+
+private:
+    const Whom before_;
+};
+
 /// As long as it lives, its thread does what is left to do once a person has ended a run, such as reading the
 /// frame that is to be drawn: for this thread nobody asked it to stop. (Who asks again ends the program.)
 class WorkAfterStop {

@@ -33,6 +33,8 @@ public:
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         return track(role).is_still() ? 0 : frame;
     }
+    /// Tracks of files of their own.
+    bool reads_side_by_side() const override { return reads_side_by_side_; }
     void keep(std::int64_t frame, StoredImage picture) override {
         if (!tracks_.front().stack) pictures_->keep(file(tracks_.front(), frame), std::move(picture));
     }
@@ -63,6 +65,7 @@ private:
     std::vector<Track> tracks_;               // depth is the first
     std::shared_ptr<ReadPictures> pictures_;  // not null
     std::optional<MaterialPictures> materials_;
+    bool reads_side_by_side_ = false;
 };
 
 /// Of files with pictures of several planes.
@@ -114,6 +117,9 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
     if (!*stack) tell_of_materials(clip);
     pictures_->want_beside({colour == Colour::wanted && shares_depths_files(PlaneRole::colour),
                             shares_depths_files(PlaneRole::haptic)});
+    reads_side_by_side_ =
+        !*stack && std::none_of(tracks_.begin() + 1, tracks_.end(),
+                                [&](const Track& track) { return shares_depths_files(track.role); });
     clip.count = static_cast<std::int64_t>(depth->count());
     const auto& files = depth->files;
     clip.name = (files.front() == files.back() ? files.front() : folder_).string();

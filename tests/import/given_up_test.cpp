@@ -164,7 +164,15 @@ TEST(GivenUp, WorkWithinWork) {
             EXPECT_FALSE(stop_requested());
             around.request_stop();
             EXPECT_TRUE(stop_requested()) << "who gives up all gives up each part";
-            std::thread([] { EXPECT_FALSE(stop_requested()) << "of this thread alone"; }).join();
+            const auto whom = WorkAlongside::this_thread();
+            std::thread([&] {
+                EXPECT_FALSE(stop_requested()) << "of this thread alone";
+                {
+                    const WorkAlongside part(whom);
+                    EXPECT_TRUE(stop_requested()) << "but for what it does a part of";
+                }
+                EXPECT_FALSE(stop_requested());
+            }).join();
         }
         EXPECT_TRUE(stop_requested());
     }

@@ -314,6 +314,23 @@ TEST(ImageFolder, DamagedImagesAreNamedWithTheirFrame) {
     EXPECT_NE(refusal(folder).find("depth_001.png: is empty (depth, frame 1)"), std::string::npos);
 }
 
+/// Whichever of a frame's pictures was looked at first.
+TEST(ImageFolder, OfSeveralDamagedPicturesTheFirstPlanesIsNamed) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+    for (const char* plane : {"depth", "colour", "haptic", "height"})
+        write_bytes(folder / (std::string(plane) + "_001.png"), "");
+    for (const char* plane : {"depth", "colour", "haptic"}) {
+        const std::string file = std::string(plane) + "_001.png";
+        for (int round = 0; round < 5; ++round)
+            EXPECT_NE(refusal(folder).find(file + ": is empty (" + plane + ", frame 1)"), std::string::npos)
+                << refusal(folder);
+        write_bytes(folder / file, read_bytes(folder / (std::string(plane) + "_000.png")));
+    }
+    write_bytes(folder / "height_001.png", read_bytes(folder / "height_000.png"));
+    EXPECT_EQ(refusal(folder), "");
+}
+
 TEST(ImageFolder, DepthBeyondItsBitsIsAnError) {
     const TemporaryFolder folder;
     write_folder(folder, folder_scene(depth_only_source, 16), 2, {});

@@ -45,11 +45,17 @@ Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesys
                   : kept(file, std::move(*picture));
 }
 
+SourceFile ReadPictures::taken_source(const std::filesystem::path& file) {
+    const std::lock_guard lock(mutex_);
+    SourceFile taken = source(file);
+    newest_.reset();
+    return taken;
+}
+
 Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
-    const auto bytes = read_picture_bytes(source(file));
+    const auto bytes = read_picture_bytes(taken_source(file));
     if (!bytes) return bytes.error();
     const std::string where = file.string();
-    newest_.reset();
     if (!is_exr(*bytes)) return decode_stored_image(*bytes, where);
     if (layer == PictureLayer::own) return decode_exr(*bytes, where, wanted_);
     return layer == PictureLayer::colour ? decode_exr_colour(*bytes, where)
@@ -61,14 +67,22 @@ std::optional<StoredImage> ReadPictures::taken_beside(const std::filesystem::pat
     return std::exchange(layer == PictureLayer::colour ? beside_->colour : beside_->materials, std::nullopt);
 }
 
-Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, PictureLayer layer) {
+std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesystem::path& file,
+                                                               PictureLayer layer) {
+    const std::lock_guard lock(mutex_);
     if (layer != PictureLayer::own)
-        if (auto beside = taken_beside(file, layer)) return std::move(*beside);
+        if (auto beside = taken_beside(file, layer)) return beside;
     const auto kept = pictures_.find(file.lexically_normal());
     const bool is_kept =
         kept != pictures_.end() && (layer == PictureLayer::own || kept->second->codec != "exr");
-    auto picture = is_kept ? taken(kept) : read(file, layer);
+    return is_kept ? std::optional(taken(kept)) : std::nullopt;
+}
+
+Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, PictureLayer layer) {
+    auto there = taken_without_reading(file, layer);
+    auto picture = there ? Result<StoredImage>(std::move(*there)) : read(file, layer);
     if (!picture || !picture->beside) return picture;
+    const std::lock_guard lock(mutex_);
     rendering_ = file.lexically_normal();
     beside_ = std::move(picture->beside);
     return picture;

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -30,7 +31,8 @@ public:
     /// What a file holds, of a stack the first; keeps it.
     Result<std::shared_ptr<const StoredImage>> look(const std::filesystem::path& file);
     /// What a file holds; keeps it no longer. What is wanted beside the newest rendering's own picture is
-    /// there to be taken until another one's is.
+    /// there to be taken until another one's is. May be called by several threads at once for several files
+    /// of which none has such pictures.
     Result<StoredImage> take(const std::filesystem::path& file, PictureLayer layer = PictureLayer::own);
     /// What is unpacked of a rendering with its own picture; at first all.
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
@@ -53,8 +55,11 @@ private:
     Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
     std::optional<StoredImage> taken_beside(const std::filesystem::path& file, PictureLayer layer);
     const SourceFile& source(const std::filesystem::path& file);
+    SourceFile taken_source(const std::filesystem::path& file);
+    std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
     std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
 
+    std::mutex mutex_;  // guards what `take` uses of all that follows
     // By normal paths: lists and patterns may spell one file in two ways.
     Kept pictures_;
     std::map<std::filesystem::path, std::shared_ptr<ImageStack>> stacks_;

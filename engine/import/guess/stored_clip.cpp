@@ -6,6 +6,7 @@
 
 #include "engine/clip/far_plane.hpp"
 #include "engine/import/guess/depth_values.hpp"
+#include "engine/row_bands.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/video/codecs.hpp"
 
@@ -47,6 +48,7 @@ private:
     }
     Result<void> read_first(Track& track);
     Result<void> look_at_some(const StoredImage& first);
+    Result<void> read_all(std::int64_t frame);
     Result<void> read(Track& track, std::int64_t frame);
     Result<void> take(Track& track, std::int64_t frame, TrackPicture picture);
     RawFrame frame_of_newest() const;
@@ -56,7 +58,8 @@ private:
     std::vector<Track> tracks_;
     std::vector<TrackInfo> infos_;  // of each
     DepthValues values_;
-    std::int64_t number_ = 0;  // of the frame that `next` gives
+    RowBands side_by_side_{2};  // a row is a track
+    std::int64_t number_ = 0;   // of the frame that `next` gives
     bool with_colour_ = true;
 };
 
@@ -108,6 +111,29 @@ Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
     auto said = values_.settle(scene_);
     if (!said) return error_at(clip_.name, said.error());
     note(std::move(*said));
+    return {};
+}
+
+/// What is wrong with the first of several tracks counts, in whatever order they were read.
+Result<void> StoredClipReader::read_all(std::int64_t frame) {
+    std::vector<Result<void>> outcomes(tracks_.size());
+    const auto read_one = [&](std::size_t n) {
+        if (with_colour_ || tracks_[n].role != PlaneRole::colour) outcomes[n] = read(tracks_[n], frame);
+    };
+    if (clip_.pictures->reads_side_by_side()) {
+        const auto whom = WorkAlongside::this_thread();
+        side_by_side_.for_each_band(static_cast<int>(tracks_.size()), 1, [&](const RowBand& band) {
+            const WorkAlongside alongside(whom);
+            for (int n = band.first; n < band.last; ++n) read_one(static_cast<std::size_t>(n));
+        });
+    } else {
+        for (std::size_t n = 0; n < tracks_.size(); ++n) {
+            read_one(n);
+            if (!outcomes[n]) break;
+        }
+    }
+    for (Result<void>& outcome : outcomes)
+        if (!outcome) return std::move(outcome);
     return {};
 }
 
@@ -176,9 +202,7 @@ Result<void> StoredClipReader::seek(std::int64_t frame) {
 
 Result<std::optional<RawFrame>> StoredClipReader::next() {
     if (number_ == clip_.count) return std::optional<RawFrame>{};
-    for (Track& track : tracks_)
-        if (with_colour_ || track.role != PlaneRole::colour)
-            if (auto there = read(track, number_); !there) return there.error();
+    if (auto there = read_all(number_); !there) return there.error();
     RawFrame frame = frame_of_newest();
     ++number_;
     return std::optional(std::move(frame));

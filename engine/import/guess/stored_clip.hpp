@@ -46,6 +46,8 @@ public:
     virtual std::int64_t picture_number(PlaneRole, std::int64_t frame) const { return frame; }
     /// ClipReader::access_point.
     virtual std::int64_t access_point(std::int64_t frame) const { return frame; }
+    /// Whether `picture` may be called for several tracks of a frame at once, each on a thread.
+    virtual bool reads_side_by_side() const { return false; }
     /// A picture of depth that was asked for to find depth's range, and will be once more as a frame.
     virtual void keep(std::int64_t, StoredImage) {}
 };
