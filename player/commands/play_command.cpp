@@ -278,13 +278,17 @@ std::string tell_relief(const std::string& clip, const std::map<std::string, std
     return words + (in_effect.at("relief-invert") == "on" ? " --invert" : "");
 }
 
+std::string tell_faster(const std::string& clip) {
+    return "touchable convert " + shell_word(clip) + " OUT.mkv writes a clip that is read faster";
+}
+
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
     find_brush_history(options);
-    options.names = {"--record",          "--sound",
-                     "--video",           "--screenshot",
-                     remark_with_options, tell_saved,
-                     tell_relief,         [](const Error& error) { return message_with_options(error); }};
+    options.names = {
+        "--record",     "--sound",           "--video",
+        "--screenshot", remark_with_options, tell_saved,
+        tell_relief,    tell_faster,         [](const Error& error) { return message_with_options(error); }};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();
@@ -293,6 +297,8 @@ Result<void> run_play(PlayOptions options) {
     // Otherwise it was told when it was met.
     if (!figures->sound_fault.empty() && !is_told_at_once)
         std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
+    if (!figures->slow_reading.empty())
+        std::cerr << "touchable: warning: " << printable(figures->slow_reading, 500) << '\n';
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
@@ -358,8 +364,8 @@ void group_window_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start", "--rate",
-          "--loop"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
+          "--rate", "--loop"}},
         {"The window",
          {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
           "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},

@@ -29,6 +29,8 @@ struct PlayNames {
     /// What makes a clip of relief by these settings (settings_in_effect); empty: nobody knows.
     std::string (*relief)(const std::string& clip, const std::map<std::string, std::string>& in_effect) =
         [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
+    /// What makes a clip of it that is read faster; empty: nobody knows.
+    std::string (*faster)(const std::string& clip) = [](const std::string&) { return std::string(); };
     std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
@@ -92,6 +94,7 @@ struct PlayFigures {
     std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
     std::string sound_fault;            ///< the first of all clips' own sound; empty: none
+    std::string slow_reading;           ///< of the first clip whose pictures are read too slowly; empty: none
     std::string relief;                 ///< that was felt at the end, and what keeps it; empty: none
     std::string materials;              ///< what of those that were painted is not saved; empty: nothing
     std::string not_kept;               ///< why settings could not be kept; empty: they are

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "player/record/output_file.hpp"
 #include "player/terminal/interrupt.hpp"
@@ -155,6 +156,7 @@ Result<void> WindowLoop::turn() {
     heed_brush();
     go_on_opening();
     note_sound();
+    note_slow_reading();
     note_files();
     note_screenshots();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
@@ -168,6 +170,22 @@ void WindowLoop::note_sound() {
     if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
     if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
     say(fault, true);
+}
+
+/// Pictures that other programs packed take their time: once for each clip, and what helps.
+void WindowLoop::note_slow_reading() {
+    const Scene& scene = clip_->scene();
+    if (!scene.folder || clip_->is_still() || is_told_of_reading_) return;
+    const double period_ms = 1000 / scene.rate.per_second();
+    slow_reading_.add(clip_->figures(), period_ms);
+    if (!slow_reading_.is_why()) return;
+    is_told_of_reading_ = true;
+    const std::string help = options_.names.faster(clip_->choice().file.string());
+    std::string words = "frames come late: reading the pictures of one takes " +
+                        short_number(slow_reading_.read_ms(), 3) + " ms, and it is shown for " +
+                        short_number(period_ms, 3) + " ms" + (help.empty() ? "" : "; " + help);
+    if (figures_.slow_reading.empty()) figures_.slow_reading = words;
+    say(std::move(words));
 }
 
 void WindowLoop::note_screenshots() {

@@ -24,6 +24,7 @@
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/screenshots.hpp"
+#include "player/window/slow_reading.hpp"
 #include "player/window/window_brush.hpp"
 #include "player/window/window_film.hpp"
 
@@ -101,6 +102,7 @@ private:
     void begin_anew();
     void try_again();
     void note_sound();
+    void note_slow_reading();
     void note_files();
     void note_screenshots();
     KeptSettings to_keep() const;
@@ -166,6 +168,8 @@ private:
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     DrawnState seen_;
+    SlowReading slow_reading_;  // of this clip
+    bool is_told_of_reading_ = false;
     std::string message_, shown_message_, sound_fault_;
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;

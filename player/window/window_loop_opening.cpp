@@ -159,6 +159,8 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     picture_.forget();
     picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
     frames_shown_.forget();
+    slow_reading_ = {};
+    is_told_of_reading_ = false;
     playback_.emplace(*clip_);
     if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
         say(playback_->toggle_loop());
