@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -36,6 +37,8 @@ FrameRate rate_of_part(const FrameRate& rate, const ClipPart& part) {
 
 Scene scene_of_part(Scene scene, const ClipPart& part) {
     scene.rate = rate_of_part(scene.rate, part);
+    if (scene.path)
+        scene.path = std::make_shared<const CameraPath>(scene.path->part(part.first, part.last, part.every));
     if (!part.crop) return scene;
     scene.width = part.crop->width;
     scene.height = part.crop->height;

@@ -24,6 +24,7 @@ namespace {
 
 constexpr const char* scene_name = "scene.json";
 constexpr const char* times_list = "depth.txt";
+constexpr const char* poses_list = "poses.txt";
 constexpr std::int64_t ns_a_second = 1'000'000'000;
 
 Error unwritable(const fs::path& place, const std::error_code& why) {
@@ -169,6 +170,12 @@ private:
             scene.folder->count = 0;  // as long as the list
             if (auto written = write_times(); !written) return written;
         }
+        if (scene_.path)
+            if (auto written = write_text(hidden_.path() / poses_list,
+                                          timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit),
+                                          place_ / poses_list);
+                !written)
+                return written;
         return write_text(hidden_.path() / scene_name, scene_to_json(described), place_ / scene_name);
     }
 
@@ -301,7 +308,7 @@ Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const SceneDesc
 
 /// Of a plane's pictures ("depth_000000.png", or "haptic.png") or what describes them.
 bool is_picture_name(const std::string& name) {
-    if (name == scene_name || name == times_list) return true;
+    if (name == scene_name || name == times_list || name == poses_list) return true;
     return std::any_of(all_roles.begin(), all_roles.end(), [&](PlaneRole role) {
         const std::string begin(role_name(role)), end = ".png";
         if (!name.starts_with(begin) || !name.ends_with(end)) return false;

@@ -7,6 +7,7 @@
 
 #include "engine/clip/plane_role.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
+#include "engine/import/guess/frame_poses.hpp"
 #include "engine/import/guess/material_pictures.hpp"
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/stored_clip.hpp"
@@ -57,6 +58,7 @@ private:
     }
     const Track& track(PlaneRole role) const { return *std::ranges::find(tracks_, role, &Track::role); }
     Result<void> find_cameras(const PictureFiles& depth, StoredClip& clip) const;
+    void find_poses(const PictureFiles& depth, StoredClip& clip) const;
     bool shares_depths_files(PlaneRole role) const;
     void tell_of_materials(StoredClip& clip);
 
@@ -124,6 +126,7 @@ Result<void> FolderPictures::find(StoredClip& clip, Colour colour) {
     const auto& files = depth->files;
     clip.name = (files.front() == files.back() ? files.front() : folder_).string();
     clip.found.rate = own_rate_of(*depth);
+    find_poses(*depth, clip);
     if (!source.cameras.empty())
         if (auto read = find_cameras(*depth, clip); !read) return read;
     if (!described.unstated.rate) return {};
@@ -157,6 +160,19 @@ void FolderPictures::tell_of_materials(StoredClip& clip) {
 bool FolderPictures::shares_depths_files(PlaneRole role) const {
     const auto own = std::ranges::find(tracks_, role, &Track::role);
     return own != tracks_.end() && own->files.files == tracks_.front().files.files;
+}
+
+/// Nothing goes by them but who asks: poses that cannot be read are no error.
+void FolderPictures::find_poses(const PictureFiles& depth, StoredClip& clip) const {
+    Scene& scene = clip.described.scene;
+    if (depth.count() < 2) return;
+    const FrameRate rate = clip.described.unstated.rate ? clip.found.rate.value_or(scene.rate) : scene.rate;
+    auto found = poses_beside(folder_, depth, rate, scene.metres_per_unit);
+    if (!found) return;
+    clip.notes.push_back(std::move(found->remark));
+    if (found->path.poses.empty()) return;
+    scene.path = std::make_shared<const CameraPath>(std::move(found->path));
+    if (std::ranges::find(clip.inputs, found->file) == clip.inputs.end()) clip.inputs.push_back(found->file);
 }
 
 /// Of the frames; their median is the scene's, where it has none.

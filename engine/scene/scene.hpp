@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
+#include "engine/scene/camera_path.hpp"
 #include "engine/scene/code_curve.hpp"
 #include "engine/scene/colour_camera.hpp"
 #include "engine/scene/depth_coding.hpp"
@@ -173,6 +175,9 @@ struct Scene {
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
     std::optional<VideoSource> video;  ///< beside a folder: neither, or one of them
+    /// Where its camera stood, for who asks; null: nobody knows. A scene file does not say it: it lies beside
+    /// the pictures.
+    std::shared_ptr<const CameraPath> path{};
 };
 
 /// Everything that cannot be is refused here by a message that names the member and its number: sizes,

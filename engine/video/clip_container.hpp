@@ -48,6 +48,8 @@ public:
     virtual Result<FrameRate> rate(const Demuxer& file) = 0;
     /// What it says of itself, its rate left open.
     virtual Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) = 0;
+    /// Where its camera stood (timed_poses_text), if the file says it.
+    virtual std::optional<std::string> poses(const Demuxer& /*file*/) { return std::nullopt; }
     /// Depth is the first. `scene`: that describes them.
     virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) = 0;
     /// Whether a file just opened knows all its pictures.

@@ -54,6 +54,7 @@ private:
     Result<void> open_file();
     Result<void> start();
     Result<void> read_scene(const std::optional<SceneDescription>& replacement);
+    Result<void> read_poses();
     Result<void> open_tracks();
     Result<void> describe();
     Result<void> describe_tracks();
@@ -234,6 +235,16 @@ Result<void> ClipFileReader::read_scene(const std::optional<SceneDescription>& r
     if (!scene) return refuse(scene.error().message);
     scene_ = std::move(*scene);
     unstated_ = described->unstated;
+    return read_poses();
+}
+
+/// They are at the times that the frames were recorded at.
+Result<void> ClipFileReader::read_poses() {
+    const auto text = container_->poses(*demuxer_);
+    if (!text) return {};
+    const auto poses = parse_timed_poses(*text, file_ + ": poses.txt", scene_.metres_per_unit);
+    if (!poses) return poses.error();
+    scene_.path = std::make_shared<const CameraPath>(path_of_timed_poses(*poses, recorded_rate_));
     return {};
 }
 

@@ -23,6 +23,8 @@ inline constexpr const char* bits_tag = "T3D_BITS";
 inline constexpr const char* scene_file = "scene.json";
 /// The attachment of a clip of variable rate (frame_times_text.hpp).
 inline constexpr const char* times_file = "timestamps.txt";
+/// Likewise where the camera stood (camera_path.hpp).
+inline constexpr const char* poses_file = "poses.txt";
 
 /// From version 2 on, all tracks store a picture that decoding can begin with every so many frames.
 inline constexpr std::int64_t access_interval = 15;

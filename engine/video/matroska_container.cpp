@@ -22,6 +22,9 @@ public:
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
     Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    std::optional<std::string> poses(const Demuxer& file) override {
+        return file.attachment(clip_tags::poses_file);
+    }
     Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
 
 private:

@@ -50,6 +50,11 @@ Result<void> MatroskaWriter::attach_scene() {
             attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said()));
         !attached)
         return attached;
+    if (scene_.path)
+        if (auto attached = attach_text(*muxer_, clip_tags::poses_file, "text/plain",
+                                        timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit));
+            !attached)
+            return attached;
     if (!scene_.rate.own_times) return {};
     return attach_text(*muxer_, clip_tags::times_file, "text/plain", frame_times_text(scene_.rate));
 }

@@ -106,6 +106,7 @@ public:
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
     Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    std::optional<std::string> poses(const Demuxer& file) override { return file.tag(mp4_poses_tag); }
     bool has_whole_index() const override { return true; }
     Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
 

@@ -183,7 +183,10 @@ Result<void> Mp4Writer::tag_scene() {
     AVDictionary*& tags = muxer_->metadata;
     av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
     if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
-    const int wanted = scene_.rate.own_times ? 4 : 3;
+    if (scene_.path)
+        av_dict_set(&tags, mp4_poses_tag,
+                    timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit).c_str(), 0);
+    const int wanted = 3 + (scene_.rate.own_times ? 1 : 0) + (scene_.path ? 1 : 0);
     return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
 }
 

@@ -12,6 +12,7 @@ namespace touchable {
 // How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/mpeg4.md): tags of the file, as in
 // Matroska (clip_tags.hpp), and these.
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
+inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (camera_path.hpp)
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text.hpp, of a variable rate
 /// Bits of the largest height code; the low ones beyond 8 are in a track of their own.
 constexpr int height_bits(const HeightCoding& height) {

@@ -240,6 +240,9 @@ void tell_picture(const ClipFacts& facts, Lines& lines) {
     lines.line("camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
                          << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
                          << facts.fov_y_degrees << " degrees\n";
+    if (scene.path)
+        lines.line("camera path") << scene.path->known() << " frames, a way of "
+                                  << scene.path->length() * scene.metres_per_unit << " m\n";
 }
 
 void tell_depth(const ClipFacts& facts, Lines& lines) {

@@ -449,6 +449,14 @@ std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
     return is_step(mean) ? std::optional(rate_of_step(mean)) : std::nullopt;
 }
 
+std::vector<double> seconds_of_day(const PictureFiles& pictures) {
+    const auto unit = seconds_per_key(pictures);
+    std::vector<double> seconds;
+    if (unit)
+        for (const double key : pictures.keys) seconds.push_back(key * *unit);
+    return seconds;
+}
+
 std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
     const auto seconds = seconds_of(pictures);
     return seconds ? rate_of_seconds(*seconds) : std::nullopt;

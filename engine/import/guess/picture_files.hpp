@@ -55,6 +55,8 @@ std::size_t nearest_key(const std::vector<double>& keys, double key);
 /// step within 2 ms, otherwise at their own times, or where some are less than 1 ms apart evenly at their
 /// mean. Nothing of fewer than two, and where they are no times of frames.
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds);
+/// The times of pictures, seconds, as a list or their names have them; empty where keys are no times.
+std::vector<double> seconds_of_day(const PictureFiles& pictures);
 /// The same of pictures whose keys are times.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
 /// Why the times of a list are of no use; empty where they are, and where there is no list of times.
