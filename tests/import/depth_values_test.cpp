@@ -100,7 +100,7 @@ StoredImage ball_before(float background) {
     for (int y = 10; y < 20; ++y)
         for (int x = 10; x < 20; ++x)
             stored[static_cast<std::size_t>(30 * y + x)] =
-                4 + static_cast<float>((x - 15) * (x - 15) + (y - 15) * (y - 15)) / 25;
+                4 + 2 * std::sqrt(static_cast<float>((x - 15) * (x - 15) + (y - 15) * (y - 15)) / 50);
     return floats(30, stored);
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/import/guess/farthest_values.hpp"
+#include "engine/import/guess/float_lattice.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
@@ -19,9 +21,12 @@ namespace touchable {
 /// scale.
 ///
 /// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
-/// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
-/// Of lengths whose near and far plane are both stated these go from plane to plane, whatever the frames
-/// hold. A renderer's background (RendererBackground) is no depth.
+/// or of depth. Floats that are evenly spaced (FloatLattice) do so too: lengths that are multiples of a unit
+/// get the codes that a picture of integers would have. A float between two codes, of a frame that was not
+/// looked at, is rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth,
+/// whichever is finer at the median. A far plane that is not stated is 5 % beyond what one pixel in 10 000
+/// exceeds. Of lengths whose near and far plane are both stated codes go from plane to plane, whatever the
+/// frames hold. A renderer's background (RendererBackground) is no depth.
 class DepthValues {
 public:
     /// As somebody described them, which stays until `settle`.
@@ -49,8 +54,14 @@ private:
     void for_each(const StoredImage& picture, Work&& work) const;
     double median();
     std::string background_words() const;
+    std::string find_far(Scene& scene, double step);
     Result<std::string> settle_lengths(Scene& scene);
-    Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high);
+    std::string settle_multiples(Scene& scene, const FloatLattice& lattice);
+    std::optional<std::string> settle_steps(Scene& scene, const FloatLattice& lattice);
+    std::string settle_floats(Scene& scene, double median, double deepest);
+    std::optional<FloatLattice> even_steps();
+    Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high,
+                                    const std::optional<FloatLattice>& even);
 
     StoredDepth stored_;
     DepthCoding coding_;  // as it was written
@@ -59,15 +70,19 @@ private:
     bool is_float_ = false;
     double least_ = 0, most_ = -1;  // valid values
     std::vector<float> sample_;     // of them, for their median
-    std::int64_t pixels_ = 0;       // that were valid
+    LatticeSearch lattice_;
+    FarthestValues farthest_;
+    std::int64_t pixels_ = 0;  // that were valid
     std::int64_t looked_at_ = 0, backgrounds_ = 0;
 
     // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
     bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
+    bool is_metric_ = false;  // codes are multiples of a unit
     bool keeps_far_ = false;  // what is farther than the far plane lies on it
     double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
     double first_ = 0, per_value_ = 1;
     std::uint16_t code_max_ = 65534;  // larger ones are not valid
+    std::uint16_t none_ = 65535;      // what is no depth
 };
 
 }  // namespace touchable
