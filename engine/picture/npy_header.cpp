@@ -149,6 +149,9 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
 Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& where) {
     std::vector<std::int64_t> shape = header.shape;
     if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
+    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
+    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
+        one = *one == 1 ? shape.erase(one) : one + 1;
     if (shape.size() == 2) shape.insert(shape.begin(), 1);
     if (shape.size() != 3 || shape[0] < 1)
         return input_error(where + ": is an array of " + shape_text(header.shape) +

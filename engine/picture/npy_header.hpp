@@ -24,7 +24,8 @@ bool is_npy(std::string_view begin);
 /// Every extent of the shape is at most 2^31.
 Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where);
 
-/// The pictures of an array: height x width, also with 1 behind it, or a stack, count x height x width.
+/// The pictures of an array: height x width, or a stack, count x height x width; also with 1 behind it, and
+/// with 1 in any place before height.
 struct NpyPictures {
     std::int64_t count = 1;
     int width = 0, height = 0;

@@ -35,6 +35,10 @@ np.save(folder + 'halves', halves)
 np.save(folder + 'as_floats', halves.astype('<f4'))
 np.save(folder + 'with_one', n[0].astype('<u2')[:, :, None])
 np.save(folder + 'stack', n.astype('<u2'))
+np.save(folder + 'batch', n[0].astype('<u2')[None, None])
+np.save(folder + 'batch_last', n[0].astype('<u2')[None, :, :, None])
+np.save(folder + 'batches', n.astype('<u2')[:, None])
+np.save(folder + 'colours', np.zeros((2, 3, 5, 7), 'u2'))
 late = n.astype('<i4'); late[2, 4, 6] = -1
 np.save(folder + 'late', late)
 np.save(folder + 'colour', np.zeros((9, 8, 3), 'u1'))
@@ -110,7 +114,7 @@ TEST_F(Npy, EveryKindByteOrderOrderOfIndicesAndVersion) {
                                                         : "gray16le";
                 EXPECT_EQ(stored->pixel_format, name);
             }
-    for (const char* name : {"version2.npy", "version3.npy", "with_one.npy"})
+    for (const char* name : {"version2.npy", "version3.npy", "with_one.npy", "batch.npy", "batch_last.npy"})
         expect_numbers(read_stored_image(file(name)));
 }
 
@@ -146,7 +150,7 @@ TEST_F(Npy, WhatIsNoCodeIsAFloat) {
 }
 
 TEST_F(Npy, AStackIsReadPictureByPictureAndAllAreAlike) {
-    for (const char* name : {"stack.npy", "stack.npz"}) {
+    for (const char* name : {"stack.npy", "stack.npz", "batches.npy"}) {
         auto stack = open_npy_stack(file(name));
         ASSERT_EQ(message(stack), "");
         ASSERT_EQ(stack->count(), 3);
@@ -179,6 +183,7 @@ TEST_F(Npy, TheArrayOfDepthAmongSeveralAndWhatIsNone) {
 
     const std::pair<const char*, const char*> cases[] = {
         {"colour.npy", "is an array of 9x8x3, with 3 numbers a pixel: must have one"},
+        {"colours.npy", "is an array of 2x3x5x7: must be"},
         {"row.npy", "is an array of 9: must be height x width"},
         {"complex.npy", "is of NumPy's type \"<c8\": must be an integer or float of 8 to 64 bits"},
         {"records.npy", "is an array of records"},

@@ -17,6 +17,7 @@
 #include "engine/import/guess/presets.hpp"
 #include "engine/import/guess/unregistered_colour.hpp"
 #include "engine/import/guess/value_estimator.hpp"
+#include "engine/import/guess/value_evidence.hpp"
 #include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/printable.hpp"
@@ -49,6 +50,7 @@ public:
     }
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
     void tell_of_layers(const BesideDepth& beside, bool has_colour);
+    void tell_of_preset(const EvidentPreset& evident);
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     void know_list(const std::string& file) { list_ = file; }
     /// Where a camera's file is sought; its folder is that of `describe`.
@@ -63,8 +65,9 @@ private:
     void take_fov(double degrees);
     Result<void> find_unit(const EstimatedValues& values);
     void guess_unit(const EstimatedValues& values);
+    bool guess_unit_of_multiples(const EstimatedValues& values);
     void set_metric(double metres_per_code);
-    void set_invalid(const StoredImage& depth);
+    void set_invalid(const StoredImage& depth, bool has_negative_none);
     void set_relative(bool near_is_high, bool is_inverse);
 
     const SourceDescription& known_;
@@ -222,10 +225,33 @@ Result<void> Guess::find_unit(const EstimatedValues& values) {
     return {};
 }
 
+/// Cameras measure in whole millimetres, and files may have these times 5, 10 or 100. Whether that settles
+/// the unit.
+bool Guess::guess_unit_of_multiples(const EstimatedValues& values) {
+    constexpr double nearest = 250, deepest = 12'000;  // millimetres, of a median
+    const int divisor = values.divisor;
+    if (divisor == 1 || values.is_of_bytes()) return false;
+    const std::string multiples = "all values are multiples of " + std::to_string(divisor);
+    const double median = values.median / divisor;
+    const bool is_usual = divisor == 5 || divisor == 10 || divisor == 100;
+    if (!is_usual || median < nearest || median > deepest) {
+        say(multiples + ", which tells nothing of their unit", Hints{{Setting::depth_unit}});
+        return false;
+    }
+    set_metric(0.001 / divisor);
+    say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples + " and their median is then " +
+            short_number(median) + " mm",
+        Hints{{Setting::depth_unit, values.median <= deepest ? "0.001" : ""}});
+    return true;
+}
+
 void Guess::guess_unit(const EstimatedValues& values) {
     const Hints otherwise{{Setting::depth_unit}};
     const bool is_signed = values.negative > 0.01;
-    if (values.bits == 8 || values.is_normalised || is_signed) {
+    if (values.is_of_bytes())
+        say("values are 8 bits stored as 16, as all are multiples of " + std::to_string(values.divisor),
+            otherwise);
+    if (values.bits == 8 || values.is_of_bytes() || values.is_normalised || is_signed) {
         // What is larger where it is nearer is 1/depth, as most networks guess it; what grows with depth is
         // depth.
         const bool near_is_high = is_signed || values.lower >= values.upper;
@@ -241,7 +267,7 @@ void Guess::guess_unit(const EstimatedValues& values) {
             say("values are lengths, though they are larger in the lower third of the picture, as 1/depth of "
                 "networks is",
                 "", {{Setting::preset, "relative-inverse"}});
-    } else {
+    } else if (!list_.empty() || !guess_unit_of_multiples(values)) {
         const bool fine = values.median > 12000, coarse = values.median < 100;
         const double unit = fine || !list_.empty() ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
         set_metric(unit);
@@ -253,7 +279,7 @@ void Guess::guess_unit(const EstimatedValues& values) {
 }
 
 /// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
-void Guess::set_invalid(const StoredImage& depth) {
+void Guess::set_invalid(const StoredImage& depth, bool has_negative_none) {
     if (scene_.stored.kind == StoredDepth::Kind::relative) return;
     const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
     const int other = preset_ ? preset_->invalid : holds_words(depth) && !is_told ? 65535 : 0;
@@ -262,7 +288,10 @@ void Guess::set_invalid(const StoredImage& depth) {
         if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
             coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
                 static_cast<std::uint16_t>(code);
-    if (!is_told) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
+    if (!is_told)
+        say(other > 0           ? "0 and 65535 are no depth"
+            : has_negative_none ? "0 and what is below it are no depth"
+                                : "0 is no depth");
 }
 
 Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, const DepthCoding* coding) {
@@ -278,8 +307,9 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     if (coding) {
         scene_.depth = *coding;
     } else {
-        if (auto found = find_unit(estimate_values(depth)); !found) return found;
-        set_invalid(depth);
+        const EstimatedValues values = estimate_values(depth);
+        if (auto found = find_unit(values); !found) return found;
+        set_invalid(depth, values.has_negative_none);
     }
     derive_valid_range(scene_.depth);
     const auto valid = validate(described_);
@@ -351,6 +381,13 @@ void Guess::tell_of_layers(const BesideDepth& beside, bool takes_colour) {
         said += ", colour is " + (beside.colour_name.empty() ? "R, G, B" : beside.colour_name) +
                 " beside it, linear light shown as sRGB";
     say(std::move(said));
+}
+
+void Guess::tell_of_preset(const EvidentPreset& evident) {
+    if (evident.preset == nullptr) return;
+    say("depth is as preset " + std::string(evident.preset->name) + " has it (" + evident.preset->what +
+            "), as " + evident.why,
+        Hints{{Setting::preset}, {Setting::depth_unit}});
 }
 
 Result<const Preset*> known_preset(const SourceDescription& known) {
@@ -578,7 +615,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         cameras = std::move(*found);
     }
     const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(*stored);
-    Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
+    const bool is_open = *preset == nullptr && !known.metres_per_code && !is_arkit;
+    const EvidentPreset evident = is_open ? evident_preset(*stored) : EvidentPreset();
+    Guess guess(known, is_arkit ? preset_named("arkitscenes") : evident.preset ? evident.preset : *preset);
     if (cameras) guess.know_cameras(*cameras);
     if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
     guess.know_place({.folder = folder, .within = folder_of(*depth), .is_whole_folder = true});
@@ -586,6 +625,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         return error_at(folder.string(), described.error());
     if (is_arkit)
         guess.say("a code is 1 mm and 0 is no depth, as ARKitScenes has them", Hints{{Setting::depth_unit}});
+    guess.tell_of_preset(evident);
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -636,10 +676,13 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     pictures->trust_from(known.least_confidence);
     const auto stored = telling_depth({file}, *pictures);
     if (!stored) return stored.error();
-    Guess guess(known, *preset);
+    const bool is_open = *preset == nullptr && !known.metres_per_code;
+    const EvidentPreset evident = is_open ? evident_preset(*stored) : EvidentPreset();
+    Guess guess(known, evident.preset ? evident.preset : *preset);
     guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
         return error_at(file.string(), described.error());
+    guess.tell_of_preset(evident);
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "engine/import/guess/renderer_background.hpp"
+#include "engine/import/guess/value_evidence.hpp"
 
 namespace touchable {
 namespace {
@@ -18,6 +20,17 @@ double value_at(const StoredImage& picture, std::size_t k) {
     std::uint16_t word = 0;
     std::memcpy(&word, picture.image.samples.data() + 2 * k, 2);
     return word;
+}
+
+/// The one negative number that stands for no depth: -1 in most arrays.
+std::optional<double> negative_none(const StoredImage& picture, const RendererBackground& background) {
+    std::optional<double> found;
+    for (const float value : picture.values) {
+        if (!(value < 0) || background.is(value)) continue;
+        if (found && *found != value) return std::nullopt;
+        found = value;
+    }
+    return found;
 }
 
 }  // namespace
@@ -33,12 +46,15 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     double sums[2] = {0, 0};
     std::size_t counts[2] = {0, 0}, at_least = 0, at_most = 0, beyond = 0, negative = 0;
     const RendererBackground background(picture);
+    const auto none = negative_none(picture, background);
+    values.has_negative_none = none.has_value();
     for (std::size_t k = 0; k < pixels; ++k) {
         const double value = value_at(picture, k);
         if (values.is_float && background.is(value)) {
             values.has_background = true;
             continue;
         }
+        if (value == none) continue;
         at_least += value >= 0 && value < 0.02 * most;
         at_most += value > 0.98 * most && value <= most;
         beyond += value > most;
@@ -57,8 +73,10 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     values.median = *middle;
     values.negative = static_cast<double>(negative) / static_cast<double>(pixels);
     // All of the range is used, and nothing stands for what was not seen.
-    values.is_normalised = values.bits != 8 && !values.has_background && beyond == 0 && negative == 0 &&
-                           at_least > 0 && at_most > 0 && 20 * (pixels - all.size()) < pixels;
+    values.is_normalised = values.bits != 8 && !values.has_background && !none && beyond == 0 &&
+                           negative == 0 && at_least > 0 && at_most > 0 &&
+                           20 * (pixels - all.size()) < pixels;
+    values.divisor = common_divisor(picture);
     if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
     if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);
     return values;

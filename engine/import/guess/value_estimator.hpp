@@ -12,8 +12,12 @@ struct EstimatedValues {
     int bits = 16;
     double median = 0;
     double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
-    double negative = 0;          ///< share of all
-    bool is_normalised = false;   ///< from the least that can be stored (floats: 0) to the most (1)
+    double negative = 0;          ///< share of all; 0 where all of them are one number, which is none then
+    bool has_negative_none = false;
+    bool is_normalised = false;  ///< from the least that can be stored (floats: 0) to the most (1)
+    int divisor = 1;             ///< of integers of 16 bits (common_divisor)
+    /// Of 8 bits, which somebody stretched to 16.
+    bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
 };
 EstimatedValues estimate_values(const StoredImage& picture);
 
