@@ -194,10 +194,14 @@ Opened open_picture(const Candidate& candidate) {
                        guessed->inputs);
 }
 
-/// With depth in its metadata, or of depth itself where somebody says what it is.
+/// With depth in its metadata, or of depth itself: where somebody says what it is, or it is grey all over.
 Opened open_jpeg(const Candidate& candidate) {
+    const auto is_grey_picture = [&] {
+        const auto stored = read_stored_image(candidate.source);
+        return stored && is_grey(stored->image);
+    };
     const bool is_described = !(candidate.known == SourceDescription());
-    return is_described && !has_jpeg_depth(candidate.source)
+    return !has_jpeg_depth(candidate.source) && (is_described || is_grey_picture())
                ? open_picture(candidate)
                : open_jpeg_depth(candidate.source, candidate.described, candidate.known);
 }

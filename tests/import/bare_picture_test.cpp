@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "engine/frame/stored_code.hpp"
@@ -8,6 +9,7 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/npy_bytes.hpp"
 
 namespace touchable::test {
@@ -164,6 +166,36 @@ TEST(BarePicture, ARenderersBackgroundIsTheHole) {
     EXPECT_EQ(message(open_clip(folder / "a.pfm")),
               (folder / "a.pfm").string() +
                   ": has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)");
+}
+
+/// By FFmpeg: 1/depth, brighter to the right, but for what JPEG does to it.
+TEST(BarePicture, AGreyJpegIsDepthAndWhatIsLostIsSaid) {
+    constexpr int width = 96, height = 64;
+    const TemporaryFolder folder;
+    const std::string bytes = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, width, height, [](AVFrame& frame) {
+        for (int plane = 0; plane < 3; ++plane)
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x)
+                    frame.data[plane][y * frame.linesize[plane] + x] =
+                        static_cast<std::uint8_t>(plane == 0 ? 20 + 2 * x : 128);
+    });
+    write_bytes(folder / "depth.jpg", bytes);
+    auto reader = open_clip(folder / "depth.jpg");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(notes_have(**reader, "depth is a JPEG, and has lost what is finer than 256 levels"));
+    const auto frame = (*reader)->next();
+    ASSERT_EQ(message(frame), "");
+    const Scene& scene = (*reader)->scene();
+    const double f = width / 2.0 / std::tan(M_PI / 6);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double z = 1 / (1 / 1.5 + x / 95.0 * (1 / 0.5 - 1 / 1.5)), near = 0.03 * z;
+            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const glm::dvec3 point = unproject(scene.camera, x, y, scene.depth.depth(code));
+            ASSERT_NEAR(point.x, (x - 47.5) / f * z, near) << x << ", " << y;
+            ASSERT_NEAR(point.y, -(y - 31.5) / f * z, near) << x << ", " << y;
+            ASSERT_NEAR(point.z, -z, near) << x << ", " << y;
+        }
 }
 
 TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {

@@ -215,15 +215,21 @@ TEST_F(DynamicDepth, WhatIsMissingOrWrongIsSaid) {
     known.fov = 50;
     EXPECT_NE(message(open(cut.bytes(), known)).find("has no depth map of"), std::string::npos)
         << "no grey picture of depth";
-    EXPECT_NE(message(open(photo_jpeg())).find("a JPEG needs a depth map (GDepth, Dynamic Depth)"),
+    const std::string in_colour = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 16, 8, [](AVFrame& frame) {
+        for (int plane = 0; plane < 3; ++plane)
+            for (int k = 0; k < 8 * frame.linesize[plane]; ++k)
+                frame.data[plane][k] = static_cast<std::uint8_t>(k % 100 + 40 * plane);
+    });
+    EXPECT_NE(message(open(in_colour)).find("a JPEG needs a depth map (GDepth, Dynamic Depth)"),
               std::string::npos);
-    // A grey JPEG that somebody describes is depth itself, as before.
+    // A grey JPEG is depth itself.
     const std::string grey = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 16, 8, [](AVFrame& frame) {
         for (int plane = 0; plane < 3; ++plane)
             for (int k = 0; k < 8 * frame.linesize[plane]; ++k)
                 frame.data[plane][k] = static_cast<std::uint8_t>(plane == 0 ? k % 100 : 128);
     });
     EXPECT_EQ(message(open(grey, known)), "");
+    EXPECT_EQ(message(open(grey)), "");
 }
 
 }  // namespace

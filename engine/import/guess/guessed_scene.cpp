@@ -51,6 +51,7 @@ public:
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
     void tell_of_layers(const BesideDepth& beside, bool has_colour);
     void tell_of_preset(const EvidentPreset& evident);
+    void tell_of_jpeg(const StoredImage& depth);
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     void know_list(const std::string& file) { list_ = file; }
     /// Where a camera's file is sought; its folder is that of `describe`.
@@ -390,6 +391,17 @@ void Guess::tell_of_preset(const EvidentPreset& evident) {
         Hints{{Setting::preset}, {Setting::depth_unit}});
 }
 
+/// What is lost, and that nothing here brings it back.
+void Guess::tell_of_jpeg(const StoredImage& depth) {
+    if (depth.codec != "mjpeg") return;
+    const DepthCoding& coding = scene_.depth;
+    const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
+    add_remark(scene_.remarks,
+               {"depth is a JPEG, and has lost what is finer than 256 levels (" + short_number(step, 2) +
+                " m at " + short_number(middle, 2) + " m); JPEG moved pixels by some of these, most of all " +
+                "beside edges. Where there is a PNG of 16 bits or an array of the same, take that"});
+}
+
 Result<const Preset*> known_preset(const SourceDescription& known) {
     if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
     if (const Preset* preset = preset_named(known.preset)) return preset;
@@ -626,6 +638,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (is_arkit)
         guess.say("a code is 1 mm and 0 is no depth, as ARKitScenes has them", Hints{{Setting::depth_unit}});
     guess.tell_of_preset(evident);
+    guess.tell_of_jpeg(*stored);
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -683,6 +696,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset(evident);
+    guess.tell_of_jpeg(*stored);
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
