@@ -63,7 +63,7 @@ public:
             exr_coding_channel_info_t& one = pipeline_.channels[k];
             one.decode_to_ptr = nullptr;
             const auto wanted = std::find_if(channels_.begin(), channels_.end(), [&](const auto* channel) {
-                return channel->name == one.channel_name;
+                return channel->in_part == one.channel_name;
             });
             if (wanted == channels_.end()) continue;
             if (one.width != chunk.width || one.height != chunk.height) return false;
@@ -166,13 +166,20 @@ Result<void> ExrFile::list_channels(int part) {
         exr_get_channels(context_, part, &list) != EXR_ERR_SUCCESS)
         return damaged();
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return {};
+    int parts = 1;
+    const char* name = nullptr;  // which every one of several has
+    if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
+    if (parts > 1 && exr_get_name(context_, part, &name) != EXR_ERR_SUCCESS) return damaged();
     for (int k = 0; k < list->num_channels; ++k) {
         const exr_attr_chlist_entry_t& entry = list->entries[k];
         const NumberFormat format{entry.pixel_type == EXR_PIXEL_UINT ? NumberFormat::Kind::unsigned_integer
                                                                      : NumberFormat::Kind::floating,
                                   entry.pixel_type == EXR_PIXEL_HALF ? 2 : 4,
                                   std::endian::native == std::endian::big};
-        channels_.push_back({{part, entry.name.str}, format, entry.x_sampling == 1 && entry.y_sampling == 1});
+        channels_.push_back({{part, exr_name_in_part(name ? name : "", entry.name.str)},
+                             entry.name.str,
+                             format,
+                             entry.x_sampling == 1 && entry.y_sampling == 1});
     }
     if (channels_.size() > most_channels)
         return refused("has more than " + std::to_string(most_channels) + " channels");

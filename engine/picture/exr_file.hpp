@@ -16,6 +16,7 @@ namespace touchable {
 
 /// A channel of an OpenEXR file with its numbers as they are stored.
 struct ExrChannel : ExrChannelName {
+    std::string in_part{};  ///< its name there
     NumberFormat format{};
     bool is_of_each_pixel = true;  ///< not subsampled
 };

@@ -220,6 +220,13 @@ std::string exr_layer_of(const std::string& channel) {
     return dot == std::string::npos ? "" : channel.substr(0, dot);
 }
 
+std::string exr_name_in_part(const std::string& part, const std::string& channel) {
+    const std::string whole = part + '.' + channel;
+    const auto words = words_of(in_small_letters(whole));
+    const bool tells = is_of_other_pass(words) || std::any_of(words.begin(), words.end() - 1, is_depth_word);
+    return tells && channel.find('.') == std::string::npos ? whole : channel;
+}
+
 ExrLayers exr_layers(const ExrChannelNames& channels) {
     return layers_among(in_small_letters(channels));
 }

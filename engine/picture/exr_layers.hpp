@@ -34,6 +34,10 @@ std::optional<std::array<std::size_t, 3>> exr_colour(const std::vector<ExrChanne
 /// The same of material indices; a file with one channel has nothing else.
 std::optional<std::size_t> exr_materials(const std::vector<ExrChannelName>& channels);
 
+/// A channel of one of several parts: where it has no layer of its own, a part whose name says which pass it
+/// is (depth, normal, ...) is that.
+std::string exr_name_in_part(const std::string& part, const std::string& channel);
+
 /// "ViewLayer.Combined" of ViewLayer.Combined.R; empty for R.
 std::string exr_layer_of(const std::string& channel);
 

@@ -3,7 +3,10 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <tiffio.h>
@@ -172,6 +175,41 @@ TEST_F(FloatTwins, OfWholeUnitsHaveTheCodesAndTheCodingOfThePng) {
             EXPECT_NE(found.notes.find("kept exactly"), std::string::npos) << found.notes;
         }
     }
+}
+
+/// Colour in the first part, depth in the second, which its name alone tells.
+TEST_F(FloatTwins, OfAPartThatIsCalledDepthAreThoseOfThePng) {
+    const auto codes = camera_depth(1000, 1.9);
+    Floats metres;
+    for (const std::uint16_t code : codes) metres.push_back(static_cast<float>(code) / 1000.0F);
+    std::vector<Imf::Header> headers(2, Imf::Header(twin_wide, twin_high));
+    headers[0].setName("rgba");
+    for (const char* channel : {"R", "G", "B"})
+        headers[0].channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    headers[1].setName("depth");
+    headers[1].channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    for (Imf::Header& header : headers) header.setType(Imf::SCANLINEIMAGE);
+    {
+        Imf::MultiPartOutputFile file((folder / "parts.exr").c_str(), headers.data(), 2);
+        Floats grey(metres.size(), 0.5F);
+        for (const int part : {0, 1}) {
+            Imf::FrameBuffer frame;
+            const auto slice =
+                Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(part == 0 ? grey.data() : metres.data()), 4,
+                           4 * twin_wide);
+            for (auto one = headers[static_cast<std::size_t>(part)].channels().begin();
+                 one != headers[static_cast<std::size_t>(part)].channels().end(); ++one)
+                frame.insert(one.name(), slice);
+            Imf::OutputPart out(file, part);
+            out.setFrameBuffer(frame);
+            out.writePixels(twin_high);
+        }
+    }
+    const Opened wanted = png(codes, 0.001), found = opened_depth(folder / "parts.exr", metres_a_code(1));
+    EXPECT_EQ(found.coding, wanted.coding) << found.notes;
+    EXPECT_EQ(found.depths, wanted.depths);
+    EXPECT_NE(found.notes.find("depth is channel depth.Y, colour is R, G, B"), std::string::npos)
+        << found.notes;
 }
 
 /// What a person gets who says nothing.

@@ -160,13 +160,14 @@ struct PartChannel {
 };
 
 /// Parts of 16x16 pixels, of which the display window has `beyond` more around, in each channel 0.5.
-std::string file_of_parts(const std::vector<std::vector<PartChannel>>& parts, int beyond = 0) {
+std::string file_of_parts(const std::vector<std::vector<PartChannel>>& parts, int beyond = 0,
+                          const std::vector<std::string>& names = {}) {
     const TemporaryFolder folder;
     const Imath::Box2i data({0, 0}, {15, 15}), display({-beyond, -beyond}, {15 + beyond, 15 + beyond});
     std::vector<Imf::Header> headers;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         Imf::Header& header = headers.emplace_back(display, data);
-        header.setName("part" + std::to_string(p));
+        header.setName(names.empty() ? "part" + std::to_string(p) : names[p]);
         header.setType(Imf::SCANLINEIMAGE);
         for (const PartChannel& one : parts[p])
             header.channels().insert(one.name, Imf::Channel(one.type, one.sampling, one.sampling));
@@ -213,6 +214,30 @@ TEST(ExrLayers, MayBePartsOfAFileAndOfOtherTypes) {
             ASSERT_EQ(colour.samples[3 * k + 1], is_inside ? 188 : 0) << x << ' ' << y;
             ASSERT_EQ(materials.view().sample(x, y), is_inside ? 3 : 0) << x << ' ' << y;
         }
+}
+
+/// Nuke, Blender 5 and others call a part what they would call a layer, and its channels R, Y, V or Z.
+TEST(ExrLayers, OfAFileWithNamedPartsAreThese) {
+    const std::vector<PartChannel> rgb{{"B"}, {"G"}, {"R"}};
+    const auto found = [&](const std::vector<std::string>& names,
+                           const std::vector<std::vector<PartChannel>>& parts) {
+        const auto picture = decode_exr(file_of_parts(parts, 0, names), "picture", {true, true});
+        if (!picture) return picture.error().message;
+        if (!picture->beside) return std::string("no colour");
+        return picture->beside->depth_name + (picture->beside->colour ? ", colour" : "") +
+               (picture->beside->materials ? ", materials" : "");
+    };
+    for (const char* own : {"Z", "Y", "R", "V"})
+        EXPECT_EQ(found({"rgba", "depth"}, {rgb, {{own, Imf::FLOAT}}}),
+                  "depth." + std::string(own) + ", colour");
+    EXPECT_EQ(found({"rgba", "Depth"}, {rgb, rgb}), "Depth.R, colour");
+    EXPECT_EQ(found({"rgba", "depth"}, {rgb, {{"depth.Z"}}}), "depth.Z, colour");
+    EXPECT_EQ(found({"normal", "View.Depth", "View.Combined", "View.IndexMA"},
+                    {{{"X"}, {"Y"}, {"Z"}}, {{"V"}}, rgb, {{"X", Imf::UINT}}}),
+              "View.Depth.V, colour, materials");
+    EXPECT_EQ(
+        found({"normal", "rgba"}, {{{"X"}, {"Y"}, {"Z"}}, rgb}),
+        "picture: has no channel Z, depth, Y or R for each pixel, but normal.X, normal.Y, normal.Z, B, G, R");
 }
 
 TEST(ExrLayers, WhatCannotBeSeenIsNoColourAndDepthIsReadAllTheSame) {
