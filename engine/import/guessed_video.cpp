@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <optional>
 #include <utility>
 
 #include "engine/byte_source.hpp"
+#include "engine/import/depth_in_video.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/guess/camera_file.hpp"
+#include "engine/import/guess/presets.hpp"
 #include "engine/import/video_picture.hpp"
 #include "engine/video/video_file.hpp"
 
@@ -31,86 +32,6 @@ std::optional<Intrinsics> record3d_camera(const SourceFile& file) {
     const auto end = tail.rfind('}');
     if (begin == std::string::npos || end == std::string::npos || end < named) return {};
     return intrinsics_in_json(tail.substr(begin, end + 1 - begin));
-}
-
-/// What the colours of a part look like.
-struct Look {
-    bool is_grey = false, is_hue = false;
-    bool is_even = true;  ///< the same everywhere: a bar, and no depth
-};
-
-/// A margin is left out: codecs mix colours across the border of two halves.
-Look look_of(const PlaneView& rgb) {
-    constexpr int codec_noise = 24, dark = 48;
-    const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
-    std::int64_t pixels = 0, grey = 0, lit = 0, vivid = 0;
-    int least = 255, most = 0;
-    for (int y = margin; y < rgb.height - margin; ++y)
-        for (int x = margin; x < rgb.width - margin; ++x) {
-            const std::uint8_t* pixel = rgb.row(y) + 3 * std::ptrdiff_t{x};
-            const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
-            least = std::min<int>(least, low);
-            most = std::max<int>(most, high);
-            ++pixels;
-            grey += high - low <= codec_noise;
-            if (high < dark) continue;
-            ++lit;
-            vivid += 5 * (high - low) >= 3 * high;
-        }
-    return {100 * grey >= 99 * pixels, 10 * lit >= pixels && 10 * vivid >= 9 * lit, most - least <= 8};
-}
-
-struct Found {
-    VideoLayout layout;
-    bool is_hue;
-    const char* what;
-    int bar = 0;  ///< columns between both halves
-};
-
-/// Columns in the middle that are all of one colour: Depth Anything's videos have 50 white ones there, of
-/// which codecs blur the outer ones.
-int bar_in_the_middle(const PlaneView& rgb) {
-    constexpr int usual = 50, blurred = 8, codec_noise = 24;
-    const int middle = rgb.width / 2;
-    const std::uint8_t* const colour = rgb.row(rgb.height / 2) + 3 * std::ptrdiff_t{middle};
-    const auto is_bar = [&](int x) {
-        for (int y = 0; y < rgb.height; ++y)
-            for (int c = 0; c < 3; ++c)
-                if (std::abs(rgb.row(y)[3 * std::ptrdiff_t{x} + c] - colour[c]) > codec_noise) return false;
-        return true;
-    };
-    int first = middle, end = middle;
-    while (first > 0 && is_bar(first - 1)) --first;
-    while (end < rgb.width && is_bar(end)) ++end;
-    int bar = 2 * std::min(middle - first, end - middle);
-    if (std::abs(bar - usual) <= blurred) bar = usual;
-    return may_be_bar(bar, rgb.width) && (rgb.width - bar) % 2 == 0 ? bar : 0;
-}
-
-std::optional<Found> find_depth(VideoPicture& picture) {
-    constexpr Found alone{VideoLayout::alone, false, "depth is grey and has no colour beside it"};
-    if (!picture.has_colours()) return alone;
-    const auto rgb = picture.rgb();
-    if (!rgb) return {};
-    const Look whole = look_of(rgb->view);
-    if (whole.is_grey) return alone;
-    if (whole.is_hue) return Found{VideoLayout::alone, true, "depth is hue and has no colour beside it"};
-    const int bar = bar_in_the_middle(rgb->view);
-    for (Found half :
-         {Found{VideoLayout::left, false, "depth is the left half, which is grey, colour the right one"},
-          Found{VideoLayout::right, false, "depth is the right half, which is grey, colour the left one"},
-          Found{VideoLayout::top, false, "depth is the upper half, which is grey, colour the lower one"},
-          Found{VideoLayout::bottom, false,
-                "depth is the lower half, which is grey, colour the upper one"}}) {
-        if (half.layout == VideoLayout::left || half.layout == VideoLayout::right) half.bar = bar;
-        const auto part = depth_part(half.layout, picture.width(), picture.height(), half.bar);
-        if (!part) continue;
-        const Look depth = look_of(part_of(rgb->view, *part));
-        const Look colour = look_of(
-            part_of(rgb->view, colour_part(half.layout, picture.width(), picture.height(), half.bar)));
-        if (depth.is_grey && !depth.is_even && !colour.is_grey) return half;
-    }
-    return {};
 }
 
 /// A video of the same name but for the word that says depth: walk.mp4 beside walk_depth.mp4, and
@@ -159,6 +80,14 @@ DepthCoding record3d_coding() {
     return coding;
 }
 
+/// Of a video with Record3D's camera at its end: the left half, which is hue unless it shows that it is not.
+std::optional<DepthInVideo> record3d_depth(VideoPicture& picture, std::optional<VideoValues> said) {
+    DepthInVideo depth{VideoLayout::left, VideoValues::hue};
+    const auto part = depth_part(depth.layout, picture.width(), picture.height());
+    if (part) depth.values = said.value_or(values_in(picture, *part).value_or(VideoValues::hue));
+    return depth;
+}
+
 class VideoGuess {
 public:
     VideoGuess(const SourceFile& file, const SourceDescription& known) : file_(file), known_(known) {}
@@ -195,13 +124,14 @@ Result<GuessedScene> VideoGuess::of_hue(const PicturePart& part, const DepthCodi
 /// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
 Result<GuessedScene> VideoGuess::of_grey(VideoPicture& picture, const PicturePart& part) {
     constexpr int fewest_of_lengths = 12;
-    auto plane = picture.depth(VideoValues::grey, part);
-    if (!plane) {
+    auto plane = picture.depth(source_.values, part);
+    if (!plane && source_.values == VideoValues::grey) {
         source_.values = VideoValues::mean;
         plane = picture.depth(VideoValues::mean, part);
     }
     if (!plane) return plane.error();
-    const int bits = picture.bits(), bytes = bits < fewest_of_lengths ? 1 : 2;
+    const int bits = source_.values == VideoValues::mean ? 8 : picture.bits(),
+              bytes = bits < fewest_of_lengths ? 1 : 2;
     StoredImage stored;
     stored.bits = bits < fewest_of_lengths ? 8 : bits;
     stored.image = {part.width, part.height, bytes, 1, {}};
@@ -233,33 +163,40 @@ Result<GuessedScene> VideoGuess::make() {
     if (!*frame) return refuse("has no frames");
     RgbConverter converter;
     VideoPicture picture(std::move(*frame), converter, (*video)->where(0));
+    const auto said = video_values_named(known_.preset);
+    if (said && !picture.has_colours())
+        return usage_error(
+            file_.string() + ": has no colours, so its depth is grey: leave preset " + known_.preset + " out",
+            {{Setting::preset}});
+    if (said) known_.preset.clear();
     const auto camera = record3d_camera(file_);
-    const auto found = camera ? Found{VideoLayout::left, true,
-                                      "as Record3D exports it: depth is the left half, 3 m x hue, and the "
-                                      "camera is what the file's end says"}
-                              : find_depth(picture);
+    const auto found = camera ? record3d_depth(picture, said) : find_depth_in(picture, said);
     if (!found)
-        return refuse(
-            "is a video in colour in which no depth was found: frame 0, " + std::to_string(picture.width()) +
-            "x" + std::to_string(picture.height()) +
-            ", has no grey half and is no map of hues; a scene file with \"video\" says where depth "
-            "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
-            depthkit_metadata_name(file_.path()).string() + " beside it");
+        return refuse("is a video in colour in which no depth was found: frame 0, " +
+                      std::to_string(picture.width()) + "x" + std::to_string(picture.height()) +
+                      ", has no grey half and is no map of hues; a preset says that it is hue, or the mean "
+                      "of colours; a "
+                      "scene file with \"video\" says where depth "
+                      "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
+                      depthkit_metadata_name(file_.path()).string() + " beside it");
     const auto part = depth_part(found->layout, picture.width(), picture.height(), found->bar);
     if (!part) return refuse("is of odd width: Record3D's have two halves");
-    source_ = {file_.path().filename().string(), "", found->layout,
-               found->is_hue ? VideoValues::hue : VideoValues::grey};
+    const bool is_hue = found->values == VideoValues::hue;
+    source_ = {file_.path().filename().string(), "", found->layout, found->values};
     if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
     constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
-    auto guessed = found->is_hue
-                       ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
-                       : of_grey(picture, *part);
+    auto guessed = is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
+                          : of_grey(picture, *part);
     if (!guessed) return guessed;
     Scene& scene = guessed->scene;
     scene.name = file_.path().stem().string();
     scene.rate = (*video)->rate();
     scene.video = source_;
-    std::string what = found->what;
+    std::string what = words_of(*found);
+    if (camera && is_hue)
+        what =
+            "as Record3D exports it: depth is the left half, 3 m x hue, and the camera is what the file's "
+            "end says";
     if (found->bar > 0)
         what += ", and " + std::to_string(found->bar) + " columns between them are of neither";
     if (found->layout == VideoLayout::alone)
@@ -267,8 +204,10 @@ Result<GuessedScene> VideoGuess::make() {
             scene.video->colour = *colour;
             what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
         }
-    scene.remarks = joined_remarks({{what, true, otherwise}}, scene.remarks);
-    if (found->is_hue && !camera)
+    const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
+    scene.remarks =
+        joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}}, scene.remarks);
+    if (is_hue && !camera)
         add_remark(scene.remarks, {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
                                    "a scene file's depth.near and far say otherwise, touchable init-scene "
                                    "writes one to begin with"});

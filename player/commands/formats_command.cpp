@@ -24,6 +24,8 @@ Result<void> print_formats() {
         std::cout << "  " << preset.name
                   << std::string(18 - std::min<std::size_t>(17, std::string(preset.name).size()), ' ')
                   << preset.what << '\n';
+    std::cout << "  hue               of a video without a scene file: its depth is hue\n"
+                 "  mean              likewise: its depth is the mean of red, green and blue\n";
     return {};
 }
 

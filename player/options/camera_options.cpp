@@ -62,8 +62,10 @@ std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) 
     auto* unit = add_number_option(sub, "--depth-unit", typed.depth_unit,
                                    "likewise: metres that a stored 1 stands for", 1e-9, 1e6)
                      ->type_name("METRES");
-    auto* preset =
-        sub.add_option("--preset", typed.preset, "likewise, what is known of " + names)->type_name("NAME");
+    auto* preset = sub.add_option("--preset", typed.preset,
+                                  "likewise, what is known of " + names +
+                                      "; of videos also that depth is hue, or the mean of colours")
+                       ->type_name("NAME");
     std::vector<CLI::Option*> options{intrinsics, fov, unit, preset};
     if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
         for (CLI::Option* option : options) option->excludes(scene);

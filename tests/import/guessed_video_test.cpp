@@ -5,6 +5,7 @@
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/import/guessed_video.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
@@ -180,6 +181,88 @@ TEST(GuessedVideo, AVideoInColourIsRefusedSayingWhatWasSeen) {
     EXPECT_NE(said.find("touchable play SCENE.json"), std::string::npos);
     write_bytes(folder / "take.r3d", std::string("PK\3\4 and more", 13));
     EXPECT_NE(message(open_clip(folder / "take.r3d")).find("export it there as MP4"), std::string::npos);
+}
+
+/// Against an unprojection written out here: hues from 0.5 to 1.5 m, 60 degrees wide.
+TEST(GuessedVideo, AHalfOfHuesIsDepthBesideColourThatIsNot) {
+    const TemporaryFolder folder;
+    const auto code = [](int x, int y) { return 100 + 40 * x + 10 * y; };
+    write_rgb(folder / "d.mov", 64, 16, [&](int x, int y) {
+        return x < 32 ? Rgb{120 + 2 * x, 110, 90 + 4 * y} : of_hue(code(x - 32, y));
+    });
+    auto clip = open_clip(folder / "d.mov");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "depth is the right half, which is hue, colour the left one"));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    const Scene& scene = (*clip)->scene();
+    const RawFrame& frame = frames->front();
+    const double f = 16 / std::tan(M_PI / 6);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 32; ++x) {
+            const double z = 0.5 + code(x, y) / 1536.0, near = 0.003;
+            const glm::dvec3 point =
+                unproject(scene.camera, x, y, scene.depth.depth(stored_code(frame.depth, scene.depth, x, y)));
+            EXPECT_NEAR(point.x, (x - 15.5) / f * z, near);
+            EXPECT_NEAR(point.y, -(y - 7.5) / f * z, near);
+            EXPECT_NEAR(point.z, -z, near);
+            EXPECT_EQ(frame.colour.sample(x, y, 2), 90 + 4 * y);
+        }
+}
+
+/// Grey with a tint, as chroma of lossy videos has it; and what a person says stands against what is seen.
+TEST(GuessedVideo, WhatIsNearlyGreyIsTheMeanOfItsColoursAndAPresetSaysOtherwise) {
+    const TemporaryFolder folder;
+    const auto tinted = [](int x, int y) {
+        const int grey = 40 + 5 * x + 2 * y;
+        return Rgb{grey + 15, grey, grey - 15};
+    };
+    write_rgb(folder / "tinted.mov", 32, 16, tinted);
+    const auto coloured = [](int x, int y) { return Rgb{90 + 3 * x, 120, 60 + 4 * y}; };
+    write_rgb(folder / "coloured.mov", 32, 16, coloured);
+    SourceDescription mean, hue;
+    mean.preset = "mean";
+    hue.preset = "hue";
+    const auto expect_mean = [&](const char* name, const SourceDescription& known, const auto& colour) {
+        auto clip = open_clip(folder / name, std::nullopt, known);
+        ASSERT_EQ(message(clip), "") << name;
+        EXPECT_TRUE(is_noted(**clip, "a value is the mean of its colours"));
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 32; ++x) {
+                const Rgb rgb = colour(x, y);
+                ASSERT_EQ((**frame).depth.sample(x, y), (rgb[0] + rgb[1] + rgb[2] + 1) / 3) << x << ',' << y;
+            }
+    };
+    expect_mean("tinted.mov", {}, tinted);
+    expect_mean("coloured.mov", mean, coloured);
+    for (const char* name : {"tinted.mov", "coloured.mov"}) {
+        const auto clip = open_clip(folder / name, std::nullopt, hue);
+        ASSERT_EQ(message(clip), "");
+        EXPECT_EQ((*clip)->scene().depth.kind, DepthCodingKind::hue);
+    }
+    write_grey(folder / "grey.mkv");
+    EXPECT_NE(message(open_clip(folder / "grey.mkv", std::nullopt, hue)).find("has no colours"),
+              std::string::npos);
+    Samples memory;
+    ASSERT_EQ(message(write_png(folder / "a.png", test_plane(memory, 20, 10, 2, 1, 3000, 5, true))), "");
+    EXPECT_NE(message(open_clip(folder / "a.png", std::nullopt, mean)).find("preset mean is of videos"),
+              std::string::npos);
+}
+
+TEST(GuessedVideo, OfRecord3dTheHalfThatIsGreyIsNoHue) {
+    const TemporaryFolder folder;
+    write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+        return x < 32 ? Rgb{50 + 4 * x, 50 + 4 * x, 50 + 4 * x} : Rgb{10 * y, 90, 200};
+    });
+    write_bytes(folder / "d.mp4",
+                read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+    const auto clip = open_clip(folder / "d.mp4");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().camera.fx, 40.5);
+    EXPECT_EQ((*clip)->scene().depth.kind, DepthCodingKind::inverse);
+    EXPECT_TRUE(is_noted(**clip, "depth is the left half, which is grey"));
 }
 
 /// As Depth Anything writes them: the picture, 50 white columns, its depth.

@@ -405,6 +405,8 @@ void Guess::tell_of_jpeg(const StoredImage& depth) {
 Result<const Preset*> known_preset(const SourceDescription& known) {
     if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
     if (const Preset* preset = preset_named(known.preset)) return preset;
+    if (video_values_named(known.preset))
+        return usage_error("preset " + known.preset + " is of videos of depth", {{Setting::preset}});
     std::string names;
     for (const Preset& each : all_presets()) names += (names.empty() ? "" : ", ") + std::string(each.name);
     return usage_error("preset " + known.preset + " is not known: must be one of " + names,

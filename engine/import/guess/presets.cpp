@@ -60,4 +60,10 @@ const Preset* preset_named(const std::string& name) {
     return found == std::end(presets) ? nullptr : found;
 }
 
+std::optional<VideoValues> video_values_named(const std::string& name) {
+    if (name == "hue") return VideoValues::hue;
+    if (name == "mean") return VideoValues::mean;
+    return std::nullopt;
+}
+
 }  // namespace touchable

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -22,5 +23,8 @@ struct Preset {
 std::span<const Preset> all_presets();
 /// Null: there is none of that name.
 const Preset* preset_named(const std::string& name);
+
+/// What of a video's pixels depth is, by a name that `--preset` has for videos alone: hue, mean.
+std::optional<VideoValues> video_values_named(const std::string& name);
 
 }  // namespace touchable
