@@ -13,6 +13,7 @@ layout(constant_id = 2) const uint has_heights = 1u;
 layout(constant_id = 3) const uint is_range = 1u;
 layout(constant_id = 4) const uint is_inverse = 0u;
 layout(constant_id = 5) const uint is_from_top = 0u;
+layout(constant_id = 6) const uint is_log = 0u;
 
 layout(push_constant, std430) uniform Push {
     UnprojectPush push;
@@ -39,6 +40,7 @@ uint part(uvec4 texel, int n) {
 
 float depth_of(uint code) {
     const float m = float(is_from_top != 0u ? push.code_max - code : code);
+    if (is_log != 0u) return push.base + push.from_shift * grown(push.step * m, push.step_low * m);
     const float length_of_code = push.base + push.step * m;
     return is_inverse != 0u ? 1.0f / length_of_code - push.shift : length_of_code;
 }

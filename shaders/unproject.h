@@ -7,12 +7,22 @@
 //
 // A code's length grows with its distance m from the end of its scale where the length is least (1 / length
 // for inverse codings), so base + step m adds what is never negative, and a depth is good to four roundings.
+// A logarithmic code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six roundings.
 #ifndef TOUCHABLE_SHADERS_UNPROJECT_H
 #define TOUCHABLE_SHADERS_UNPROJECT_H
 
 #ifdef __cplusplus
+#include <bit>
+#include <cmath>
 namespace touchable {
 using uint = unsigned int;
+#define UNPROJECT_FUNCTION inline
+#define UNPROJECT_FLOAT_OF std::bit_cast<float>
+#define UNPROJECT_FLOOR std::floor
+#else
+#define UNPROJECT_FUNCTION
+#define UNPROJECT_FLOAT_OF uintBitsToFloat
+#define UNPROJECT_FLOOR floor
 #endif
 
 #define UNPROJECT_WORD 32  // pixels of a word of validity
@@ -33,6 +43,7 @@ struct UnprojectConstants {
     uint is_range;     // a length is along the pixel's ray, and not along -Z
     uint is_inverse;   // base + step m is 1 / length
     uint is_from_top;  // m = code_max - code, and not the code itself
+    uint is_log;       // base + from_shift (e^(step m + step_low m) - 1) is the length
 };
 
 struct UnprojectPush {
@@ -47,10 +58,24 @@ struct UnprojectPush {
     float cx, cy, per_fx, per_fy;                 // pixels, 1 / pixels
     float height_per_code, next_height_per_code;  // scene units; 0: no heights
     float blend, rest;                            // weights of the later and the earlier frame, in all 1
+    float step_low, from_shift;                   // log: the rest of the step; near plane + the coding's shift
 };
+
+/// e^(t + low) - 1 for t from 0 to 87, |low| far less: exp would lose digits, and all of them near 0.
+UNPROJECT_FUNCTION float grown(float t, float low) {
+    const float powers = UNPROJECT_FLOOR(t * 1.44269504f + 0.5f);
+    const float r = (t - powers * 0.693359375f) + (powers * 2.12194440e-4f + low);  // ln 2 in two parts
+    const float upper = ((r / 5040.0f + 1.0f / 720.0f) * r + 1.0f / 120.0f) * r + 1.0f / 24.0f;
+    const float series = (upper * r + 1.0f / 6.0f) * r + 0.5f;
+    const float scale = UNPROJECT_FLOAT_OF(uint(int(powers) + 127) << 23);  // 2^powers
+    return scale * (r + r * r * series) + (scale - 1.0f);
+}
 
 #ifdef __cplusplus
 }  // namespace touchable
 #endif
+#undef UNPROJECT_FUNCTION
+#undef UNPROJECT_FLOAT_OF
+#undef UNPROJECT_FLOOR
 
 #endif

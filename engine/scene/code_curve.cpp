@@ -1,5 +1,6 @@
 #include "engine/scene/code_curve.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -26,8 +27,22 @@ Polynomial squared(double of, double a, double b) {
     return {of * a * a, of * 2 * a * b, of * b * b};
 }
 
+/// Of log codes no polynomial is exact: this one is at both planes and in the middle between them.
+std::optional<Polynomial> length_in_log_codes(const DepthCoding& coding, const DepthLength& length,
+                                              int last) {
+    const double way = coding.log_span();
+    if (!(way > 0)) return std::nullopt;
+    const auto codes_at = [&](double depth) {
+        return last * length.at(depth) / ((depth + coding.shift) * way);
+    };
+    const double least = codes_at(coding.near), middle = codes_at(coding.log_depth(0.5)),
+                 most = codes_at(coding.far);
+    return Polynomial{least, 4 * middle - 3 * least - most, std::max(0.0, 2 * (least + most) - 4 * middle)};
+}
+
 /// Nothing where planes are so close that doubles do not tell them apart.
 std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const DepthLength& length, int last) {
+    if (coding.kind == DepthCodingKind::log) return length_in_log_codes(coding, length, last);
     if (coding.kind != DepthCodingKind::inverse) {
         const bool is_metric = coding.kind == DepthCodingKind::metric;
         const double least = is_metric ? 0 : coding.near;

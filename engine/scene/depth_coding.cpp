@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/logarithm.hpp"
+
 namespace touchable {
 namespace {
 
@@ -12,6 +14,8 @@ double real_code(const DepthCoding& coding, double depth) {
     const double shift = coding.shift, deep = 1.0 / (coding.far + shift);
     const double from_far = coding.kind == DepthCodingKind::inverse
                                 ? (1.0 / (depth + shift) - deep) / (1.0 / (coding.near + shift) - deep)
+                            : coding.kind == DepthCodingKind::log
+                                ? logarithm((coding.far + shift) / (depth + shift)) / coding.log_span()
                                 : (coding.far - depth) / (coding.far - coding.near);
     return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
 }
@@ -22,10 +26,21 @@ bool has_depths(const DepthCoding& coding) {
     const auto has_inverse = [](double plane) {
         return plane > 0 && std::isfinite(1.0 / plane) && std::isfinite(plane);
     };
+    if (coding.kind == DepthCodingKind::log)
+        return has_inverse(coding.near + coding.shift) && has_inverse(coding.far + coding.shift) &&
+               coding.near < coding.far;
     return coding.kind != DepthCodingKind::inverse || (has_inverse(coding.near) && has_inverse(coding.far));
 }
 
 }  // namespace
+
+double DepthCoding::log_span() const {
+    return logarithm((far + shift) / (near + shift));
+}
+
+double DepthCoding::log_depth(double share) const {
+    return (near + shift) * exponential((1.0 - share) * log_span()) - shift;
+}
 
 std::uint16_t DepthCoding::code(double depth) const {
     // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a

@@ -13,9 +13,10 @@ namespace touchable {
 /// - inverse: 1 / (1/far + (1/near - 1/far) n); with a shift s 1 / (1/(far + s) + (1/(near + s) - 1/(far +
 /// s)) n)
 ///            - s
+/// - log:     e^(ln(far + shift) + (ln(near + shift) - ln(far + shift)) n) - shift
 /// - metric:  scale * code
 /// - hue:     as linear, of the code that shaders/hue_code.h makes from an RGB pixel
-enum class DepthCodingKind { linear, inverse, metric, hue };
+enum class DepthCodingKind { linear, inverse, metric, hue, log };
 
 struct DepthCoding {
     static constexpr int max_invalid_codes = 4;
@@ -56,9 +57,14 @@ struct DepthCoding {
         const double deep = far + shift;
         const double between = kind == DepthCodingKind::inverse
                                    ? 1.0 / (1.0 / deep + (1.0 / (near + shift) - 1.0 / deep) * share) - shift
-                                   : far + (near - far) * share;
+                               : kind == DepthCodingKind::log ? log_depth(share)
+                                                              : far + (near - far) * share;
         return std::clamp(between, near, far);
     }
+    /// Log: the depth at a share of the way from the far plane (0) to the near one (1), unclamped.
+    double log_depth(double share) const;
+    /// Log: ln((far + shift)/(near + shift)), the way from plane to plane.
+    double log_span() const;
     /// Of all valid codes the smallest depth. Needs one.
     double nearest_depth() const { return depth(deeper_is_higher() ? valid_min : valid_max); }
     /// Of all valid codes the largest depth. Needs one.

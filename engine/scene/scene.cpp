@@ -107,11 +107,24 @@ Result<void> check_colour_camera(const Scene& scene) {
                          [&] { return check_pose("colour_camera.from_depth", colour.from_depth); });
 }
 
+/// Near may be 0, whose code is then no depth, where the shift is more.
+Result<void> check_log(const DepthCoding& depth) {
+    return first_refusal([&] { return check_not_negative("depth.near", depth.near); },
+                         [&] { return check_length("depth.far", depth.far); },
+                         [&] { return check_within("depth.shift", depth.shift, -longest, longest); },
+                         [&]() -> Result<void> {
+                             if (depth.near + depth.shift >= shortest) return {};
+                             return refuse("depth.shift", depth.shift,
+                                           "greater than -depth.near, which is " + text(-depth.near));
+                         });
+}
+
 Result<void> check_planes(const DepthCoding& depth) {
     if (depth.kind == DepthCodingKind::metric)
         return first_refusal([&] { return check_length("depth.scale", depth.scale); },
                              [&] { return check_not_negative("depth.near", depth.near); },
                              [&] { return check_length("depth.far", depth.far); });
+    if (depth.kind == DepthCodingKind::log) return check_log(depth);
     return first_refusal([&] { return check_length("depth.near", depth.near); },
                          [&] { return check_length("depth.far", depth.far); });
 }

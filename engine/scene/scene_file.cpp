@@ -119,7 +119,7 @@ void read_disparity(const Node& node, Scene& scene) {
 void read_depth(const Node& node, SceneDescription& described) {
     Scene& scene = described.scene;
     DepthCoding& depth = scene.depth;
-    node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is",
+    node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is", "shift",
                      "least_sum", "invalid", "baseline", "offset", "bytes", "rotated"});
     const Coding coding = node["coding"].one_of(coding_names);
     depth.kind = coding.kind;
@@ -131,6 +131,11 @@ void read_depth(const Node& node, SceneDescription& described) {
     if (metric && node.has("near_is")) node["near_is"].refuse("left out: a metric depth grows with its code");
     if (!metric && !disparity && node.has("scale"))
         node["scale"].refuse("left out: only metric depth and disparity have a scale");
+    if (depth.kind == DepthCodingKind::log) {
+        if (node.has("shift")) depth.shift = node["shift"].number();
+    } else if (node.has("shift")) {
+        node["shift"].refuse("left out: only log depth has a shift");
+    }
     if (!hue && node.has("least_sum")) node["least_sum"].refuse("left out: only a hue has a least sum");
     depth.near_is_high = !hue;
     if (node.has("near_is")) depth.near_is_high = node["near_is"].one_of(near_is_high_names);

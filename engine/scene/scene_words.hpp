@@ -18,6 +18,7 @@ inline constexpr std::pair<const char*, Coding> coding_names[] = {
     {"inverse", {DepthCodingKind::inverse}},
     {"metric", {DepthCodingKind::metric}},
     {"hue", {DepthCodingKind::hue}},
+    {"log", {DepthCodingKind::log}},
     {"disparity", {DepthCodingKind::inverse, StoredDepth::Kind::disparity}},
     {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
     {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};

@@ -17,9 +17,12 @@ double gate_per_noise(int median) {
 
 std::optional<TemporalFilter> temporal_filter(const Scene& scene) {
     if (!scene.filter.temporal) return std::nullopt;
-    // Looked-up codes are fewer, which is worth it for terraces alone.
+    // Looked-up codes are fewer, which is worth it for terraces, and for log codes, of which no gate is
+    // exact.
     auto working = working_codes(scene);
-    if (!working || (working->table && !terrace_filter(scene))) working = unchanged_codes(scene.depth);
+    const bool is_log = scene.depth.kind == DepthCodingKind::log;
+    if (!working || (working->table && !is_log && !terrace_filter(scene)))
+        working = unchanged_codes(scene.depth);
     const DepthCoding& coding = working->coding;
     const CodeCurve gate =
         code_curve(coding, scene.filter.temporal_noise, gate_per_noise(scene.filter.median));

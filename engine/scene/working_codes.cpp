@@ -39,6 +39,7 @@ double most_codes_of_a_level(const Scene& scene) {
 /// How many times as many codes there can be; 0: the stored ones leave no room.
 int factor_of(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
+    if (coding.kind == DepthCodingKind::log) return 0;  // no curve of levels is exact in its codes
     // Of the largest gate, in codes; see terrace_range.
     const double levels = most_codes_of_a_level(scene);
     const int last = largest_code(coding), gate = static_cast<int>(std::min(1.25 * levels, 32767.0));
@@ -64,9 +65,12 @@ std::optional<DepthCoding> looked_up_coding(const Scene& scene) {
     const double ends = 1 / (coding.near + coding.shift) - 1 / (coding.far + coding.shift);
     if (!(ends > 0)) return std::nullopt;
     double most = 0;
+    // Of log codes, which the curve has longer there than they are.
+    const DepthLength steps = stored.kind == DepthCodingKind::log ? code_step(stored) : DepthLength{};
     for (const double depth : {coding.near, coding.far}) {
         const double beyond = depth + coding.shift;
-        most = std::max(most, level_distance(scene, depth) / (beyond * beyond * ends));
+        const double level = std::max(level_distance(scene, depth), steps.at(depth));
+        most = std::max(most, level / (beyond * beyond * ends));
     }
     most *= 1 + 0.6 * scene.filter.terrace_noise;
     const double codes = std::floor((terrace_range - 8) / (1 + 1.25 * most));
@@ -91,6 +95,21 @@ std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding
     return table;
 }
 
+/// Steps of log codes are even along depth + shift. Of all lengths that grow with the depth's square the one
+/// that is off by the same factor at both planes and in between: by 1.18 with LeRobot's.
+DepthLength log_step(const DepthCoding& coding) {
+    const double share = coding.log_span() / coding.code_max, near = coding.near, far = coding.far;
+    // As long as the steps at both planes.
+    const double quadratic = share / (far + near);
+    const DepthLength chord{share * (near + coding.shift) - quadratic * near * near, quadratic};
+    double least = 1;
+    for (int part = 1; part < 64; ++part) {
+        const double depth = near + (far - near) * part / 64;
+        least = std::min(least, chord.at(depth) / (share * (depth + coding.shift)));
+    }
+    return chord.times(2 / (1 + least));
+}
+
 }  // namespace
 
 int largest_code(const DepthCoding& coding) {
@@ -109,6 +128,8 @@ DepthLength code_step(const DepthCoding& coding) {
             return {coding.scale, 0};
         case DepthCodingKind::inverse:
             return {0, (1 / coding.near - 1 / coding.far) / coding.code_max};
+        case DepthCodingKind::log:
+            return log_step(coding);
         case DepthCodingKind::linear:
         case DepthCodingKind::hue:
             break;
@@ -145,8 +166,8 @@ std::optional<WorkingCodes> working_codes(const Scene& scene) {
         return WorkingCodes{factor, nullptr, finer(scene.depth, factor)};
     const auto coding = looked_up_coding(scene);
     if (!coding) return std::nullopt;
-    return WorkingCodes{
-        1, std::make_shared<const std::vector<std::uint16_t>>(table_of(scene.depth, *coding)), *coding};
+    return WorkingCodes{1, std::make_shared<const std::vector<std::uint16_t>>(table_of(scene.depth, *coding)),
+                        *coding};
 }
 
 }  // namespace touchable

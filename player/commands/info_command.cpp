@@ -45,6 +45,8 @@ const char* kind_name(DepthCodingKind kind) {
             return "metric";
         case DepthCodingKind::hue:
             return "hue";
+        case DepthCodingKind::log:
+            return "log";
     }
     return "";
 }
@@ -53,14 +55,22 @@ const char* semantics_name(DepthSemantics semantics) {
     return semantics == DepthSemantics::range ? "range" : "planar";
 }
 
+/// What codes are even steps of, where it is not depth.
+std::string values_of(const DepthCoding& coding) {
+    if (coding.kind == DepthCodingKind::inverse) return " (1/depth)";
+    if (coding.kind != DepthCodingKind::log) return "";
+    std::ostringstream words;
+    words << " (ln(depth + " << coding.shift << "))";
+    return words.str();
+}
+
 std::string coding_words(const DepthCoding& coding) {
     std::ostringstream words;
     if (coding.kind == DepthCodingKind::metric)
         words << "metric, " << coding.scale << " units a code";
     else
-        words << kind_name(coding.kind) << (coding.kind == DepthCodingKind::inverse ? " (1/depth)" : "")
-              << " between two planes, largest code at the " << (coding.near_is_high ? "near" : "far")
-              << " one";
+        words << kind_name(coding.kind) << values_of(coding) << " between two planes, largest code at the "
+              << (coding.near_is_high ? "near" : "far") << " one";
     if (coding.kind == DepthCodingKind::hue) words << ", no depth where R + G + B < " << coding.least_sum;
     words << (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
                                                         : "; planar, along -Z");
@@ -160,6 +170,7 @@ Json depth_json(const Scene& scene) {
     depth["far_mm"] = coding.far * mm_per_unit(scene);
     depth["bits"] = scene.depth_bits;
     depth["code_max"] = coding.code_max;
+    if (coding.kind == DepthCodingKind::log) depth["shift"] = coding.shift;
     if (coding.kind == DepthCodingKind::hue) depth["least_sum"] = coding.least_sum;
     depth["valid_codes"] = {coding.valid_min, coding.valid_max};
     depth["invalid_codes"] = Json::array();

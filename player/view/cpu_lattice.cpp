@@ -39,8 +39,13 @@ struct FrameRow {
         const float length = base + step * static_cast<float>(offset + sign * row.codes[x]);
         depths[x] = valid[x] > 0.0F ? length : 1.0F;
     }
+    if (terms.constants.is_log != 0)
+        for (int x = 0; x < width; ++x) {
+            const auto m = static_cast<float>(offset + sign * row.codes[x]);
+            depths[x] = valid[x] > 0.0F ? base + push.from_shift * grown(step * m, push.step_low * m) : 1.0F;
+        }
     if (terms.constants.is_inverse != 0)
-        for (int x = 0; x < width; ++x) depths[x] = 1.0F / depths[x];
+        for (int x = 0; x < width; ++x) depths[x] = 1.0F / depths[x] - push.shift;
     if (height_per_code == 0.0F) return;
     for (int x = 0; x < width; ++x) {
         const float depth = depths[x] - height_per_code * static_cast<float>(row.heights[x]);

@@ -1,6 +1,7 @@
 #include "player/view/surface_unproject.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -11,7 +12,7 @@
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 68);
+static_assert(sizeof(UnprojectPush) == 76);
 
 /// Length = base + step m, or its inverse less the shift, of a coding, and how m comes from the code; see
 /// shaders/unproject.h.
@@ -22,6 +23,18 @@ void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstan
         base = 1.0 / (coding.far + coding.shift);
         step = (1.0 / (coding.near + coding.shift) - base) / coding.code_max;
         constants.is_from_top = coding.near_is_high ? 0 : 1;  // it is 1 / length that grows
+    } else if (coding.kind == DepthCodingKind::log) {
+        constants.is_log = 1;
+        base = coding.near;
+        step = coding.log_span() / coding.code_max;
+        constants.is_from_top = coding.near_is_high ? 1 : 0;
+        push.from_shift = static_cast<float>(coding.near + coding.shift);
+        // A first part of 8 bits, so that its product with a code is exact.
+        int power = 0;
+        const double digits = std::frexp(step, &power);
+        const double high = std::ldexp(std::floor(digits * 256), power - 8);
+        push.step_low = static_cast<float>(step - high);
+        step = high;
     } else if (coding.kind != DepthCodingKind::metric) {
         base = coding.near;
         step = (coding.far - coding.near) / coding.code_max;
@@ -141,8 +154,9 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     push.segments = marches ? 1 : push.words;
     push.segment_words = marches ? push.words : 1;
 
-    const auto program = program_for({constants.group_size, constants.is_pair, constants.has_heights,
-                                      constants.is_range, constants.is_inverse, constants.is_from_top});
+    const auto program =
+        program_for({constants.group_size, constants.is_pair, constants.has_heights, constants.is_range,
+                     constants.is_inverse, constants.is_from_top, constants.is_log});
     if (!program.ok()) return program.error();
     commands.dispatch(*program, push,
                       {prev_planes->codes, prev_planes->validity, prev_planes->heights, next_planes->codes,

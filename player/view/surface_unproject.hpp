@@ -41,7 +41,7 @@ public:
     static std::size_t q_bytes(int width, int height);
 
 private:
-    using Constants = std::array<std::uint32_t, 6>;
+    using Constants = std::array<std::uint32_t, 7>;
     struct Planes {
         GpuBuffer codes, validity, heights;  // heights: any buffer where the frame has none
     };

@@ -18,6 +18,10 @@ Real depth_of(const DepthCoding& coding, std::uint16_t code) {
         const Real shift = coding.shift, deep = 1 / (far + shift);
         return 1 / (deep + (1 / (near + shift) - deep) * n) - shift;
     }
+    if (coding.kind == DepthCodingKind::log) {
+        const Real shift = coding.shift;
+        return (near + shift) * std::exp((1 - n) * std::log((far + shift) / (near + shift))) - shift;
+    }
     return far + (near - far) * n;
 }
 

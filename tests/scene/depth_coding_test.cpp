@@ -39,6 +39,11 @@ long double long_depth(const DepthCoding& coding, std::uint16_t code) {
     const auto near = static_cast<long double>(coding.near), far = static_cast<long double>(coding.far);
     if (coding.kind == DepthCodingKind::metric) return static_cast<long double>(coding.scale) * code;
     const long double n = coding.near_is_high ? code : coding.code_max - code;
+    if (coding.kind == DepthCodingKind::log) {
+        const auto shift = static_cast<long double>(coding.shift);
+        const long double low = std::log(near + shift), high = std::log(far + shift);
+        return std::exp(high + (low - high) * n / coding.code_max) - shift;
+    }
     if (coding.kind == DepthCodingKind::linear) return far + (near - far) * n / coding.code_max;
     return 1 / (1 / far + (1 / near - 1 / far) * n / coding.code_max);
 }
@@ -47,8 +52,13 @@ DepthCoding random_coding(Random& random) {
     const double near = random.between(0.01, 50), far = near + random.between(0.01, 200);
     const auto code_max = static_cast<std::uint16_t>(1 + random.below(random.below(2) ? 255 : 4095));
     DepthCoding coding;
-    switch (random.below(3)) {
+    switch (random.below(4)) {
         case 0:
+            coding = between_planes(DepthCodingKind::log, near, far, code_max, random.below(2));
+            coding.shift = random.between(-0.9 * near, 4 * near);
+            derive_valid_range(coding);
+            break;
+        case 3:
             coding = between_planes(DepthCodingKind::linear, near, far, code_max, random.below(2));
             break;
         case 1:
@@ -81,7 +91,7 @@ TEST(DepthCoding, BothPlanesAreExact) {
     for (int k = 0; k < 20000; ++k) {
         const double near = random.between(0.01, 50), far = near + random.between(1e-3, 200);
         const auto code_max = static_cast<std::uint16_t>(1 + random.below(65535));
-        for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse}) {
+        for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::log}) {
             const DepthCoding high = between_planes(kind, near, far, code_max, true);
             ASSERT_EQ(high.depth(code_max), near);
             ASSERT_EQ(high.depth(0), far);
@@ -98,13 +108,14 @@ TEST(DepthCoding, EveryCodeAgreesWithTheFormulaInLongDouble) {
         const DepthCoding coding = random_coding(random);
         for (const std::uint16_t code : valid_codes(coding)) {
             const long double truth = long_depth(coding, code);
-            ASSERT_NEAR(coding.depth(code), static_cast<double>(truth), 8 * 0x1p-53 * coding.far) << code;
+            const double largest = coding.far + std::fabs(coding.shift);
+            ASSERT_NEAR(coding.depth(code), static_cast<double>(truth), 16 * 0x1p-53 * largest) << code;
         }
     }
 }
 
 TEST(DepthCoding, DepthIsStrictlyMonotoneAndWithinThePlanes) {
-    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::log})
         for (const bool near_is_high : {true, false}) {
             const DepthCoding coding = between_planes(kind, 0.1, 100, 65535, near_is_high);
             EXPECT_EQ(coding.deeper_is_higher(), !near_is_high);
@@ -118,6 +129,26 @@ TEST(DepthCoding, DepthIsStrictlyMonotoneAndWithinThePlanes) {
             }
         }
     EXPECT_TRUE(metric(0.001, 0, 10).deeper_is_higher());
+}
+
+/// Numbers of the formula in lerobot's depth_utils.py, worked out by numpy; the code of a depth comes back.
+TEST(DepthCoding, LogIsWhatLeRobotWrites) {
+    DepthCoding coding = between_planes(DepthCodingKind::log, 0.01, 10, 4095, false);
+    coding.shift = 3.5;
+    coding.invalid_codes[0] = 0;
+    coding.invalid_code_count = 1;
+    derive_valid_range(coding);
+    EXPECT_EQ(coding.valid_min, 1);
+    const std::pair<int, double> known[] = {{200, 0.249},  {500, 0.638},  {1000, 1.377},
+                                            {1677, 2.594}, {2500, 4.489}, {3794, 8.727}};
+    for (const auto& [code, depth] : known) {
+        EXPECT_NEAR(coding.depth(static_cast<std::uint16_t>(code)), depth, 0.0006);
+        EXPECT_EQ(coding.code(coding.depth(static_cast<std::uint16_t>(code))), code);
+    }
+    const double step = std::log(13.5 / 3.51) / 4095;
+    for (int code = 1; code < 4095; ++code)
+        ASSERT_NEAR(coding.depth(static_cast<std::uint16_t>(code)), 3.51 * std::exp(step * code) - 3.5,
+                    1e-14);
 }
 
 TEST(DepthCoding, LinearCodesAreAllValidUpToCodeMax) {
@@ -218,7 +249,7 @@ TEST(DepthCoding, TheValidRangeEndsAtValidCodesWhateverIsMarked) {
 
 TEST(DepthCoding, CodeUndoesDepthForEveryValidCode) {
     std::vector<DepthCoding> codings = {metric(0.001, 0, 65.535), metric(1.0 / 5000, 0.3, 12)};
-    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::log})
         for (const std::uint16_t code_max : {std::uint16_t{255}, std::uint16_t{1023}, std::uint16_t{65535}})
             for (const bool near_is_high : {true, false})
                 codings.push_back(between_planes(kind, 0.3, 12, code_max, near_is_high));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -83,6 +84,20 @@ TEST(SceneFile, GlobeIsReadAsWritten) {
     EXPECT_EQ(scene.haptic.dynamic_friction.max, 0.8);
     EXPECT_FALSE(scene.folder);
     EXPECT_FALSE(scene.device_metres_per_unit);
+}
+
+TEST(SceneFile, LogMayBeginAtDepthZero) {
+    const char* text = R"({"touchable_scene": 1, "width": 4, "height": 3,
+        "camera": {"fx": 4, "fy": 4, "cx": 2, "cy": 1},
+        "depth": {"coding": "log", "near": 0, "far": 10, "shift": 3.5, "bits": 12, "near_is": "low"}})";
+    const DepthCoding log = parsed(text).depth;
+    EXPECT_EQ(log.kind, DepthCodingKind::log);
+    EXPECT_EQ(log.semantics, DepthSemantics::planar);
+    EXPECT_EQ(log.shift, 3.5);
+    EXPECT_EQ(log.code_max, 4095);
+    EXPECT_EQ(log.valid_min, 1);
+    EXPECT_EQ(log.depth(4095), 10);
+    EXPECT_NEAR(log.depth(1), 3.5 * std::expm1(std::log(13.5 / 3.5) / 4095), 1e-14);
 }
 
 TEST(SceneFile, HueHasDefaultsOfItsOwn) {

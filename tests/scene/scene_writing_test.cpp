@@ -93,11 +93,13 @@ SceneDescription random_description(Random& random) {
     scene.metres_per_unit = random.between(1e-6, 2);
     scene.camera = {random.between(1, 5000), random.between(1, 5000), random.between(-100, 9000),
                     random.between(-100, 9000)};
-    scene.depth.kind = static_cast<DepthCodingKind>(random.below(4));
+    scene.depth.kind = static_cast<DepthCodingKind>(random.below(5));
     scene.depth.semantics = static_cast<DepthSemantics>(random.below(2));
     scene.depth.near = random.between(0.3, 50);
     scene.depth.far = scene.depth.near + random.between(1, 100);
     const bool hue = scene.depth.kind == DepthCodingKind::hue;
+    if (scene.depth.kind == DepthCodingKind::log)
+        scene.depth.shift = random.between(-0.9 * scene.depth.near, 50);
     if (hue) scene.depth.least_sum = static_cast<int>(random.below(766));
     scene.depth_bits = hue ? 8 : 8 + static_cast<int>(random.below(9));
     scene.depth.code_max = static_cast<std::uint16_t>((hue ? 1536 : (1 << scene.depth_bits) - 1) -

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "engine/scene/terraces.hpp"
 #include "engine/scene/working_codes.hpp"
@@ -54,6 +55,28 @@ TEST(Temporal, TheGateIsTheNoiseInCodesOfEveryCoding) {
                             << static_cast<int>(kind) << ", " << code_max << ", code " << code;
                     }
                 }
+}
+
+/// LeRobot's planes in mm, and a camera's: by codes of their own, of which the gate is exact.
+TEST(Temporal, TheGateOfLogarithmicDepthIsTheNoiseToo) {
+    for (const auto& [near, far, shift] : {std::tuple{10.0, 10000.0, 3500.0}, {400.0, 2800.0, 0.0}})
+        for (const DepthLength noise : {DepthLength{20, 0}, DepthLength{0, 2e-5}, DepthLength{12, 1e-5}})
+            for (const bool near_is_high : {false, true}) {
+                Scene scene = coded(DepthCodingKind::log, 4095, near_is_high, noise);
+                scene.depth.near = near;
+                scene.depth.far = far;
+                scene.depth.shift = shift;
+                derive_valid_range(scene.depth);
+                const TemporalFilter filter = *temporal_filter(scene);
+                const DepthCoding& coding = filter.coding;
+                const double ends = 1 / (near + coding.shift) - 1 / (far + coding.shift);
+                for (int code = 0; code <= coding.code_max; code += 97) {
+                    const double depth = coding.depth(static_cast<std::uint16_t>(code)),
+                                 beyond = depth + coding.shift;
+                    const double steps = noise.at(depth) / (beyond * beyond * ends) * coding.code_max;
+                    EXPECT_NEAR(filter.gate.at(static_cast<std::uint16_t>(code)), steps, 4.5) << code;
+                }
+            }
 }
 
 TEST(Temporal, TheGateGrowsWithTheNoiseAlongTheCodes) {

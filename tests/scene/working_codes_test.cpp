@@ -19,6 +19,7 @@ struct LookedUpCase {
     double near, far, scale;
     bool near_is_high;
     DepthLength levels;
+    double shift = 0;
 };
 
 // Scene units are metres. Floats become 65535 codes; a pixel of a stray reflection is at 19.7 m; some
@@ -31,6 +32,8 @@ constexpr LookedUpCase looked_up_cases[] = {
     {"millimetres", DepthCodingKind::metric, 0.3, 20.7, 0.001, true, {0, 0.00275}},
     {"fifths", DepthCodingKind::metric, 0.0002, 9, 0.0002, true, {0, 0.003}},
     {"tenths", DepthCodingKind::metric, 0.1, 6.5, 0.0001, true, {}},
+    {"log", DepthCodingKind::log, 0.01, 10, 0, false, {}, 3.5},
+    {"log, high is near", DepthCodingKind::log, 0.3, 8, 0, true, {0, 0.002}, 0},
 };
 
 Scene looked_up_scene(const LookedUpCase& of, double noise = 0) {
@@ -45,6 +48,7 @@ Scene looked_up_scene(const LookedUpCase& of, double noise = 0) {
     scene.depth.near = of.near;
     scene.depth.far = of.far;
     scene.depth.scale = of.scale;
+    scene.depth.shift = of.shift;
     scene.depth.code_max = 65535;
     scene.depth.invalid_codes = {30000};
     scene.depth.invalid_code_count = 1;
@@ -94,7 +98,8 @@ TEST(WorkingCodes, OfASurfaceDoNotDependOnWhatIsFarBehindIt) {
     LookedUpCase stray = looked_up_cases[4];
     for (stray.far = 8.2; stray.far < 65; stray.far *= 1.3) {
         const DepthCoding coding = working_codes(looked_up_scene(stray))->coding;
-        EXPECT_LT(step_of_code(coding, coding.code(0.5)), 0.0003) << stray.far << ": less than a third of a millimetre";
+        EXPECT_LT(step_of_code(coding, coding.code(0.5)), 0.0003)
+            << stray.far << ": less than a third of a millimetre";
     }
 }
 
@@ -113,14 +118,33 @@ TEST(WorkingCodes, LevelsAndStepsAreThoseOfTheScene) {
                 const double depth = coding.depth(code), step = stored.at(depth);
                 const double length = std::max(of.levels.at(depth), step) + 0.6 * noise * step;
                 const double beyond = depth + coding.shift;
-                const double of_code =
-                    beyond * beyond *
-                    (1 / (coding.near + coding.shift) - 1 / (coding.far + coding.shift)) / coding.code_max;
+                const double of_code = beyond * beyond *
+                                       (1 / (coding.near + coding.shift) - 1 / (coding.far + coding.shift)) /
+                                       coding.code_max;
                 const double expected = std::clamp(length / of_code, 1.0, 2900.0);
                 EXPECT_NEAR(filter->level_at(code), expected, 1.5 + expected / 1000) << depth;
                 EXPECT_LE(code + filter->gate_at(code), terrace_range);
             }
         }
+}
+
+/// Of however few codes, as no curve of levels is exact in them; the step is that of every depth, roughly.
+TEST(WorkingCodes, OfLogCodesAreAlwaysLookedUp) {
+    LookedUpCase lerobot = looked_up_cases[7];
+    Scene scene = looked_up_scene(lerobot);
+    scene.depth.code_max = 4095;
+    derive_valid_range(scene.depth);
+    const auto working = working_codes(scene);
+    ASSERT_TRUE(working && working->table);
+    const double ends = std::log(13.5 / 3.51) / 4095;
+    for (double depth = 0.02; depth < 10; depth += 0.01) {
+        const double truth = (depth + 3.5) * ends;
+        EXPECT_NEAR(code_step(scene.depth).at(depth), truth, 0.2 * truth) << depth;
+        if (depth < 3) {
+            EXPECT_LT(step_of_code(working->coding, working->coding.code(depth)), truth / 4) << depth;
+        }
+    }
+    EXPECT_TRUE(terraces_advised(scene));
 }
 
 TEST(WorkingCodes, AreLookedUpOnce) {

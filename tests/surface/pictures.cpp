@@ -94,6 +94,8 @@ Scene depth_scene(int width, int height, int bits, Marking marking, FilterSettin
             depth.invalid_code_count = 4;
             break;
         case Marking::largest:
+            depth.kind = DepthCodingKind::log;
+            depth.shift = -200;
             depth.near_is_high = false;
             depth.invalid_codes = {depth.code_max};
             depth.invalid_code_count = 1;

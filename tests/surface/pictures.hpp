@@ -36,7 +36,7 @@ StoredPlane store_plane(int width, int height, const std::vector<std::uint16_t>&
 enum class Marking {
     zero,           ///< code 0, as depth cameras do
     range_and_few,  ///< codes beyond near and far, and a few in between; code 0 too
-    largest,        ///< the largest code, so that 0 is a valid code
+    largest,        ///< the largest code, so that 0 is a valid code; of logarithmic depth
     none,           ///< every code is valid
 };
 inline constexpr Marking all_markings[] = {Marking::zero, Marking::range_and_few, Marking::largest,

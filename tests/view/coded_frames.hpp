@@ -60,6 +60,7 @@ inline DepthCoding coding_of(DepthCodingKind kind, DepthSemantics semantics, boo
     coding.near = 0.3;
     coding.far = 70;
     coding.scale = 0.001;
+    if (kind == DepthCodingKind::log) coding.shift = 0.2;
     coding.code_max = kind == DepthCodingKind::hue ? 1535 : 65535;
     return coding;
 }

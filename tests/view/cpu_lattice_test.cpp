@@ -111,8 +111,8 @@ TEST(CpuLattices, LeavePlainColoursAsTheyAre) {
 }
 
 TEST(CpuLattices, AgreeWithTheirTwinForEveryCoding) {
-    for (const DepthCodingKind kind :
-         {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric, DepthCodingKind::hue})
+    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
+                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
         for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
             for (const bool near_is_high : {true, false})
                 for (const bool heights : {false, true}) {

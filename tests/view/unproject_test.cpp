@@ -44,8 +44,8 @@ protected:
 };
 
 TEST_F(Unproject, AgreesWithItsTwinForEveryCoding) {
-    for (const DepthCodingKind kind :
-         {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric, DepthCodingKind::hue})
+    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
+                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
         for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
             for (const bool near_is_high : {true, false})
                 for (const bool heights : {false, true}) {
