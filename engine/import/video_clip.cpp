@@ -106,7 +106,11 @@ Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) 
     auto plane = is_depth ? (*picture)->depth(source_.values, *part) : (*picture)->rgb();
     if (!plane) return plane.error();
     if (!is_depth) plane->view = part_of(plane->view, colour_part(source_.layout, width, height, bar));
-    return lent_picture(depth_->info(), std::move(*plane));
+    TrackPicture made = lent_picture(depth_->info(), std::move(*plane));
+    // Values of colours that are luma and differences were changed before they were encoded.
+    made.lossless =
+        made.lossless && (source_.values == VideoValues::grey || made.image.pixel_format == "gbrp");
+    return made;
 }
 
 /// The planes of the description belong to the codes for black and white. The coding's own are those of its

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "engine/byte_source.hpp"
-#include "engine/mpeg4/bit_stream.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/movie_fragments.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
@@ -14,38 +13,12 @@
 #include "engine/video/clip_container.hpp"
 #include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
+#include "engine/video/lossless_coding.hpp"
 #include "engine/video/mp4_scene.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 namespace touchable {
 namespace {
-
-/// Whether its coding may leave out the transform, without which it keeps every value: a flag of the
-/// sequence's parameters (ISO/IEC 14496-10, 7.3.2.1.1), for which encoders ask only where they are to be
-/// lossless.
-bool is_lossless_h264(const Demuxer& file, int stream) {
-    constexpr std::size_t sequence_at = 8;  // in avcC
-    constexpr std::uint64_t high_444_predictive = 244;
-    const AVCodecParameters& stored = *file.container().streams[stream]->codecpar;
-    const mpeg4::BytesView bytes(stored.extradata, static_cast<std::size_t>(stored.extradata_size));
-    if (stored.codec_id != AV_CODEC_ID_H264 || bytes.size() <= sequence_at) return false;
-    mpeg4::BitReader bits(bytes.subspan(sequence_at));
-    const auto number = [&bits] {  // Exp-Golomb: as many bits follow as zeros came
-        int zeros = 0;
-        while (zeros < 32 && !bits.flag()) ++zeros;
-        return (std::uint64_t{1} << zeros) - 1 + bits.get(zeros);
-    };
-    bits.get(8);
-    if (bits.get(8) != high_444_predictive) return false;
-    bits.get(16);
-    number();
-    constexpr std::uint64_t colours_at_full_size = 3;
-    if (number() == colours_at_full_size) bits.get(1);
-    number();
-    number();
-    const bool leaves_out_transform = bits.flag();
-    return leaves_out_transform && !bits.is_over();
-}
 
 constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
 
@@ -302,8 +275,11 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
             if (!low) return low.error();
             track.low_stream = *low;
         }
-        track.is_lossless = is_lossless_h264(file, track.stream) &&
-                            (!track.low_stream || is_lossless_h264(file, *track.low_stream));
+        const auto is_lossless = [&](int stream) {
+            return is_coded_without_loss(*file.container().streams[stream]->codecpar);
+        };
+        track.is_lossless =
+            is_lossless(track.stream) && (!track.low_stream || is_lossless(*track.low_stream));
         const std::string name(role_name(role));
         const std::pair<std::optional<int>, std::string> parts[] = {
             {track.stream, name}, {track.low_stream, "low bits of " + name}};

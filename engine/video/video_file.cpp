@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/video/clip_tags.hpp"
+#include "engine/video/lossless_coding.hpp"
 
 extern "C" {
 #include <libavutil/rational.h>
@@ -111,6 +112,7 @@ Result<void> VideoFile::rewind() {
     auto decoder = TrackDecoder::open(*container.streams[stream_], role_, file_.string());
     if (!decoder) return decoder.error();
     decoder_ = std::move(*decoder);
+    is_lossless_ = is_coded_without_loss(*container.streams[stream_]->codecpar);
     demuxer_->select(stream_);
     number_ = 0;
     is_lost_ = false;

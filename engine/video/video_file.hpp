@@ -48,7 +48,11 @@ public:
     /// What a person should know of frames that are not played at their times.
     const std::optional<std::string>& note() const { return note_; }
     /// Once a picture was read, with its size and format.
-    const TrackInfo& info() const { return decoder_->info(); }
+    TrackInfo info() const {
+        TrackInfo info = decoder_->info();
+        info.lossless = is_lossless_;
+        return info;
+    }
     /// "video.webm: track depth, frame 7".
     std::string where(std::int64_t frame) const {
         return decoder_->name() + ", frame " + std::to_string(frame);
@@ -78,6 +82,7 @@ private:
     // Where the reading is; `rewind` makes it anew.
     std::unique_ptr<Demuxer> demuxer_;
     int stream_ = 0;
+    bool is_lossless_ = false;
     std::optional<TrackDecoder> decoder_;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool is_lost_ = false;     // after an error the decoder is not where `number_` says

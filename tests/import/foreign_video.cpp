@@ -26,7 +26,10 @@ CodecPtr open_encoder(const ForeignVideo& video, bool global_header) {
     encoder->flags |= AV_CODEC_FLAG_QSCALE | (global_header ? AV_CODEC_FLAG_GLOBAL_HEADER : 0);
     encoder->global_quality = 2 * FF_QP2LAMBDA;
     AVDictionary* options = nullptr;
-    if (std::string(video.codec) == "libx264") av_dict_set(&options, "qp", "0", 0);
+    if (std::string(video.codec) == "libx264") av_dict_set(&options, "qp", video.lossless ? "0" : "1", 0);
+    if (std::string(video.codec) == "libx265")
+        av_dict_set(&options, "x265-params", video.lossless ? "lossless=1:log-level=none" : "log-level=none",
+                    0);
     if (std::string(video.codec) == "libvpx-vp9") {
         av_dict_set(&options, "lossless", "1", 0);
         av_dict_set(&options, "cpu-used", "8", 0);
@@ -57,6 +60,7 @@ void write_video(const std::filesystem::path& file, const ForeignVideo& video,
     stream->time_base = encoder->time_base;
     stream->avg_frame_rate = video.time_of ? AVRational{0, 1} : video.rate;
     must_not_fail(avcodec_parameters_from_context(stream->codecpar, encoder.get()), "parameters");
+    stream->codecpar->codec_tag = video.tag;
     must_not_fail(avio_open(&out->pb, file_url(file).c_str(), AVIO_FLAG_WRITE), "create");
     must_not_fail(avformat_write_header(out, nullptr), "header");
     for (int n = 0; n < video.frames; ++n) {

@@ -18,6 +18,8 @@ struct ForeignVideo {
     AVColorRange range = AVCOL_RANGE_UNSPECIFIED;
     int interval = 1;                            ///< of pictures that decoding can begin with
     std::function<std::int64_t(int)> time_of{};  ///< of a frame, in units of 1 / rate
+    bool lossless = true;                        ///< of H.264, HEVC and VP9
+    std::uint32_t tag = 0;                       ///< how the container calls the codec; 0: as usual
 };
 
 inline bool can_encode(const char* codec) {

@@ -98,14 +98,17 @@ TEST(GuessedVideo, LossyGreyIsReadFromTheFilesThatPeopleHave) {
     const TemporaryFolder folder;
     for (const auto& [codec, name, is_lossy] : {std::tuple{"mpeg4", "d.mp4", true},
                                                 {"mpeg4", "d.avi", true},
-                                                {"libx264", "d.mp4", true},
+                                                {"libx264", "d.mp4", false},
+                                                {"libx264", "d.mkv", false},
+                                                {"libx265", "d.mp4", false},
                                                 {"libvpx-vp9", "d.webm", true}}) {
         if (!can_encode(codec)) continue;
         write_grey(folder / name, codec, AV_PIX_FMT_YUV420P);
         auto clip = open_clip(folder / name);
         ASSERT_EQ(message(clip), "") << codec;
         EXPECT_TRUE(is_noted(**clip, "depth is grey")) << codec;
-        EXPECT_TRUE(is_noted(**clip, "which changes values")) << codec;
+        EXPECT_EQ(is_noted(**clip, "which changes values"), is_lossy) << codec;
+        EXPECT_EQ((*clip)->tracks().front().lossless, !is_lossy) << codec;
         const auto frames = read_all(**clip);
         ASSERT_EQ(message(frames), "") << codec;
         ASSERT_EQ(frames->size(), 3U);

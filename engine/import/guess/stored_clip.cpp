@@ -82,12 +82,12 @@ Result<void> StoredClipReader::read_first(Track& track) {
     if (!picture) return picture.error();
     const StoredImage& stored = picture->image;
     const Image& image = stored.image;
-    infos_.push_back(
-        {std::string(role_name(track.role)), stored.codec, stored.pixel_format, image.width, image.height});
+    infos_.push_back({std::string(role_name(track.role)), stored.codec, stored.pixel_format, image.width,
+                      image.height, picture->lossless});
     const bool is_depth = track.role == PlaneRole::depth;
     if (!is_depth && (image.width != scene_.width || image.height != scene_.height))
         note(resampling_note(track.role, image.width, image.height, scene_));
-    note(lossy_note(track.role, stored.codec));
+    if (!picture->lossless) note(lossy_note(track.role, stored.codec));
     if (is_depth && picture->lent.view.empty() && values_.needs_looks(stored))
         if (auto looked = look_at_some(stored); !looked) return looked;
     if (track.role == PlaneRole::haptic && image.channels == 1) note(take_grey_haptic(scene_));
@@ -228,7 +228,8 @@ TrackPicture lent_picture(const TrackInfo& track, Plane plane) {
     return {{{view.width, view.height, view.bytes_per_sample, view.channels, {}},
              track.codec,
              track.pixel_format},
-            std::move(plane)};
+            std::move(plane),
+            track.lossless};
 }
 
 Result<std::unique_ptr<ClipReader>> open_stored_clip(StoredClip clip, Colour colour) {

@@ -17,8 +17,9 @@ namespace touchable {
 
 /// A picture of a track as it is stored.
 struct TrackPicture {
-    StoredImage image;  ///< without samples where they are lent
-    Plane lent{};       ///< samples in a picture that a decoder made
+    StoredImage image;      ///< without samples where they are lent
+    Plane lent{};           ///< samples in a picture that a decoder made
+    bool lossless = false;  ///< TrackInfo::lossless
 };
 /// The samples of a decoder's picture, or of a part of it, in a track that is stored like this.
 TrackPicture lent_picture(const TrackInfo& track, Plane plane);
