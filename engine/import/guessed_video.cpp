@@ -10,7 +10,9 @@
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/guess/camera_file.hpp"
 #include "engine/import/guess/presets.hpp"
+#include "engine/import/lerobot_video.hpp"
 #include "engine/import/video_picture.hpp"
+#include "engine/number_words.hpp"
 #include "engine/video/video_file.hpp"
 
 namespace touchable {
@@ -96,6 +98,8 @@ public:
 private:
     Result<GuessedScene> of_hue(const PicturePart& part, const DepthCoding& coding) const;
     Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part);
+    Result<GuessedScene> of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video);
+    void add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const;
     Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const;
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
 
@@ -155,12 +159,64 @@ Result<GuessedScene> VideoGuess::of_grey(VideoPicture& picture, const PicturePar
     return guessed;
 }
 
+/// Videos of other lengths are of other episodes.
+void VideoGuess::add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const {
+    if (depth.colour.empty()) return;
+    const auto colour = VideoFile::open(file_.path().parent_path() / depth.colour, PlaneRole::colour);
+    if (colour && (*colour)->count() == video.count()) {
+        scene.video->colour = depth.colour.string();
+        add_remark(scene.remarks, {"colour is " + depth.colour.string(), true, otherwise});
+    } else {
+        add_remark(scene.remarks, {depth.colour.string() + " has " +
+                                   (colour ? std::to_string((*colour)->count()) : std::string("no")) +
+                                   " frames and depth " + std::to_string(video.count()) +
+                                   ": it is left out, as they are not of the same episodes"});
+    }
+}
+
+Result<GuessedScene> VideoGuess::of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video) {
+    StoredImage size;
+    size.image = {video->info().width, video->info().height, 2, 1, {}};
+    auto guessed = described(size, &depth.coding);
+    if (!guessed) return guessed;
+    Scene& scene = guessed->scene;
+    const DepthCoding& coding = depth.coding;
+    scene.depth_bits = 12;
+    scene.name = file_.path().stem().string();
+    scene.rate = video->rate();
+    scene.video = VideoSource{file_.path().filename().string(), "", VideoLayout::alone, VideoValues::grey};
+    const std::string steps = coding.kind == DepthCodingKind::log
+                                  ? "ln(depth + " + short_number(coding.shift) + " m)"
+                                  : std::string("depth");
+    const std::string what = "even steps of " + steps + " from " + short_number(coding.near) + " to " +
+                             short_number(coding.far) + " m, 0 is no depth";
+    const bool is_said = !depth.info.empty();
+    if (is_said) guessed->inputs.push_back(depth.info);
+    const Remark remark =
+        is_said ? Remark{"depth is LeRobot's, as " + depth.info.filename().string() + " says: " + what}
+                : Remark{"depth is as LeRobot usually stores it, as it is HEVC of 12 bits: " + what,
+                         true,
+                         "its data set's meta/info.json, beside the video or above it, says otherwise; where "
+                         "codes are lengths, their unit",
+                         {{Setting::depth_unit}}};
+    scene.remarks = joined_remarks({remark}, scene.remarks);
+    add_lerobot_colour(depth, *video, scene);
+    guessed->video = std::move(video);
+    return guessed;
+}
+
 Result<GuessedScene> VideoGuess::make() {
     auto video = VideoFile::open(file_, PlaneRole::depth);
     if (!video) return video.error();
     auto frame = (*video)->next();
     if (!frame) return frame.error();
     if (!*frame) return refuse("has no frames");
+    if (!known_.metres_per_code && known_.preset.empty()) {
+        const TrackInfo info = (*video)->info();
+        const auto lerobot = find_lerobot_depth(file_, info.codec, info.pixel_format);
+        if (!lerobot) return lerobot.error();
+        if (*lerobot) return of_lerobot(**lerobot, std::move(*video));
+    }
     RgbConverter converter;
     VideoPicture picture(std::move(*frame), converter, (*video)->where(0));
     const auto said = video_values_named(known_.preset);

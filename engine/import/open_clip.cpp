@@ -16,6 +16,7 @@
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guessed_video.hpp"
 #include "engine/import/image_folder.hpp"
+#include "engine/import/lerobot_video.hpp"
 #include "engine/import/mp4_stills.hpp"
 #include "engine/import/photo/heic_image.hpp"
 #include "engine/import/photo/jpeg_depth.hpp"
@@ -257,8 +258,8 @@ const Format formats[] = {
       "touchable play recording.mkv"}},
     {is_video,
      open_video,
-     {"a video of depth, alone or beside its colour: grey, or hue as of Record3D (.mp4, .mov, .webm, .mkv, "
-      ".avi)",
+     {"a video of depth, alone or beside its colour: grey, LeRobot's, or hue as of Record3D (.mp4, .mov, "
+      ".webm, .mkv, .avi)",
       "touchable play depth.webm"}},
 };
 
@@ -360,6 +361,17 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     return reader;
 }
 
+/// Of a LeRobot data set with one video of depth that video; of any other folder nothing.
+Result<std::optional<std::filesystem::path>> lerobot_video_in(const std::filesystem::path& folder) {
+    const auto videos = lerobot_depth_videos(folder);
+    if (!videos) return videos.error();
+    if (videos->empty()) return std::optional<std::filesystem::path>{};
+    if (videos->size() == 1) return std::optional(videos->front());
+    return input_error(folder.string() + ": is a LeRobot data set with " + std::to_string(videos->size()) +
+                       " videos of depth, each a clip of its own: touchable play " +
+                       shell_word(videos->front().string()));
+}
+
 /// A folder that describes itself, or is guessed.
 Opened open_folder(const std::filesystem::path& folder, const std::optional<SourceDescription>& known,
                    const Wanted& wanted) {
@@ -370,6 +382,9 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
         return usage_error(own.string() + ": describes these pictures: leave camera, unit and preset out",
                            of_bare_pictures());
     if (has_own) return open_described(folder, own, wanted);
+    const auto lerobot = lerobot_video_in(folder);
+    if (!lerobot) return lerobot.error();
+    if (*lerobot) return open_file(**lerobot, std::nullopt, known.value_or(SourceDescription()), wanted);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
     return with_inputs(
@@ -502,7 +517,16 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
-    if (std::filesystem::is_directory(status)) return guess_folder(path, known);
+    if (std::filesystem::is_directory(status)) {
+        const auto lerobot = lerobot_video_in(path);
+        if (!lerobot) return lerobot.error();
+        if (*lerobot)
+            return input_error(path.string() +
+                               ": is a LeRobot data set, and a scene file is of its video: "
+                               "touchable init-scene " +
+                               shell_word((*lerobot)->string()));
+        return guess_folder(path, known);
+    }
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<SceneDescription> none;
