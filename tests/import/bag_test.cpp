@@ -206,6 +206,76 @@ TEST(Bag, PixelsOfEveryEncodingAreRead) {
     EXPECT_EQ(colour_of(padded), (std::array{10, 20, 30}));
 }
 
+/// RVL as its author prints it (Wilson 2017, CompressRVL, EncodeVLE), before what ROS and some cameras put
+/// columns and rows.
+std::string packed_by_rvl(const std::vector<int>& depths, std::uint32_t columns) {
+    std::string out;
+    std::uint32_t word = 0;
+    int nibbles = 0;
+    const auto put_vle = [&](std::uint32_t value) {
+        do {
+            std::uint32_t nibble = value & 7;
+            if (value >>= 3) nibble |= 8;
+            word = word << 4 | nibble;
+            if (++nibbles == 8) {
+                put(out, word);
+                nibbles = 0;
+                word = 0;
+            }
+        } while (value);
+    };
+    put(out, columns);
+    put(out, static_cast<std::uint32_t>(depths.size()) / columns);
+    int before = 0;
+    for (std::size_t at = 0; at < depths.size();) {
+        std::uint32_t zeros = 0, others = 0;
+        for (; at < depths.size() && depths[at] == 0; ++at) ++zeros;
+        put_vle(zeros);
+        for (std::size_t k = at; k < depths.size() && depths[k] != 0; ++k) ++others;
+        put_vle(others);
+        for (std::uint32_t k = 0; k < others; ++k, ++at) {
+            const int step = depths[at] - before;
+            put_vle(static_cast<std::uint32_t>(step * 2) ^ static_cast<std::uint32_t>(step >> 31));
+            before = depths[at];
+        }
+    }
+    if (nibbles) put(out, word << 4 * (8 - nibbles));
+    return out;
+}
+
+TEST(Bag, RvlIsReadWithAndWithoutWhatRosPutsBeforeIt) {
+    const TemporaryFolder folder;
+    std::vector<int> depths;  // holes, long runs, steps of every size, the ends of 16 bits
+    for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 16; ++x)
+            depths.push_back(y < 2 || (x + y) % 7 == 0 ? 0
+                             : y == 2                  ? (x % 2 ? 65535 : 1)
+                                                       : 600 + 40 * y + x * x);
+    const std::string packed = packed_by_rvl(depths, 16);
+    for (const std::string& data : {std::string(12, '\0') + packed, packed}) {
+        BagBytes bag;
+        bag.add("/d/depth", "sensor_msgs/CompressedImage", 1,
+                compressed_message(0, "16UC1; compressedDepth rvl", data));
+        bag.add("/d/camera_info", of_cameras, 1, camera_message(16, 12, {20, 21, 7.75, 5.25}));
+        write_bytes(folder / "x.bag", bag.file("none"));
+        const auto opened = opened_bag(folder / "x.bag");
+        ASSERT_EQ(opened.frames.size(), 1U);
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 16; ++x)
+                ASSERT_EQ(opened.frames[0].depth.sample(x, y), depths[static_cast<std::size_t>(16 * y + x)]);
+    }
+    // Damage is told: words that end, runs beyond the picture, sizes without pixels.
+    for (const std::string& data :
+         {packed.substr(0, packed.size() - 8), packed_by_rvl(std::vector<int>(96, 0), 16).substr(0, 8),
+          packed.substr(0, 8) + std::string("\xff\xff\xff\x7f", 4), std::string(40, '\0')}) {
+        BagBytes bag;
+        bag.add("/d/depth", "sensor_msgs/CompressedImage", 1,
+                compressed_message(0, "16UC1; compressedDepth rvl", std::string(12, '\0') + data));
+        write_bytes(folder / "x.bag", bag.file("none"));
+        EXPECT_NE(message(open_clip(folder / "x.bag")).find("is damaged"), std::string::npos);
+    }
+}
+
 TEST(Bag, DepthOfEveryEncodingIsRead) {
     const TemporaryFolder folder;
     Samples memory(2 * 8 * 6);

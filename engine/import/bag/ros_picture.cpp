@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/import/bag/rvl.hpp"
 #include "engine/picture/decoded_picture.hpp"
 #include "engine/printable.hpp"
 
@@ -99,6 +100,34 @@ void copy_rows(const RosImage& image, int bytes, Values& values) {
         swap_bytes(to, std::size_t{image.width} * image.height, static_cast<std::size_t>(bytes));
 }
 
+/// What stands before depth that is packed by compressed_depth_image_transport: which kind, a, b.
+constexpr std::size_t packed_head = 12;
+
+/// Columns, rows, and then RVL. Some cameras leave out what compressed_depth_image_transport writes before
+/// it.
+Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where) {
+    constexpr std::size_t size_bytes = 8, largest_ratio = 50;  // 8 pixels that are 0 take half a byte
+    for (const std::size_t head : {packed_head, std::size_t{0}}) {
+        if (bytes.size() < head + size_bytes) continue;
+        std::uint32_t size[2] = {0, 0};
+        std::memcpy(size, bytes.data() + head, sizeof size);
+        const auto [columns, rows] = size;
+        const std::uint64_t pixels = std::uint64_t{columns} * rows;
+        if (!check_picture_size(columns, rows, where) || pixels > largest_ratio * bytes.size()) continue;
+        const auto depths = unpack_rvl(bytes.substr(head + size_bytes), static_cast<std::size_t>(pixels));
+        if (!depths) continue;
+        StoredImage picture;
+        picture.codec = "rvl";
+        picture.pixel_format = "gray16le";
+        picture.bits = 16;
+        picture.image = {static_cast<int>(columns), static_cast<int>(rows), 2, 1, {}};
+        picture.image.samples.resize(2 * depths->size());
+        std::memcpy(picture.image.samples.data(), depths->data(), picture.image.samples.size());
+        return picture;
+    }
+    return input_error(where + ": is damaged: is not the RVL of a picture");
+}
+
 /// PNG of reciprocals: depth = a / (code - b), 0 is none.
 void make_floats(StoredImage& picture, float a, float b) {
     const Image& image = picture.image;
@@ -167,19 +196,19 @@ Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::stri
     std::string_view bytes = image.data;
     float quantum[2] = {0, 0};  // a and b of depths in floats
     const bool is_packed_depth = image.format.find("ompressedDepth") != std::string_view::npos;
+    const bool is_rvl = is_packed_depth && image.format.find("rvl") != std::string_view::npos;
     if (is_packed_depth) {
-        constexpr std::size_t config = 12;  // which kind, a, b
-        if (bytes.size() < config) return input_error(where + ": is damaged: is cut");
+        if (bytes.size() < packed_head) return input_error(where + ": is damaged: is cut");
         std::memcpy(quantum, bytes.data() + 4, sizeof quantum);
-        bytes.remove_prefix(config);
-        if (picture_kind(bytes) != "PNG")
+        if (!is_rvl) bytes.remove_prefix(packed_head);
+        if (!is_rvl && picture_kind(bytes) != "PNG")
             return input_error(where + ": is packed as " + in_quotes(image.format) +
-                               ": of compressedDepth only PNG is read");
+                               ": of compressedDepth PNG and RVL are read");
     }
-    auto picture = decode_stored_image(bytes, where);
+    auto picture = is_rvl ? rvl_picture(bytes, where) : decode_stored_image(bytes, where);
     if (!picture || !is_packed_depth || !image.format.starts_with("32FC1")) return picture;
     if (picture->image.bytes_per_sample != 2 || picture->image.channels != 1 || !picture->values.empty())
-        return input_error(where + ": is damaged: depth is no grey PNG of 16 bits");
+        return input_error(where + ": is damaged: depth is no grey of 16 bits");
     make_floats(*picture, quantum[0], quantum[1]);
     return picture;
 }

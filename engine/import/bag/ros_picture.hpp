@@ -19,7 +19,7 @@ RosPictureKind ros_compressed_kind(std::string_view format);
 /// Grey of 8 or 16 bits, floats, or RGB of 8 bits: bytes in host order, without padding. Messages begin with
 /// `where`.
 Result<StoredImage> ros_picture(const RosImage& image, const std::string& where);
-/// PNG and JPEG; depth that `compressed_depth_image_transport` packed as PNG, floats in metres.
+/// PNG and JPEG; depth that `compressed_depth_image_transport` packed as PNG or RVL, floats in metres.
 Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::string& where);
 
 }  // namespace touchable
