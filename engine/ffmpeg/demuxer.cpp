@@ -7,6 +7,7 @@
 #include "engine/byte_source.hpp"
 #include "engine/ffmpeg/box_tables.hpp"
 #include "engine/ffmpeg/container_end.hpp"
+#include "engine/ffmpeg/disparity_tracks.hpp"
 #include "engine/ffmpeg/matroska_check.hpp"
 
 namespace touchable {
@@ -40,15 +41,6 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file, 
     return demuxer;
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(std::unique_ptr<ByteSource> bytes,
-                                                     const std::string& file, EndOf end_of,
-                                                     const char* format, const std::string& name) {
-    const auto end = end_of(*bytes);
-    if (!end) return error_at(file, end.error());
-    if (!*end) return input_error(file + ": is truncated, or no " + name + " file");
-    return open(std::move(bytes), **end, file, format, name);
-}
-
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
@@ -57,13 +49,27 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file)
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSource> bytes,
                                                          const std::string& file) {
-    const auto end_of_tables = [](ByteSource& bytes) -> Result<std::optional<std::uint64_t>> {
-        auto end = end_of_boxes(bytes);
+    DisparityTracks disparity;
+    const auto end = [&]() -> Result<std::optional<std::uint64_t>> {
+        auto end = end_of_boxes(*bytes);
         if (!end || !*end) return end;
-        if (auto checked = check_box_tables(bytes, **end); !checked) return checked.error();
+        if (auto checked = check_box_tables(*bytes, **end); !checked) return checked.error();
+        auto found = find_disparity_tracks(*bytes, **end);
+        if (!found) return found.error();
+        disparity = std::move(*found);
         return end;
-    };
-    return open_whole(std::move(bytes), file, end_of_tables, "mov", "QuickTime or MP4");
+    }();
+    if (!end) return error_at(file, end.error());
+    if (!*end) return input_error(file + ": is truncated, or no QuickTime or MP4 file");
+    if (!disparity.ids.empty()) bytes = shown_as_hevc(std::move(bytes), std::move(disparity.names_at));
+    auto demuxer = open(std::move(bytes), **end, file, "mov", "QuickTime or MP4");
+    if (demuxer) (*demuxer)->disparities_ = std::move(disparity.ids);
+    return demuxer;
+}
+
+bool Demuxer::is_disparity(int stream) const {
+    return std::find(disparities_.begin(), disparities_.end(), container_->streams[stream]->id) !=
+           disparities_.end();
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
@@ -72,7 +78,10 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
     if (begin != "RIFF") return open_quicktime(file);
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
-    return open_whole(std::move(*bytes), file.string(), end_of_riff, "avi", "AVI");
+    const auto end = end_of_riff(**bytes);
+    if (!end) return error_at(file.string(), end.error());
+    if (!*end) return input_error(file.string() + ": is truncated, or no AVI file");
+    return open(std::move(*bytes), **end, file.string(), "avi", "AVI");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/ffmpeg/ffmpeg_input.hpp"
 #include "engine/result.hpp"
@@ -20,7 +21,8 @@ class Demuxer {
 public:
     /// Refused is a file that does not say how long it is, unless it may be a stream.
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
-    /// QuickTime, and MP4, which is made of the same boxes.
+    /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity (disparity_tracks.hpp) are
+    /// HEVC like others.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
     /// The same of other bytes than the file's; `file` is how messages call it.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(std::unique_ptr<ByteSource> bytes,
@@ -43,6 +45,8 @@ public:
     /// Of Matroska: it does not say how long it is; and whether it ends within something.
     bool is_open_ended() const { return is_open_ended_; }
     bool is_cut() const { return is_cut_; }
+    /// Whether that is a track of disparity of an iPhone's Cinematic video.
+    bool is_disparity(int stream) const;
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;
     /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
@@ -76,11 +80,6 @@ public:
     Result<const AVPacket*> peek(int stream);
 
 private:
-    /// Where a kind of container ends; nothing where it is cut.
-    using EndOf = Result<std::optional<std::uint64_t>> (*)(ByteSource&);
-    static Result<std::unique_ptr<Demuxer>> open_whole(std::unique_ptr<ByteSource> bytes,
-                                                       const std::string& file, EndOf end_of,
-                                                       const char* format, const std::string& name);
     Result<bool> read_one();
     bool has_flag(int stream, int entry, int flag) const;
     int entry_of(int stream, std::int64_t picture) const;
@@ -89,6 +88,7 @@ private:
     InputPtr container_;
     std::map<int, std::deque<PacketPtr>> queues_;
     std::size_t queued_bytes_ = 0;
+    std::vector<int> disparities_;  // numbers of such tracks in the file
     bool is_open_ended_ = false, is_cut_ = false;
 };
 

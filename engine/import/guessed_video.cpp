@@ -226,7 +226,11 @@ Result<GuessedScene> VideoGuess::make() {
             {{Setting::preset}});
     if (said) known_.preset.clear();
     const auto camera = record3d_camera(file_);
-    const auto found = camera ? record3d_depth(picture, said) : find_depth_in(picture, said);
+    const bool is_disparity = (*video)->is_disparity();
+    if (is_disparity && known_.preset.empty() && !known_.metres_per_code) known_.preset = "relative-inverse";
+    const auto found = is_disparity ? DepthInVideo{VideoLayout::alone, VideoValues::grey, 0}
+                       : camera     ? record3d_depth(picture, said)
+                                    : find_depth_in(picture, said);
     if (!found)
         return refuse("is a video in colour in which no depth was found: frame 0, " +
                       std::to_string(picture.width()) + "x" + std::to_string(picture.height()) +
@@ -248,18 +252,23 @@ Result<GuessedScene> VideoGuess::make() {
     scene.name = file_.path().stem().string();
     scene.rate = (*video)->rate();
     scene.video = source_;
-    std::string what = words_of(*found);
+    std::string what =
+        is_disparity ? "depth is the disparity of a Cinematic video" : words_of(*found);
     if (camera && is_hue)
         what =
             "as Record3D exports it: depth is the left half, 3 m x hue, and the camera is what the file's "
             "end says";
     if (found->bar > 0)
         what += ", and " + std::to_string(found->bar) + " columns between them are of neither";
-    if (found->layout == VideoLayout::alone)
+    if (is_disparity && (*video)->has_other_pictures()) {
+        scene.video->colour = scene.video->depth;
+        what += ", colour is its other track";
+    } else if (found->layout == VideoLayout::alone) {
         if (auto colour = colour_video_beside(file_.path())) {
             scene.video->colour = *colour;
             what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
         }
+    }
     const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
     scene.remarks =
         joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}}, scene.remarks);

@@ -101,10 +101,16 @@ Result<void> VideoFile::rewind() {
         return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
                (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
     };
+    bool has_disparity = false;
+    for (int k = 0; k < streams; ++k) has_disparity = has_disparity || demuxer_->is_disparity(k);
+    const auto is_it = [&](int k) {
+        return has_disparity ? demuxer_->is_disparity(k) == (role_ == PlaneRole::depth)
+                             : is_named(*container.streams[k], role_);
+    };
     stream_ = 0;
     while (stream_ < streams && !has_pictures(stream_)) ++stream_;
     for (int k = stream_; k < streams; ++k)
-        if (has_pictures(k) && is_named(*container.streams[k], role_)) {
+        if (has_pictures(k) && is_it(k)) {
             stream_ = k;
             break;
         }
@@ -113,11 +119,20 @@ Result<void> VideoFile::rewind() {
     if (!decoder) return decoder.error();
     decoder_ = std::move(*decoder);
     is_lossless_ = is_coded_without_loss(*container.streams[stream_]->codecpar);
+    is_disparity_ = demuxer_->is_disparity(stream_);
     demuxer_->select(stream_);
     number_ = 0;
     is_lost_ = false;
     held_.reset();
     return {};
+}
+
+bool VideoFile::has_other_pictures() const {
+    const AVFormatContext& container = demuxer_->container();
+    for (int k = 0; k < static_cast<int>(container.nb_streams); ++k)
+        if (container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && !demuxer_->is_disparity(k))
+            return true;
+    return false;
 }
 
 Result<void> VideoFile::read_times() {

@@ -28,7 +28,7 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
                            const std::vector<AVRational>& said);
 
 /// The pictures of a video of any kind that `Demuxer::open_video` opens: its first track of pictures, or of
-/// several the one that is named DEPTH or COLOR as the role is, each as FFmpeg decodes it.
+/// several the one that is disparity, or is named DEPTH or COLOR, as the role is, each as FFmpeg decodes it.
 class VideoFile {
 public:
     /// Reads the file once from end to end, without decoding, for the times of its frames. `role` is how
@@ -36,6 +36,10 @@ public:
     static Result<std::unique_ptr<VideoFile>> open(const SourceFile& file, PlaneRole role);
 
     const SourceFile& file() const { return file_; }
+    /// Of an iPhone's Cinematic video, whose depth is this one's track.
+    bool is_disparity() const { return is_disparity_; }
+    /// Whether the file has pictures that are no disparity.
+    bool has_other_pictures() const;
 
     const FrameRate& rate() const { return rate_.rate; }
     std::int64_t count() const { return static_cast<std::int64_t>(times_.size()); }
@@ -82,7 +86,7 @@ private:
     // Where the reading is; `rewind` makes it anew.
     std::unique_ptr<Demuxer> demuxer_;
     int stream_ = 0;
-    bool is_lossless_ = false;
+    bool is_lossless_ = false, is_disparity_ = false;
     std::optional<TrackDecoder> decoder_;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool is_lost_ = false;     // after an error the decoder is not where `number_` says
