@@ -177,6 +177,7 @@ void VideoGuess::add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& 
 Result<GuessedScene> VideoGuess::of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video) {
     StoredImage size;
     size.image = {video->info().width, video->info().height, 2, 1, {}};
+    if (depth.camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *depth.camera;
     auto guessed = described(size, &depth.coding);
     if (!guessed) return guessed;
     Scene& scene = guessed->scene;

@@ -5,8 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/import/guess/camera_file.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/checked_json.hpp"
+#include "engine/video/lerobot_writer.hpp"
 
 namespace touchable {
 namespace {
@@ -65,16 +67,12 @@ Result<DepthCoding> coding_of(const Json& feature, const std::string& where) {
                            ": its depth_min, depth_max and shift are no range of depth: must be 0 <= "
                            "depth_min < depth_max" +
                            (is_log ? ", and depth_min + shift more than 0" : ""));
-    DepthCoding coding = lerobot_coding(*near, *far, is_log ? *shift : 0);
-    if (is_log) return coding;
-    coding.kind = *near > 0 ? DepthCodingKind::linear : DepthCodingKind::metric;
-    coding.scale = *far / coding.code_max;
-    return coding;
+    return is_log ? lerobot_coding(*near, *far, *shift) : lerobot_linear_coding(*near, *far);
 }
 
 /// Where the description of a video may be, the nearest first.
 std::vector<fs::path> descriptions_of(const fs::path& video) {
-    std::vector<fs::path> files{fs::path(video).replace_extension(".info.json")};
+    std::vector<fs::path> files{lerobot_info_file(video)};
     std::error_code failure;
     fs::path folder = fs::absolute(video, failure).lexically_normal().parent_path();
     constexpr int folders_of_data_set = 4;  // videos/KEY/chunk-000, and the data set's own
@@ -146,24 +144,11 @@ Result<std::optional<LeRobotDepth>> read_description(const fs::path& file, const
     if (found == videos.end() || !is_depth(found->second)) return std::optional<LeRobotDepth>{};
     const auto coding = coding_of(found->second, file.string() + ": " + printable(found->first));
     if (!coding) return coding.error();
-    return std::optional(LeRobotDepth{*coding, file, colour_of(video, found->first, videos)});
+    return std::optional(LeRobotDepth{*coding, file, colour_of(video, found->first, videos),
+                                      intrinsics_in_json(found->second.dump())});
 }
 
 }  // namespace
-
-DepthCoding lerobot_coding(double near, double far, double shift) {
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::log;
-    coding.semantics = DepthSemantics::planar;
-    coding.near_is_high = false;
-    coding.near = near;
-    coding.far = far;
-    coding.shift = shift;
-    coding.code_max = 4095;
-    coding.invalid_code_count = 1;  // 0
-    derive_valid_range(coding);
-    return coding;
-}
 
 Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, const std::string& codec,
                                                        const std::string& pixel_format) {

@@ -6,22 +6,19 @@
 #include <vector>
 
 #include "engine/given_file.hpp"
+#include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/depth_coding.hpp"
+#include "engine/video/lerobot_coding.hpp"
 
 namespace touchable {
 
-/// LeRobot's video of depth (lerobot 0.6, datasets/depth_utils.py): grey of 12 bits as HEVC, codes that are
-/// even steps of ln(depth + shift), or of depth, in metres. Code 0 is where nothing was seen: LeRobot reads
-/// it as its nearest depth.
+/// LeRobot's video of depth: grey of 12 bits as HEVC, metres.
 struct LeRobotDepth {
     DepthCoding coding;
     std::filesystem::path info{};    ///< the file that says so; empty: nobody does, and it is LeRobot's usual
     std::filesystem::path colour{};  ///< the video of colour beside it, as seen from its folder; empty: none
+    std::optional<Intrinsics> camera{};  ///< that `info` may name; LeRobot's own do not
 };
-
-/// What LeRobot writes where nobody says otherwise.
-DepthCoding lerobot_coding(double near = 0.01, double far = 10, double shift = 3.5);
 
 /// As the features say in NAME.info.json beside NAME.mp4, or in meta/info.json of the data set that it lies
 /// in. Nothing where there is neither and its pixels (`codec` and `pixel_format`, as FFmpeg calls them) are

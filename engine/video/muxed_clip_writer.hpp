@@ -27,7 +27,7 @@ public:
     Result<void> write(const RawFrame& frame) final { return keep(write_frame(frame)); }
     bool is_full() const final { return room_.is_full(); }
     Result<std::filesystem::path> complete() final;
-    Result<void> finish() final;
+    Result<void> finish() override;
 
 protected:
     /// `format`: the container, as FFmpeg calls it.

@@ -124,6 +124,10 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     if (options.still && !is_mp4_name(options.out))
         return usage_error("--still is for NAME.mp4; NAME.png and NAME.bt are one frame as they are");
     if (options.still) options.form = ClipForm::mp4_still;
+    if (options.lerobot && (options.still || !is_mp4_name(options.out)))
+        return usage_error("--lerobot is for NAME.mp4" +
+                           std::string(options.still ? ", without --still" : ""));
+    if (options.lerobot) options.form = ClipForm::lerobot;
     if (auto fits = refuse_idle_options(read); !fits.ok()) return fits.error();
     const auto choice = read_clip(typed.clip);
     if (!choice.ok()) return choice.error();
@@ -182,6 +186,9 @@ void add_convert_command(CLI::App& app, Command& command) {
     typed->fragmented = add_fragmented_option(*sub, options.storage);
     sub->add_flag("--still", options.still,
                   "of NAME.mp4: one frame as the paper's static scene, whose pictures are PNG");
+    sub->add_flag("--lerobot", options.lerobot,
+                  "of NAME.mp4: depth alone as LeRobot stores it (HEVC of 12 bits), and NAME.info.json, the "
+                  "entry for a data set's meta/info.json");
     sub->add_option("--from", typed->from, "the first frame: its number, from 0, or seconds such as 1.5s");
     sub->add_option("--to", typed->to, "the last frame: its number, or the seconds at which it ends");
     typed->every_typed =

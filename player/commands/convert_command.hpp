@@ -31,7 +31,8 @@ enum class ClipForm {
     still,       ///< NAME.png: one frame
     scene_text,  ///< NAME.bt: one frame, as the paper sends a static scene
     mp4_still,   ///< NAME.mp4 with --still: the same in one file
-    gltf         ///< NAME.gltf
+    gltf,        ///< NAME.gltf
+    lerobot      ///< NAME.mp4 with --lerobot: depth as LeRobot has it
 };
 inline bool is_one_frame(ClipForm form) {
     return form == ClipForm::still || form == ClipForm::scene_text || form == ClipForm::mp4_still;
@@ -52,6 +53,7 @@ struct ConvertOptions {
     std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};
     std::vector<PlaneRole> made{};  ///< planes that `content` makes; all others are copied where they can be
     bool still = false;             ///< --still: NAME.mp4 is a static scene
+    bool lerobot = false;           ///< --lerobot: NAME.mp4 is LeRobot's video of depth
     bool allow_lossy = false;       ///< that values of what is touched may change
 };
 

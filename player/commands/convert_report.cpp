@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "engine/clip/image_folder_writer.hpp"
+#include "engine/video/lerobot_writer.hpp"
 
 namespace touchable {
 
@@ -34,9 +35,10 @@ std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, b
     if (role == PlaneRole::colour)
         return (resized ? "averaged: " : "as good as the eye can tell: ") + share +
                (resized || !may_be_exact ? "" : " (--exact-colour keeps every value)");
-    std::string words = "LOST: of the pixels before, " + share;
-    if (role != PlaneRole::depth) return words;
-    words += worded("; depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
+    std::string words = "LOST: of the pixels before, " + share + "; ";
+    if (role != PlaneRole::depth) return words.substr(0, words.size() - 2);
+    if (loss.is_recoded) words = "LOST: stored as other codes; ";
+    words += worded("depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
                     1000 * loss.rms_metres());
     if (loss.appeared + loss.disappeared > 0)
         words += worded("; %lld pixels lost their depth, %lld without one have one now",
@@ -81,6 +83,13 @@ std::string files_of_scene(const ConvertOptions& options, const Converted& done)
     return words + " lie beside it and belong to it";
 }
 
+std::string beside_lerobot_video(const ConvertOptions& options) {
+    return lerobot_info_file(options.out).string() +
+           " says what its codes are, for the features of a data set's meta/info.json; colour, haptic, "
+           "height "
+           "and sound are not in it";
+}
+
 }  // namespace
 
 std::string report_to_text(const ConvertOptions& options, const Converted& done) {
@@ -109,6 +118,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     if (done.forces) text += line("force", forces_in_words(*done.forces));
     if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
         text += line("scene", files_beside(options, done));
+    if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
     if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
     for (const std::string& note : done.notes) text += line("note", note);
     return text;

@@ -13,8 +13,11 @@
 #include "engine/clip/resized_frame.hpp"
 #include "engine/gltf/gltf_clip_writer.hpp"
 #include "engine/import/open_clip.hpp"
+#include "engine/import/video_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/sound/stored_sound.hpp"
+#include "engine/video/lerobot_coding.hpp"
+#include "engine/video/lerobot_writer.hpp"
 #include "engine/video/mp4_stills_writer.hpp"
 #include "engine/video/mp4_writer.hpp"
 #include "engine/video/scene_text_still.hpp"
@@ -104,7 +107,9 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     add_inputs(inputs, options.clip.file, reader);
     if (options.form == ClipForm::folder) return check_folder(options, inputs);
     std::vector<NamedFile> outputs;
-    if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
+    if (options.form == ClipForm::archive || options.form == ClipForm::lerobot)
+        outputs.push_back({"OUT", options.out});
+    if (options.form == ClipForm::lerobot) outputs.push_back({"OUT", lerobot_info_file(options.out)});
     if (is_one_frame(options.form))
         for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
     if (options.form == ClipForm::gltf)
@@ -116,7 +121,8 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
 /// What is read back to be compared has no name yet, or is in a hidden folder. Messages name what it is to
 /// be.
 Error as_named(Error error, const ConvertOptions& options, const fs::path& written) {
-    const bool is_file = options.form == ClipForm::archive || options.form == ClipForm::mp4_still;
+    const bool is_file = options.form == ClipForm::archive || options.form == ClipForm::mp4_still ||
+                         options.form == ClipForm::lerobot;
     const std::string hidden = (is_file ? written : written.parent_path()).string();
     const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
     const std::string name = (is_file || options.form == ClipForm::folder ? options.out : folder).string();
@@ -158,6 +164,8 @@ private:
     class Source;
 
     bool is_resized() const;
+    bool is_recoded() const { return codes_ && !codes_->are_kept(); }
+    Result<std::unique_ptr<ClipReader>> reopened(const fs::path& written) const;
     Result<void> check_loss() const;
     void say_what_mpeg4_cannot(const Scene& scene) const;
     Result<void> open_writer();
@@ -178,8 +186,9 @@ private:
     std::unique_ptr<ClipWriter> writer_;
     std::optional<CopiedTracks> copied_;  // of a clip that is written with more than it has
     std::optional<Progress> progress_;
-    std::vector<FrameMark> marks_;  // of what is to be read of the frames that were written
-    std::optional<Stroke> stroke_;  // over the source, where its size changes
+    std::vector<FrameMark> marks_;       // of what is to be read of the frames that were written
+    std::optional<Stroke> stroke_;       // over the source, where its size or its codes change
+    std::optional<LeRobotCodes> codes_;  // of a video for LeRobot
     Converted done_;
 };
 
@@ -210,6 +219,20 @@ bool Conversion::is_resized() const {
 
 /// Samples of another size are others; where that is wanted it has to be said.
 Result<void> Conversion::check_loss() const {
+    const auto& tracks = source_->tracks();
+    const bool drops_touch =
+        codes_ && std::any_of(tracks.begin(), tracks.end(), [](const TrackInfo& track) {
+            return track.role == role_name(PlaneRole::haptic) || track.role == role_name(PlaneRole::height);
+        });
+    if (drops_touch && !options_.allow_lossy)
+        return usage_error(
+            "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
+            "--allow-lossy "
+            "as well");
+    if (is_recoded() && !options_.allow_lossy)
+        return usage_error(
+            "--lerobot changes what is touched: depth becomes 4095 steps, 1.5 mm wide at 1 m; say "
+            "--allow-lossy as well, and the report tells what is lost");
     if (!is_resized() || options_.allow_lossy) return {};
     const Scene& scene = source_->scene();
     const auto& size = options_.size;
@@ -231,7 +254,8 @@ std::optional<SoundPart> Conversion::chosen_sound() {
                                     : sound->storable;
     if (!is_video || !fits) {
         done_.sound = "LOST: " + sound->codec +
-                      (!is_video       ? ", which pictures cannot hold"
+                      (codes_          ? ", which LeRobot keeps elsewhere"
+                       : !is_video     ? ", which pictures cannot hold"
                        : is_fragmented ? ", which an MP4 file in fragments cannot hold"
                        : is_mp4        ? ", which an MP4 file cannot hold"
                                        : ", which a clip cannot hold");
@@ -281,6 +305,7 @@ Result<void> Conversion::open_writer() {
     SceneDescription described = source_->described();
     if (options_.size)
         described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
+    if (codes_) described = codes_->scene();
     done_.scene = described.scene;
     say_what_mpeg4_cannot(described.scene);
     auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
@@ -294,6 +319,8 @@ Result<void> Conversion::open_writer() {
                 return create_scene_text(options_.out, described, options_.existing);
             case ClipForm::mp4_still:
                 return create_mp4_stills(options_.out, described, options_.existing);
+            case ClipForm::lerobot:
+                return create_lerobot_video(options_.out, described.scene, options_.existing);
             case ClipForm::archive:
             case ClipForm::gltf:
                 break;
@@ -312,7 +339,9 @@ Result<void> Conversion::open_writer() {
 }
 
 RawFrame Conversion::as_written(const RawFrame& frame) const {
-    return options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
+    const RawFrame sized =
+        options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
+    return codes_ ? codes_->of(sized) : sized;
 }
 
 /// The source's next frame, which is written if it was not yet.
@@ -331,14 +360,17 @@ Result<void> Conversion::write_frame(const RawFrame& frame) {
     RawFrame stored = as_written(frame);
     if (auto written = writer_->write(stored); !written.ok()) return written;
     if (const PlaneView colour = writer_->stored_colour(); !colour.empty()) stored.colour = colour;
-    add_loss(frame, stored, done_.scene, done_.losses);
+    if (is_recoded())
+        add_recoded_loss(frame, source_->scene(), stored, done_.scene, done_.losses);
+    else
+        add_loss(frame, stored, done_.scene, done_.losses);
     marks_.push_back(mark_of(stored));
     return {};
 }
 
 Result<void> Conversion::write() {
     progress_.emplace("converting frame", source_->frame_count().value_or(0));
-    if (is_resized()) {
+    if (is_resized() || is_recoded()) {
         auto stroke = standard_stroke(std::make_unique<Source>(*this));
         if (!stroke.ok()) return stroke.error();
         stroke_ = std::move(*stroke);
@@ -384,8 +416,18 @@ CopiedTracks tracks_to_copy(const ClipReader& clip, const ConvertOptions& option
     return copied;
 }
 
+/// A video for LeRobot has no scene in it, and what describes it beside it has no name yet.
+Result<std::unique_ptr<ClipReader>> Conversion::reopened(const fs::path& written) const {
+    if (!codes_) return open_clip(written);
+    SceneDescription described(codes_->scene());
+    described.scene.folder.reset();
+    described.scene.video =
+        VideoSource{written.filename().string(), "", VideoLayout::alone, VideoValues::grey};
+    return open_video_clip(written.parent_path(), described, Colour::left_out, {}, DepthAlignment::off);
+}
+
 Result<void> Conversion::check(const fs::path& written) {
-    auto reader = open_clip(written);
+    auto reader = reopened(written);
     if (!reader.ok()) return reader.error();
     done_.scene = (*reader)->scene();
     done_.tracks = (*reader)->tracks();
@@ -417,6 +459,11 @@ Result<void> Conversion::run(std::string& at_work) {
     auto source = part_of_clip(std::move(*clip), part_);
     if (!source.ok()) return source.error();
     source_ = std::move(*source);
+    if (options_.form == ClipForm::lerobot) {
+        const Scene& scene = source_->scene();
+        codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
+                                     : scene);
+    }
     if (auto allowed = check_loss(); !allowed.ok()) return allowed;
     if (auto opened = open_writer(); !opened.ok()) return opened;
     if (auto written = write(); !written.ok()) return written;

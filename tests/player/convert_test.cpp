@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -371,6 +372,61 @@ TEST_F(Convert, ReadsItsSourceOnceWhateverItSaysOfLosses) {
         EXPECT_EQ(opened.counts().size(), 25U);  // 6 of each of four planes, and the scene
         for (const auto& [name, count] : opened.counts()) EXPECT_EQ(count, 1) << name;
     }
+}
+
+/// By quantize_depth of lerobot's datasets/depth_utils.py, of what the clip's pixels are along the axis.
+TEST_F(Convert, DepthForLeRobotIsByItsFormulaAndThenStaysAsItIs) {
+    make("globe", {"--bits", "16"});
+    expect_refused({at("clip.mkv"), at("robot.mp4"), "--lerobot"}, "--allow-lossy");
+    const std::string said = convert({at("clip.mkv"), at("robot.mp4"), "--lerobot", "--allow-lossy"});
+    EXPECT_NE(said.find("LOST: stored as other codes; depths by "), std::string::npos) << said;
+    EXPECT_NE(said.find("on a standard stroke"), std::string::npos) << said;
+    EXPECT_NE(said.find("robot.info.json says what its codes are"), std::string::npos) << said;
+
+    std::ifstream info_file(at("robot.info.json"));
+    const auto feature = nlohmann::json::parse(info_file)["features"]["observation.images.depth"];
+    EXPECT_EQ(feature["shape"], (std::vector<int>{48, 64, 1}));
+    const auto& info = feature["info"];
+    EXPECT_EQ(info["is_depth_map"], true);
+    EXPECT_EQ(info["video.pix_fmt"], "gray12le");
+    const double near = info["video.depth_min"], far = info["video.depth_max"], shift = info["video.shift"];
+    const auto source = open_clip(at("clip.mkv")), robot = open_clip(at("robot.mp4"));
+    ASSERT_TRUE(source.ok() && robot.ok());
+    const Scene &was = (*source)->scene(), &is = (*robot)->scene();
+    EXPECT_EQ(is.depth.kind, DepthCodingKind::log);
+    EXPECT_NEAR(is.camera.fx, was.camera.fx, 1e-9);
+    EXPECT_NEAR(is.camera.cy, was.camera.cy, 1e-9);
+    int holes = 0;
+    for (int n = 0; n < 6; ++n) {
+        const auto before = (*source)->next(), now = (*robot)->next();
+        ASSERT_TRUE(before.ok() && now.ok() && *before && *now);
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 64; ++x) {
+                const std::uint16_t stored = (*before)->depth.sample(x, y), code = (*now)->depth.sample(x, y);
+                ASSERT_EQ(is.depth.is_valid(code), was.depth.is_valid(stored));
+                holes += code == 0;
+                if (code == 0) continue;
+                const double right = (x - was.camera.cx) / was.camera.fx,
+                             down = (y - was.camera.cy) / was.camera.fy;
+                const double z =
+                    was.depth.depth(stored) * was.metres_per_unit /
+                    (was.depth.semantics == DepthSemantics::range ? std::sqrt(1 + right * right + down * down)
+                                                                  : 1);
+                const double published =
+                    std::log((z + shift) / (near + shift)) / std::log((far + shift) / (near + shift)) * 4095;
+                ASSERT_NEAR(code, published, 0.501) << x << "," << y;
+            }
+    }
+    EXPECT_LT(holes, 6 * 48 * 64 / 2);
+    const std::string forces = hash_of(at("robot.mp4"));
+    EXPECT_NE(convert({at("robot.mp4"), at("again.mp4"), "--lerobot"}).find("every value kept"),
+              std::string::npos);
+    EXPECT_EQ(hash_of(at("again.mp4")), forces);
+    std::ifstream first(at("robot.info.json")), second(at("again.info.json"));
+    EXPECT_EQ(nlohmann::json::parse(first), nlohmann::json::parse(second));
+    EXPECT_NE(convert({at("robot.mp4"), at("robot.mkv")}).find("every value kept"), std::string::npos);
+    EXPECT_EQ(hash_of(at("robot.mkv")), forces);
+    expect_refused({at("robot.mkv"), at("robot.mkv"), "--lerobot"}, "--lerobot is for NAME.mp4");
 }
 
 TEST_F(Convert, TakesThePartThatIsAskedFor) {
