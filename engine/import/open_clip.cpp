@@ -10,6 +10,7 @@
 #include "engine/import/azure_kinect_clip.hpp"
 #include "engine/import/bag/bag_clip.hpp"
 #include "engine/import/bag/bag_file.hpp"
+#include "engine/import/bag/mcap_file.hpp"
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/gltf_clip.hpp"
@@ -101,7 +102,7 @@ bool is_depthkit(const Candidate& candidate) {
 }
 
 bool is_ros_recording(const Candidate& candidate) {
-    return is_bag(candidate.begin);
+    return is_bag(candidate.begin) || is_mcap(candidate.begin);
 }
 
 bool is_mpeg4(const Candidate& candidate) {
@@ -245,7 +246,7 @@ const Format formats[] = {
       {{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}}},
     {is_ros_recording,
      [](const Candidate& c) { return open_bag_clip(c.source, c.described, c.known, c.colour); },
-     {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
+     {"a recording of a RealSense or of ROS 1 (.bag), or of ROS 2 (.mcap), plain or packed",
       "touchable play recording.bag"}},
     {is_depthkit,
      [](const Candidate& c) {
@@ -351,7 +352,8 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     const auto pictures = std::make_shared<ReadPictures>();
     pictures->trust_from(wanted.least_confidence);
     const SourceFile video(path / (video_source ? video_source->depth : ""));
-    const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
+    const std::string begin = first_bytes(video, telling_bytes);
+    const bool is_recording = video_source && (is_bag(begin) || is_mcap(begin));
     auto reader = is_file        ? open_file(path, *described, {}, wanted)
                   : is_recording ? open_file(video, *described, {}, wanted)
                   : video_source

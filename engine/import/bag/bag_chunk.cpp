@@ -2,6 +2,7 @@
 
 #include <bzlib.h>
 #include <lz4frame.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <memory>
@@ -84,6 +85,25 @@ Result<void> unpack_lz4(Pieces& pieces, std::string& to) {
     return {};
 }
 
+/// One frame or several, whose memory zstd does not take from what the frame says.
+Result<void> unpack_zstd(Pieces& pieces, std::string& to) {
+    const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
+                                                                            ZSTD_freeDStream);
+    if (!stream) return damaged("zstd");
+    ZSTD_outBuffer out{to.data(), to.size(), 0};
+    for (std::size_t wanted = 1;;) {
+        const auto piece = pieces.next();
+        if (!piece) return piece.error();
+        if (piece->empty()) return wanted == 0 && out.pos == out.size ? Result<void>{} : damaged("zstd");
+        ZSTD_inBuffer in{piece->data(), piece->size(), 0};
+        while (in.pos < in.size) {
+            const std::size_t before = in.pos + out.pos;
+            wanted = ZSTD_decompressStream(stream.get(), &out, &in);
+            if (ZSTD_isError(wanted) || in.pos + out.pos == before) return damaged("zstd");
+        }
+    }
+}
+
 }  // namespace
 
 Result<std::string> unpack_bag_chunk(std::string_view compression, ByteSource& file, std::uint64_t at,
@@ -91,13 +111,19 @@ Result<std::string> unpack_bag_chunk(std::string_view compression, ByteSource& f
     if (size > largest_chunk)
         return input_error("has a chunk of " + std::to_string(size >> 20) + " MiB: at most " +
                            std::to_string(largest_chunk >> 20) + " are read");
-    // LZ4 cannot make more of a byte; bzip2 makes of one, at most, what no recording has.
+    // LZ4 cannot make more of a byte; bzip2 and zstd make of one, at most, what no recording has.
     if (const std::uint32_t most = compression == "lz4" ? 255 : 4096; size / most > packed)
         return input_error("is damaged: has a chunk of " + std::to_string(size) + " bytes in " +
                            std::to_string(packed));
     std::string bytes(size, '\0');
+    if (compression.empty()) {
+        if (auto read = file.read(at, bytes.data(), bytes.size()); !read) return read.error();
+        return bytes;
+    }
     Pieces pieces(file, at, packed);
-    const auto unpacked = compression == "bz2" ? unpack_bz2(pieces, bytes) : unpack_lz4(pieces, bytes);
+    const auto unpacked = compression == "bz2"    ? unpack_bz2(pieces, bytes)
+                          : compression == "zstd" ? unpack_zstd(pieces, bytes)
+                                                  : unpack_lz4(pieces, bytes);
     if (!unpacked) return unpacked.error();
     return bytes;
 }

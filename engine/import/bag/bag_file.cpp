@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
 #include <utility>
 
+#include "engine/byte_source.hpp"
 #include "engine/import/bag/bag_chunk.hpp"
 #include "engine/import/bag/bag_record.hpp"
+#include "engine/import/bag/mcap_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -22,42 +25,69 @@ std::int64_t nanoseconds(std::uint32_t seconds, std::uint32_t rest) {
     return std::int64_t{seconds} * 1'000'000'000 + rest;
 }
 
-}  // namespace
+class RosBag final : public BagFile {
+public:
+    explicit RosBag(std::string name) : BagFile(std::move(name)) {}
+    Result<void> open(const SourceFile& file);
+    Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) override;
+    Result<std::string> read(const BagMessage& message, std::size_t most) override;
 
-bool is_bag(std::string_view begin) {
-    return begin.starts_with(magic);
+private:
+    struct Chunk {
+        std::uint64_t at = 0;
+        std::vector<std::uint32_t> connections;  ///< that have messages in it
+        // Of its own record; read when first asked for.
+        bool is_read = false;
+        std::string compression;
+        std::uint64_t data_at = 0;
+        std::uint32_t packed = 0, size = 0;
+    };
+    struct Unpacked {
+        std::uint32_t chunk;
+        std::string bytes;
+        std::unique_ptr<ByteSource> source;
+    };
+    Result<void> read_index();
+    Result<void> read_chunk(Chunk& chunk);
+    Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
+                               std::vector<BagMessage>& found);
+    Result<ByteSource*> unpacked(std::uint32_t number);
+    Error damaged(const std::string& what) const;
+    Error unread(const Error& why) const;
+
+    std::unique_ptr<ByteSource> bytes_;
+    std::vector<Chunk> chunks_;
+    std::deque<Unpacked> unpacked_;  // the newest is the last
+};
+
+Error RosBag::damaged(const std::string& what) const {
+    return input_error(name() + ": is damaged: " + what);
 }
 
-Error BagFile::damaged(const std::string& what) const {
-    return input_error(name_ + ": is damaged: " + what);
+Error RosBag::unread(const Error& why) const {
+    return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name(), why);
 }
 
-Error BagFile::unread(const Error& why) const {
-    return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name_, why);
-}
-
-Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
-    std::unique_ptr<BagFile> bag(new BagFile(file.string()));
+Result<void> RosBag::open(const SourceFile& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
-    bag->bytes_ = std::move(*bytes);
+    bytes_ = std::move(*bytes);
     std::string begin(magic.size() + version.size(), '\0');
-    if (bag->bytes_->size() < begin.size()) return bag->damaged("it ends in its first bytes");
-    if (auto read = bag->bytes_->read(0, begin.data(), begin.size()); !read) return bag->unread(read.error());
+    if (bytes_->size() < begin.size()) return damaged("it ends in its first bytes");
+    if (auto read = bytes_->read(0, begin.data(), begin.size()); !read) return unread(read.error());
     if (!begin.ends_with(version))
-        return input_error(bag->name_ + ": is a recording of ROS 1 of version " +
+        return input_error(name() + ": is a recording of ROS 1 of version " +
                            printable(std::string_view(begin).substr(magic.size())) +
                            ": must be of version 2.0 (rosbag fix makes one of an older one)");
-    if (auto read = bag->read_index(); !read) return read.error();
-    return bag;
+    return read_index();
 }
 
 /// Connections and chunks, as the end of the file lists them.
-Result<void> BagFile::read_index() {
+Result<void> RosBag::read_index() {
     const std::uint64_t end = bytes_->size();
     const auto next = [&, this](std::uint64_t at) -> Result<BagRecord> {
         auto record = read_bag_record(*bytes_, at, end);
-        if (!record) return Error{record.error().kind, name_ + ": " + record.error().message};
+        if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
         return record;
     };
     const auto header = next(magic.size() + version.size());
@@ -68,10 +98,10 @@ Result<void> BagFile::read_index() {
     if (!header->is(BagOp::bag_header) || !index || !connections || !chunks)
         return damaged("it does not begin with a bag's header");
     if (!header->fields.text("encryptor").value_or("").empty())
-        return input_error(name_ + ": is encrypted (" + printable(*header->fields.text("encryptor")) +
+        return input_error(name() + ": is encrypted (" + printable(*header->fields.text("encryptor")) +
                            "): must be a plain bag");
     if (*index < header->end() || *index > end)
-        return input_error(name_ +
+        return input_error(name() +
                            ": has no index, as the recorder was stopped before it wrote one, or the file is "
                            "cut: rosbag reindex makes one");
     std::uint64_t at = *index;
@@ -88,10 +118,10 @@ Result<void> BagFile::read_index() {
         const auto fields = BagFields::of(std::move(data));
         if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
         const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
-        if (std::any_of(connections_.begin(), connections_.end(), is_it))
+        if (std::any_of(BagFile::connections().begin(), BagFile::connections().end(), is_it))
             return damaged("connection " + std::to_string(*id) + " is in its index twice");
-        connections_.push_back({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
-                                std::string(fields->text("md5sum").value_or(""))});
+        add_connection({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
+                        std::string(fields->text("md5sum").value_or(""))});
         at = record->end();
     }
     for (std::uint32_t n = 0; n < *chunks; ++n) {
@@ -114,16 +144,16 @@ Result<void> BagFile::read_index() {
     return {};
 }
 
-Result<void> BagFile::read_chunk(Chunk& chunk) {
+Result<void> RosBag::read_chunk(Chunk& chunk) {
     if (chunk.is_read) return {};
     const auto record = read_bag_record(*bytes_, chunk.at, bytes_->size());
-    if (!record) return Error{record.error().kind, name_ + ": " + record.error().message};
+    if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
     const auto compression = record->fields.text("compression");
     const auto size = record->fields.number<std::uint32_t>("size");
     if (!record->is(BagOp::chunk) || !compression || !size)
         return damaged("there is no chunk at byte " + std::to_string(chunk.at));
     if (*compression != "none" && *compression != "bz2" && *compression != "lz4")
-        return input_error(name_ + ": is packed by " + printable(*compression) +
+        return input_error(name() + ": is packed by " + printable(*compression) +
                            ": must be plain, bz2 or lz4");
     if (*compression == "none" && *size != record->size)
         return damaged("the chunk at byte " + std::to_string(chunk.at) + " has a wrong size");
@@ -136,14 +166,14 @@ Result<void> BagFile::read_chunk(Chunk& chunk) {
 }
 
 /// By the records of index that follow the chunk.
-Result<void> BagFile::find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
-                                    std::vector<BagMessage>& found) {
+Result<void> RosBag::find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
+                                   std::vector<BagMessage>& found) {
     Chunk& chunk = chunks_[number];
     if (auto read = read_chunk(chunk); !read) return read;
     std::uint64_t at = chunk.data_at + chunk.packed;
     for (std::size_t n = 0; n < chunk.connections.size(); ++n) {
         const auto record = read_bag_record(*bytes_, at, bytes_->size());
-        if (!record) return Error{record.error().kind, name_ + ": " + record.error().message};
+        if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
         const auto id = record->fields.number<std::uint32_t>("conn");
         if (!record->is(BagOp::index) || !id || record->size % index_entry != 0)
             return damaged("the chunk at byte " + std::to_string(chunk.at) + " has no index");
@@ -159,7 +189,7 @@ Result<void> BagFile::find_messages(std::uint32_t number, std::span<const std::u
     return {};
 }
 
-Result<std::vector<BagMessage>> BagFile::messages(std::span<const std::uint32_t> connections) {
+Result<std::vector<BagMessage>> RosBag::messages(std::span<const std::uint32_t> connections) {
     std::vector<BagMessage> found;
     for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
         const auto& within = chunks_[number].connections;
@@ -175,20 +205,20 @@ Result<std::vector<BagMessage>> BagFile::messages(std::span<const std::uint32_t>
     return found;
 }
 
-Result<ByteSource*> BagFile::unpacked(std::uint32_t number) {
+Result<ByteSource*> RosBag::unpacked(std::uint32_t number) {
     const auto there = std::find_if(unpacked_.begin(), unpacked_.end(),
                                     [&](const Unpacked& each) { return each.chunk == number; });
     if (there != unpacked_.end()) return there->source.get();
     while (unpacked_.size() >= kept_chunks) unpacked_.pop_front();
     const Chunk& chunk = chunks_[number];
     auto bytes = unpack_bag_chunk(chunk.compression, *bytes_, chunk.data_at, chunk.packed, chunk.size);
-    if (!bytes) return Error{bytes.error().kind, name_ + ": " + bytes.error().message};
+    if (!bytes) return Error{bytes.error().kind, name() + ": " + bytes.error().message};
     unpacked_.push_back({number, std::move(*bytes), nullptr});
     unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
     return unpacked_.back().source.get();
 }
 
-Result<std::string> BagFile::read(const BagMessage& message, std::size_t most) {
+Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
     Chunk& chunk = chunks_[message.chunk];
     if (auto read = read_chunk(chunk); !read) return read.error();
     const bool is_plain = chunk.compression == "none";
@@ -196,18 +226,31 @@ Result<std::string> BagFile::read(const BagMessage& message, std::size_t most) {
     if (!packed) return packed.error();
     const std::uint64_t from = is_plain ? chunk.data_at : 0;
     const auto record = read_bag_record(**packed, from + message.offset, from + chunk.size);
-    if (!record) return Error{record.error().kind, name_ + ": " + record.error().message};
+    if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
     if (!record->is(BagOp::message) || record->fields.number<std::uint32_t>("conn") != message.connection)
         return damaged("the message at byte " + std::to_string(message.offset) + " of the chunk at byte " +
                        std::to_string(chunk.at) + " is none of its connection");
     const std::size_t size = std::min<std::size_t>(record->size, most);
     if (size > largest_message)
-        return input_error(name_ + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
+        return input_error(name() + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
                            std::to_string(largest_message >> 20) + " are read");
     std::string data(size, '\0');
     if (auto read = (*packed)->read(record->data_at, data.data(), data.size()); !read)
         return unread(read.error());
     return data;
+}
+
+}  // namespace
+
+bool is_bag(std::string_view begin) {
+    return begin.starts_with(magic);
+}
+
+Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
+    if (is_mcap(first_bytes(file, 8))) return open_mcap_file(file);
+    auto bag = std::make_unique<RosBag>(file.string());
+    if (auto opened = bag->open(file); !opened) return opened.error();
+    return std::unique_ptr<BagFile>(std::move(bag));
 }
 
 }  // namespace touchable

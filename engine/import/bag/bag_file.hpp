@@ -2,16 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "engine/byte_source.hpp"
+#include "engine/given_file.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -28,54 +28,35 @@ struct BagConnection {
 struct BagMessage {
     std::int64_t time_ns = 0;  ///< when it was recorded
     std::uint32_t connection = 0;
-    std::uint32_t chunk = 0, offset = 0;  ///< bytes in the unpacked chunk
+    std::uint32_t chunk = 0;
+    std::uint64_t offset = 0;  ///< bytes in the unpacked chunk
 };
 
-/// A recording of ROS 1 ("#ROSBAG V2.0"), plain or packed by bzip2 or LZ4, by its index. At most two unpacked
-/// chunks are kept in memory.
+/// A recording of messages as ROS 1 serialises them.
 class BagFile {
 public:
-    /// Refuses one without its index, as a recording that was cut is, and one that is encrypted.
+    virtual ~BagFile() = default;
+    /// One of ROS 1 ("#ROSBAG V2.0"), plain or packed by bzip2 or LZ4, by its index, without which it is
+    /// refused, as a recording that was cut has none; so is one that is encrypted. Or one in MCAP
+    /// (mcap_file.hpp). At most two unpacked chunks are kept in memory.
     static Result<std::unique_ptr<BagFile>> open(const SourceFile& file);
 
     const std::vector<BagConnection>& connections() const { return connections_; }
     /// All messages of these connections, in the order in which they were recorded.
-    Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections);
-    /// Its first bytes, or all of them, as ROS serialises them.
-    Result<std::string> read(const BagMessage& message,
-                             std::size_t most = std::numeric_limits<std::size_t>::max());
+    virtual Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) = 0;
+    /// Its first bytes, or all of them, as ROS 1 serialises them.
+    virtual Result<std::string> read(const BagMessage& message,
+                                     std::size_t most = std::numeric_limits<std::size_t>::max()) = 0;
 
     const std::string& name() const { return name_; }
 
-private:
-    struct Chunk {
-        std::uint64_t at = 0;
-        std::vector<std::uint32_t> connections;  ///< that have messages in it
-        // Of its own record; read when first asked for.
-        bool is_read = false;
-        std::string compression;
-        std::uint64_t data_at = 0;
-        std::uint32_t packed = 0, size = 0;
-    };
-    struct Unpacked {
-        std::uint32_t chunk;
-        std::string bytes;
-        std::unique_ptr<ByteSource> source;
-    };
+protected:
     explicit BagFile(std::string name) : name_(std::move(name)) {}
-    Result<void> read_index();
-    Result<void> read_chunk(Chunk& chunk);
-    Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
-                               std::vector<BagMessage>& found);
-    Result<ByteSource*> unpacked(std::uint32_t number);
-    Error damaged(const std::string& what) const;
-    Error unread(const Error& why) const;
+    void add_connection(BagConnection connection) { connections_.push_back(std::move(connection)); }
 
+private:
     std::string name_;
-    std::unique_ptr<ByteSource> bytes_;
     std::vector<BagConnection> connections_;
-    std::vector<Chunk> chunks_;
-    std::deque<Unpacked> unpacked_;  // the newest is the last
 };
 
 /// Whether a file's first bytes are those of a recording of ROS 1.

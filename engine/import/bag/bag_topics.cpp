@@ -13,20 +13,9 @@
 namespace touchable {
 namespace {
 
-/// A type of messages that is read, in the one form that it has had.
-struct KnownType {
-    const char* name;
-    const char* md5;
-};
-constexpr KnownType image_type{"sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743"};
-constexpr KnownType compressed_type{"sensor_msgs/CompressedImage", "8f7a12909da2c9d3332d540a0977563f"};
-constexpr KnownType camera_type{"sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214"};
-constexpr KnownType transform_type{"geometry_msgs/Transform", "ac9eff44abf714214112b05d54a3cf9b"};
-constexpr KnownType float_type{"std_msgs/Float32", "73fcbf46b49191e672908e50842a83d4"};
-
 constexpr std::size_t most_topics = 200;  // of pictures, of which the first is looked at
 
-bool is_of(const BagConnection& connection, const KnownType& type) {
+bool is_of(const BagConnection& connection, const RosType& type) {
     return connection.type == type.name && connection.md5 == type.md5;
 }
 
@@ -39,7 +28,7 @@ double decimal_of(float value) {
 
 /// The first message of a topic; nothing where it has none of that type.
 Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
-                                                 const KnownType& type) {
+                                                 const RosType& type) {
     std::vector<std::uint32_t> ids;
     for (const BagConnection& connection : bag.connections())
         if (connection.topic == topic && is_of(connection, type)) ids.push_back(connection.id);
@@ -57,8 +46,8 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
     std::vector<BagPictures> topics;
     std::size_t looked_at = 0;
     for (const BagConnection& connection : bag.connections()) {
-        const bool is_compressed = is_of(connection, compressed_type);
-        if (!is_compressed && !is_of(connection, image_type)) continue;
+        const bool is_compressed = is_of(connection, ros_compressed_image);
+        if (!is_compressed && !is_of(connection, ros_image)) continue;
         if (std::any_of(topics.begin(), topics.end(), [&](const BagPictures& other) {
                 return other.topic == connection.topic && other.is_compressed == is_compressed;
             }))
@@ -202,7 +191,7 @@ Result<BagStreams> choose_bag_streams(BagFile& bag) {
 
 Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pictures) {
     for (const std::string& topic : camera_topics(pictures)) {
-        const auto bytes = first_message(bag, topic, camera_type);
+        const auto bytes = first_message(bag, topic, ros_camera_info);
         if (!bytes) return bytes.error();
         if (!*bytes) continue;
         const auto info = parse_ros_camera_info(**bytes);
@@ -233,7 +222,7 @@ Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pic
 Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pictures) {
     const std::string stream = realsense_stream(pictures);
     if (stream.empty()) return std::optional<CameraPose>();
-    const auto bytes = first_message(bag, stream + "/tf/0", transform_type);
+    const auto bytes = first_message(bag, stream + "/tf/0", ros_transform);
     if (!bytes) return bytes.error();
     if (!*bytes) return std::optional<CameraPose>();
     const auto transform = parse_ros_transform(**bytes);
@@ -260,7 +249,7 @@ Result<std::optional<double>> bag_depth_unit(BagFile& bag, const std::string& pi
     if (!pictures.starts_with("/device_") || device == std::string::npos || sensor == std::string::npos)
         return std::optional<double>();
     for (const char* option : {"/option/Depth Units/value", "/option/Depth_Units/value"}) {
-        const auto bytes = first_message(bag, pictures.substr(0, sensor) + option, float_type);
+        const auto bytes = first_message(bag, pictures.substr(0, sensor) + option, ros_float);
         if (!bytes) return bytes.error();
         if (!*bytes) continue;
         const auto unit = parse_ros_float(**bytes);

@@ -12,6 +12,18 @@ namespace touchable {
 /// Messages of ROS 1 as it serialises them. Texts and data are parts of the bytes given. Each is nothing
 /// where the bytes are too few for it.
 
+/// A type of messages that is read, in the one form that it has had: its name, and the hash of its
+/// definition.
+struct RosType {
+    std::string_view name, md5;
+    bool operator==(const RosType&) const = default;
+};
+inline constexpr RosType ros_image{"sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743"},
+    ros_compressed_image{"sensor_msgs/CompressedImage", "8f7a12909da2c9d3332d540a0977563f"},
+    ros_camera_info{"sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214"},
+    ros_transform{"geometry_msgs/Transform", "ac9eff44abf714214112b05d54a3cf9b"},
+    ros_float{"std_msgs/Float32", "73fcbf46b49191e672908e50842a83d4"};
+
 struct RosHeader {
     std::int64_t stamp_ns = 0;
     std::string_view frame;

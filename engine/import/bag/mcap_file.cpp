@@ -1,0 +1,303 @@
+#include "engine/import/bag/mcap_file.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "engine/import/bag/bag_chunk.hpp"
+#include "engine/import/bag/cdr_message.hpp"
+#include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
+constexpr std::uint64_t record_head = 9;  // what it is, its length
+constexpr std::size_t message_head = 22;  // channel, sequence, when logged, when published
+constexpr std::size_t index_pair = 16;    // when, where
+constexpr std::uint64_t longest_text = 1 << 16, largest_mcap_message = 256 << 20;
+constexpr std::size_t unpacked_at_once = 2;    // depth's and colour's
+constexpr std::uint32_t outside = 0xffffffff;  // a message in no chunk
+
+enum class McapOp : std::uint8_t { schema = 3, channel = 4, message = 5, chunk = 6, index = 7 };
+
+/// Numbers and texts one after the other; once the bytes are too few, zeros.
+class McapFields {
+public:
+    explicit McapFields(std::string_view bytes) : left_(bytes) {}
+    template <class Number>
+    Number number() {
+        Number value{};
+        const std::string_view bytes = take(sizeof value);
+        std::memcpy(&value, bytes.data(), bytes.size());
+        return value;
+    }
+    std::string text() { return std::string(take(number<std::uint32_t>())); }
+    bool is_over() const { return is_over_; }
+    std::size_t left() const { return left_.size(); }
+
+private:
+    std::string_view take(std::size_t count) {
+        is_over_ = is_over_ || count > left_.size();
+        if (is_over_) return {};
+        const std::string_view taken = left_.substr(0, count);
+        left_.remove_prefix(count);
+        return taken;
+    }
+
+    std::string_view left_;
+    bool is_over_ = false;
+};
+
+class McapFile final : public BagFile {
+public:
+    explicit McapFile(std::string name) : BagFile(std::move(name)) {}
+    Result<void> open(const SourceFile& file);
+    Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) override;
+    Result<std::string> read(const BagMessage& message, std::size_t most) override;
+
+private:
+    struct Index {
+        std::uint16_t channel;
+        std::uint64_t at, pairs;
+    };
+    struct McapChunk {
+        std::uint64_t at = 0, packed = 0, size = 0;
+        std::string compression;
+        std::vector<Index> indices{};
+        std::vector<BagMessage> found{};  // where it has no index
+    };
+    struct Channel {
+        RosType type{};
+        bool is_cdr = false;
+    };
+    struct UnpackedChunk {
+        std::uint32_t number;
+        std::string bytes;
+        std::unique_ptr<ByteSource> source;
+    };
+
+    Result<void> records(ByteSource& bytes, std::uint32_t chunk);
+    Result<void> record(ByteSource& bytes, McapOp op, std::uint64_t at, std::uint64_t length,
+                        std::uint32_t chunk);
+    Result<void> add_chunk(const std::string& head, std::uint64_t at, std::uint64_t length);
+    void add_schema(McapFields fields);
+    void add_channel(McapFields fields);
+    Result<void> look_into(std::uint32_t number);
+    Result<ByteSource*> contents(std::uint32_t number);
+    Error damaged(const std::string& what) const { return input_error(name() + ": is damaged: " + what); }
+
+    std::unique_ptr<ByteSource> bytes_;
+    std::vector<McapChunk> chunks_;
+    std::vector<BagMessage> loose_;       // in no chunk
+    std::deque<UnpackedChunk> unpacked_;  // the newest is the last
+    std::map<std::uint16_t, std::string> schemas_;
+    std::map<std::uint16_t, Channel> channels_;
+};
+
+Result<void> McapFile::open(const SourceFile& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    bytes_ = std::move(*bytes);
+    if (auto read = records(*bytes_, outside); !read) return read;
+    const bool tells_channels = !channels_.empty();  // in its summary
+    for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while " + name() + " was looked through"};
+        if (tells_channels && !chunks_[number].indices.empty()) continue;
+        if (auto looked = look_into(number); !looked) return looked;
+    }
+    return {};
+}
+
+/// Of the file, or of an unpacked chunk. What is cut is left out.
+Result<void> McapFile::records(ByteSource& bytes, std::uint32_t chunk) {
+    const std::uint64_t end = bytes.size();
+    for (std::uint64_t at = chunk == outside ? mcap_magic.size() : 0; at + record_head <= end;) {
+        std::string head(record_head, '\0');
+        if (auto read = bytes.read(at, head.data(), head.size()); !read)
+            return error_at(name(), read.error());
+        McapFields fields(head);
+        const auto op = static_cast<McapOp>(fields.number<std::uint8_t>());
+        const auto length = fields.number<std::uint64_t>();
+        if (length > end - at - record_head) return {};
+        if (auto done = record(bytes, op, at + record_head, length, chunk); !done) return done;
+        at += record_head + length;
+    }
+    return {};
+}
+
+Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, std::uint64_t length,
+                              std::uint32_t chunk) {
+    const bool is_wanted = op == McapOp::schema || op == McapOp::channel || op == McapOp::message ||
+                           (chunk == outside && (op == McapOp::chunk || op == McapOp::index));
+    if (!is_wanted) return {};
+    const std::uint64_t needed = op == McapOp::message ? message_head : longest_text;
+    std::string head(static_cast<std::size_t>(std::min(length, needed)), '\0');
+    if (auto read = bytes.read(at, head.data(), head.size()); !read) return error_at(name(), read.error());
+    McapFields fields(head);
+    if (op == McapOp::schema) add_schema(fields);
+    if (op == McapOp::channel) add_channel(fields);
+    if (op == McapOp::chunk) return add_chunk(head, at, length);
+    if (op == McapOp::index && !chunks_.empty()) {
+        const auto channel = fields.number<std::uint16_t>();
+        const auto size = fields.number<std::uint32_t>();
+        if (fields.is_over() || size > length - 6 || size % index_pair != 0)
+            return damaged("an index of messages is none");
+        chunks_.back().indices.push_back({channel, at + 6, size / index_pair});
+    }
+    if (op == McapOp::message && length >= message_head) {
+        const auto channel = fields.number<std::uint16_t>();
+        fields.number<std::uint32_t>();
+        const auto time = static_cast<std::int64_t>(fields.number<std::uint64_t>());
+        auto& found = chunk == outside ? loose_ : chunks_[chunk].found;
+        found.push_back({time, channel, chunk, at - record_head});
+    }
+    return {};
+}
+
+Result<void> McapFile::add_chunk(const std::string& head, std::uint64_t at, std::uint64_t length) {
+    McapFields fields(head);
+    fields.number<std::uint64_t>();
+    fields.number<std::uint64_t>();
+    McapChunk chunk;
+    chunk.size = fields.number<std::uint64_t>();
+    fields.number<std::uint32_t>();
+    chunk.compression = fields.text();
+    chunk.packed = fields.number<std::uint64_t>();
+    chunk.at = at + (head.size() - fields.left());
+    if (fields.is_over() || chunk.packed > at + length - chunk.at ||
+        (chunk.compression.empty() && chunk.size != chunk.packed))
+        return damaged("the chunk at byte " + std::to_string(at) + " is none");
+    if (!chunk.compression.empty() && chunk.compression != "lz4" && chunk.compression != "zstd")
+        return input_error(name() + ": is packed by " + printable(chunk.compression) +
+                           ": must be plain, lz4 or zstd");
+    chunks_.push_back(std::move(chunk));
+    return {};
+}
+
+void McapFile::add_schema(McapFields fields) {
+    const auto id = fields.number<std::uint16_t>();
+    std::string type = fields.text();
+    if (fields.is_over()) return;
+    constexpr std::string_view between = "/msg/";  // sensor_msgs/msg/Image
+    if (const auto place = type.find(between); place != std::string::npos)
+        type.replace(place, between.size(), "/");
+    schemas_.emplace(id, std::move(type));
+}
+
+/// Those that nothing here reads are left out.
+void McapFile::add_channel(McapFields fields) {
+    const auto id = fields.number<std::uint16_t>(), schema = fields.number<std::uint16_t>();
+    const std::string topic = fields.text(), encoding = fields.text();
+    const auto type = schemas_.find(schema);
+    if (fields.is_over() || type == schemas_.end() || (encoding != "cdr" && encoding != "ros1")) return;
+    for (const RosType& known : {ros_image, ros_compressed_image, ros_camera_info})
+        if (type->second == known.name && channels_.emplace(id, Channel{known, encoding == "cdr"}).second)
+            add_connection({id, topic, std::string(known.name), std::string(known.md5)});
+}
+
+/// For channels, and for messages where no index tells them.
+Result<void> McapFile::look_into(std::uint32_t number) {
+    const auto bytes = contents(number);
+    if (!bytes) return bytes.error();
+    if (auto read = records(**bytes, number); !read) return read;
+    if (!chunks_[number].indices.empty()) chunks_[number].found.clear();
+    return {};
+}
+
+Result<ByteSource*> McapFile::contents(std::uint32_t number) {
+    const McapChunk& chunk = chunks_[number];
+    for (UnpackedChunk& each : unpacked_)
+        if (each.number == number) return each.source.get();
+    while (unpacked_.size() >= unpacked_at_once) unpacked_.pop_front();
+    constexpr std::uint64_t most = 0xffffffff;
+    if (chunk.packed > most || chunk.size > most) return damaged("a chunk is larger than 4 GiB");
+    auto bytes =
+        unpack_bag_chunk(chunk.compression, *bytes_, chunk.at, static_cast<std::uint32_t>(chunk.packed),
+                         static_cast<std::uint32_t>(chunk.size));
+    if (!bytes) return Error{bytes.error().kind, name() + ": " + bytes.error().message};
+    unpacked_.push_back({number, std::move(*bytes), nullptr});
+    unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
+    return unpacked_.back().source.get();
+}
+
+Result<std::vector<BagMessage>> McapFile::messages(std::span<const std::uint32_t> connections) {
+    const auto is_wanted = [&](std::uint32_t channel) {
+        return std::find(connections.begin(), connections.end(), channel) != connections.end();
+    };
+    std::vector<BagMessage> found;
+    const auto add = [&](const std::vector<BagMessage>& some) {
+        std::copy_if(some.begin(), some.end(), std::back_inserter(found),
+                     [&](const BagMessage& each) { return is_wanted(each.connection); });
+    };
+    add(loose_);
+    for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
+        add(chunks_[number].found);
+        for (const Index& index : chunks_[number].indices) {
+            if (!is_wanted(index.channel)) continue;
+            std::vector<std::uint64_t> pairs(2 * static_cast<std::size_t>(index.pairs));
+            if (auto read = bytes_->read(index.at, reinterpret_cast<char*>(pairs.data()), 8 * pairs.size());
+                !read)
+                return error_at(name(), read.error());
+            for (std::size_t k = 0; k < pairs.size(); k += 2)
+                found.push_back({static_cast<std::int64_t>(pairs[k]), index.channel, number, pairs[k + 1]});
+        }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const BagMessage& a, const BagMessage& b) { return a.time_ns < b.time_ns; });
+    return found;
+}
+
+Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) {
+    const bool is_loose = message.chunk == outside;
+    const auto bytes = is_loose || chunks_[message.chunk].compression.empty()
+                           ? Result<ByteSource*>(bytes_.get())
+                           : contents(message.chunk);
+    if (!bytes) return bytes.error();
+    const bool is_in_file = *bytes == bytes_.get();
+    const McapChunk* const chunk = is_loose ? nullptr : &chunks_[message.chunk];
+    const std::uint64_t first = is_in_file && chunk ? chunk->at : 0;
+    const std::uint64_t end = is_in_file && chunk ? chunk->at + chunk->packed : (*bytes)->size();
+    const Error none = damaged("a message that its index names is none of its channel");
+    constexpr std::uint64_t heads = record_head + message_head;
+    if (message.offset > end - first || end - first - message.offset < heads) return none;
+    std::string head(heads, '\0');
+    const std::uint64_t at = first + message.offset;
+    if (auto read = (*bytes)->read(at, head.data(), head.size()); !read)
+        return error_at(name(), read.error());
+    McapFields fields(head);
+    const auto op = static_cast<McapOp>(fields.number<std::uint8_t>());
+    const auto length = fields.number<std::uint64_t>();
+    const auto channel = fields.number<std::uint16_t>();
+    if (op != McapOp::message || channel != message.connection || length < message_head ||
+        length > end - at - record_head)
+        return none;
+    const Channel& of = channels_.at(channel);
+    std::uint64_t size = length - message_head;
+    if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, of.is_cdr ? cdr_stamp_bytes : most);
+    if (size > largest_mcap_message)
+        return input_error(name() + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
+                           std::to_string(largest_mcap_message >> 20) + " are read");
+    std::string data(static_cast<std::size_t>(size), '\0');
+    if (auto read = (*bytes)->read(at + heads, data.data(), data.size()); !read)
+        return error_at(name(), read.error());
+    return of.is_cdr ? ros1_of_cdr(data, of.type) : data;
+}
+
+}  // namespace
+
+bool is_mcap(std::string_view begin) {
+    return begin.starts_with(mcap_magic);
+}
+
+Result<std::unique_ptr<BagFile>> open_mcap_file(const SourceFile& file) {
+    auto opened = std::make_unique<McapFile>(file.string());
+    if (auto read = opened->open(file); !read) return read.error();
+    return std::unique_ptr<BagFile>(std::move(opened));
+}
+
+}  // namespace touchable
