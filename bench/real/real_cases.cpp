@@ -46,6 +46,14 @@ void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
              [model, choice](Figures& figures) { return measure_edges(model, choice, figures); }});
 }
 
+/// With each choice of filters, and in each form in which such depth is kept.
+void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recording, bool quick) {
+    const auto patches = std::make_shared<RecordingPatches>(recording);
+    add(cases, recording.name, patches, quick);
+    cases.push_back({"real-forms-" + recording.name,
+                     [patches, quick](Figures& figures) { return patches->measure_forms(quick, figures); }});
+}
+
 /// Of cameras that nobody makes: what the program chooses, against what an exhaustive search finds.
 void add_drawn(std::vector<BenchCase>& cases, const std::filesystem::path& data, bool quick) {
     for (int number = 1; number <= drawn_models; ++number) {
@@ -74,9 +82,9 @@ std::vector<BenchCase> real_cases(bool quick) {
     const std::filesystem::path data = TOUCHABLE_TEST_DATA;
     std::vector<BenchCase> cases;
     if (is_there(data, "visp_cube_realsense", "cases real-cube-..."))
-        add(cases, "cube", std::make_shared<RecordingPatches>(cube_recording(data)), quick);
+        add_recording(cases, cube_recording(data), quick);
     if (is_there(data, "stills/redwood5", "cases real-redwood-..."))
-        add(cases, "redwood", std::make_shared<RecordingPatches>(redwood_recording(data)), quick);
+        add_recording(cases, redwood_recording(data), quick);
     if (is_there(data, "stills/icl_nuim5", "cases real-icl-...")) {
         add(cases, "icl-kinect", std::make_shared<KnownRoom>(data, kinect_v1(), 1), quick);
         add(cases, "icl-d435", std::make_shared<KnownRoom>(data, d435(room_focal_length), half_as_large),

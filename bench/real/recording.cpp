@@ -1,9 +1,11 @@
 #include "bench/real/recording.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "bench/real/built_frames.hpp"
+#include "bench/real/depth_forms.hpp"
 #include "bench/real/pressing.hpp"
 #include "bench/real/sensor_models.hpp"
 #include "engine/import/open_clip.hpp"
@@ -77,6 +79,31 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
     if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done.ok()) return done;
     figures.push_back({"depth_mm", depth_, "mm"});
     figures.push_back({"level_mm", scene.filter.levels.at(depth_), "mm"});
+    return {};
+}
+
+Result<void> RecordingPatches::measure_forms(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done.ok()) return done;
+    double best = 180, worst = 0;
+    for (const DepthForm& form : depth_forms()) {
+        auto found = opened(form, *scene_, raws_);
+        if (!found.ok()) return found.error();
+        if (found->frames.size() != raws_.size())
+            return Error{ErrorKind::check, recording_.name + ": frames are missing as " + form.name};
+        found->scene.default_properties = scene_->default_properties;
+        const Scene scene = chosen_filters(found->frames, found->scene);
+        const auto frames = built(scene, found->frames);
+        if (!frames.ok()) return frames.error();
+        PressErrors errors;
+        for (std::size_t n = 0; n < frames->size(); ++n)
+            if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done.ok()) return done;
+        const double angle = errors.angle_deg_rms();
+        figures.push_back({std::string("force_angle_deg_") + form.name, angle, "deg"});
+        best = std::min(best, angle);
+        worst = std::max(worst, angle);
+    }
+    figures.push_back({"forms_apart_deg", worst - best, "deg"});
     return {};
 }
 

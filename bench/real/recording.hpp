@@ -37,6 +37,10 @@ public:
     /// distance that was measured, at the patches' mean depth (0: every code is a level).
     Result<void> measure(const FilterChoice& choice, bool quick, Figures& figures);
 
+    /// Appends what fingers feel with the filters that the program chooses, in each form of the same depth
+    /// (depth_forms): force_angle_deg_png, ...; forms_apart_deg, the worst less the best.
+    Result<void> measure_forms(bool quick, Figures& figures);
+
 private:
     Result<void> read(bool quick);
 

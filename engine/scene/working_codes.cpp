@@ -15,12 +15,12 @@ static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 
 /// Metric codes that are to be multiplied by less are looked up: near a camera that sees far they would be
 /// coarse (docs/real-depth.md).
-constexpr int least_factor_of_lengths = 4, least_factor = 2;
+constexpr int least_factor_of_lengths = 8, least_factor = 2;
 /// Fewer working codes are not worth a table.
 constexpr int fewest_codes = 255;
-/// The deepest depth over the shift of looked-up codes. Their steps are then at most about a fifth of a
-/// pixel's width from a hundredth of the deepest depth on, and a fifteenth where they are finest.
-constexpr double deepest_per_shift = 10;
+/// The deepest depth over the shift of looked-up codes. Their steps are then at most about a sixth of a
+/// pixel's width from a fiftieth of the deepest depth on, and a fifteenth where they are finest.
+constexpr double deepest_per_shift = 5;
 
 /// Of the levels at the nearest and the deepest valid code the distance in codes, whichever is more; 0 where
 /// every code is a level.

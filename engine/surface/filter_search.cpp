@@ -17,7 +17,7 @@ constexpr double most_after_median[] = {1.4, 0, 0, 1, 0, 0.7};
 /// rough.
 constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_from = 0.75;
 /// What the temporal filter is told, over the noise that was measured, by the median before it.
-constexpr double stated_per_measured[] = {0.9, 0, 0, 1.5, 0, 1.5};
+constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// What leaves this much more than the best, or so few degrees, is as good.
 constexpr double as_good = 1.05, good_deg = 0.7;
 /// What a median costs in sharpness, in levels that are a least step wider.

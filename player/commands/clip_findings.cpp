@@ -124,7 +124,6 @@ void Findings::look_at_filters() {
     if (!facts_.measured) return;
     Scene automatic = facts_.scene;
     automatic.filter = {};
-    automatic.filter.levels = facts_.measured->levels;
     choose_filters(facts_.measured, all_unstated, automatic);
     const FilterSettings &wanted = automatic.filter, &has = facts_.scene.filter;
     const double per_unit = facts_.scene.metres_per_unit;

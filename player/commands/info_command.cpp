@@ -20,6 +20,7 @@
 #include "engine/surface/filter_choice.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/filter_facts.hpp"
+#include "player/commands/verdict.hpp"
 #include "player/commands/verify_run.hpp"
 #include "player/options/camera_options.hpp"
 #include "player/options/clip_options.hpp"
@@ -365,15 +366,18 @@ Result<void> print_facts(const InfoOptions& options) {
         if (!found.ok()) return found.error();
         verified = std::move(*found);
     }
+    const std::string verdict = verdict_on(*facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
         std::cout << mpeg4_text(*facts);
     } else if (options.json) {  // names of files need not be UTF-8
         Json json = to_json(*facts);
         if (verified) add_verified(*verified, json);
+        json["verdict"] = verdict;
         std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     } else {
         std::cout << to_text(*facts);
         if (verified) std::cout << verified_in_words(*verified);
+        std::cout << "  verdict      " << verdict << '\n';
     }
     return {};
 }

@@ -10,6 +10,7 @@
 #endif
 
 #include "engine/import/guess/guessed_scene.hpp"
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
@@ -203,7 +204,7 @@ TEST_F(CameraBesides, ThatAreNotUnderstoodAreNamed) {
     write_bytes(folder / "labels.json", R"({"fx": "none"})");
     write_bytes(folder / "camera_poses.txt", "1 2 3\n");
     EXPECT_EQ(said_of_camera(),
-              "the camera sees 60 degrees from left to right; not understood as a camera's file: "
+              guessed_field_of_view(60) + "; not understood as a camera's file: "
               "calib.cal, calibration.toml, camera.bin");
     write_bytes(folder / "intrinsics.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25})");
     EXPECT_EQ(said_of_camera(),

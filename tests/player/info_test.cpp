@@ -109,6 +109,36 @@ TEST(Info, SaysOfWhichStepKappaIsAndWhatDecidesOnAMedian) {
         << levels.out << levels.err;
 }
 
+TEST(Info, EndsWithAVerdict) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8"}).code, 0);
+    const auto verdict = [](const std::vector<std::string>& words) {
+        return facts_of(words)["verdict"].get<std::string>();
+    };
+    EXPECT_EQ(verdict({"info", clip, "--json"}), "good to touch: touchable play " + clip);
+    const std::string rough = verdict({"info", clip, "--json", "--terraces", "off"});
+    EXPECT_TRUE(rough.starts_with("rough: smooth places lean ")) << rough;
+    EXPECT_TRUE(rough.ends_with("with other filters: touchable play " + clip + " --filters auto")) << rough;
+    const std::string text = run_touchable({"info", clip}).out;
+    EXPECT_NE(text.find("\n  verdict      good to touch: touchable play " + clip + "\n"), std::string::npos);
+    EXPECT_NE(text.find("; smooth places lean "), std::string::npos) << "what the filter did";
+}
+
+TEST(Info, OfAGuessedCameraTheVerdictIsToSayWhatItSees) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", pictures = folder / "pictures";
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1"}).code, 0);
+    ASSERT_EQ(run_touchable({"convert", clip, pictures}).code, 0);
+    std::filesystem::remove(std::filesystem::path(pictures) / "scene.json");
+    const auto facts = facts_of({"info", pictures, "--json"});
+    EXPECT_NE(facts["verdict"].get<std::string>().find("say what it sees"), std::string::npos)
+        << facts["verdict"];
+    const auto told = facts_of({"info", pictures, "--json", "--fov", "81"});
+    EXPECT_EQ(told["verdict"].get<std::string>().find("say what it sees"), std::string::npos)
+        << told["verdict"];
+}
+
 TEST(Info, TellsOnceWhatStandsForAHapticPlane) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";

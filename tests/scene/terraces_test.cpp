@@ -58,10 +58,11 @@ TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
     Scene hue = coded(DepthCodingKind::hue, 8, false);
     hue.depth.code_max = 1536;
     EXPECT_EQ(multiplied_by(hue), 21);
-    EXPECT_EQ(multiplied_by(millimetres(300, 4000)), 8) << "codes beyond `far` need no room";
-    EXPECT_EQ(multiplied_by(millimetres(300, 5000)), 4) << "of metric codes a power of two";
-    EXPECT_EQ(multiplied_by(millimetres(300, 8186)), 4);
-    EXPECT_EQ(multiplied_by(millimetres(300, 8187)), 0) << "twice as many would be coarse near the camera";
+    EXPECT_EQ(multiplied_by(millimetres(300, 1000)), 32) << "codes beyond `far` need no room";
+    EXPECT_EQ(multiplied_by(millimetres(300, 1500)), 16) << "of metric codes a power of two";
+    EXPECT_EQ(multiplied_by(millimetres(300, 4090)), 8);
+    EXPECT_EQ(multiplied_by(millimetres(300, 4091)), 0)
+        << "four times as many would be coarse near the camera";
 }
 
 TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
@@ -95,7 +96,7 @@ TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
     for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
         for (const int bits : {8, 10, 13})
             for (const bool near_is_high : {false, true}) scenes.push_back(coded(kind, bits, near_is_high));
-    scenes.push_back(millimetres(300, 4000));
+    scenes.push_back(millimetres(300, 2000));
     scenes.back().depth.scale = 0.977;
     for (Scene scene : scenes) {
         scene.depth.invalid_codes = {100};
@@ -129,15 +130,15 @@ TEST(Terraces, GateAndMostAreOfALevelAndOfNoise) {
 
 // Of a camera that measures disparity and stores millimetres: 11 mm apart at 2 m.
 TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
-    Scene scene = removed(millimetres(500, 4000));
+    Scene scene = removed(millimetres(500, 2000));
     scene.filter.levels = {0, 2.75e-6};
     const auto filter = terrace_filter(scene);
     ASSERT_TRUE(filter);
-    EXPECT_EQ(filter->working.factor, 8);
-    for (const double depth : {500.0, 700.0, 1000.0, 2000.0, 3000.0, 4000.0}) {
-        const auto code = static_cast<std::uint16_t>(8 * depth);
+    EXPECT_EQ(filter->working.factor, 16);
+    for (const double depth : {500.0, 700.0, 1000.0, 1400.0, 1700.0, 2000.0}) {
+        const auto code = static_cast<std::uint16_t>(16 * depth);
         const double level = std::max(1.0, 2.75e-6 * depth * depth);
-        EXPECT_NEAR(filter->level_at(code), 8 * level, 2.5) << depth;
+        EXPECT_NEAR(filter->level_at(code), 16 * level, 2.5) << depth;
         EXPECT_EQ(filter->gate_at(code), 5 * filter->level_at(code) / 4);
         EXPECT_EQ(filter->most_at(code), filter->level_at(code));
         EXPECT_NEAR(level_distance(scene, depth), level, 1e-9) << depth;
@@ -145,7 +146,7 @@ TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
         EXPECT_LE(code + filter->gate_at(code), terrace_range);
     }
     scene.filter.levels = {0, 30e-6};
-    EXPECT_EQ(terrace_filter(scene)->working.factor, 4) << "levels of 480 codes at 4 m need room";
+    EXPECT_EQ(terrace_filter(scene)->working.factor, 8) << "levels of 120 codes at 2 m need room";
 }
 
 // Levels as of disparity are as far apart everywhere in inverse depth.

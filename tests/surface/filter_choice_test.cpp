@@ -93,7 +93,7 @@ TEST(ChosenFilters, TheTemporalFilterIsToldMoreOfTheNoiseAfterAMedian) {
     measured.roughness = 1;
     measured.distance = 4;
     EXPECT_EQ(chosen_by(measured).median, 3);
-    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{3, 0}));
+    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{2.8, 0}));
     measured.distance = 1;
     EXPECT_EQ(chosen_by(measured).median, 5);
     EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{3, 0}));

@@ -137,8 +137,7 @@ Result<void> Guess::find_camera(const fs::path& folder) {
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
-        say_whose_camera("the camera sees " + short_number(fov) + " degrees from left to right",
-                         Hints{{Setting::field_of_view}, {Setting::intrinsics}});
+        say_whose_camera(guessed_field_of_view(fov), Hints{{Setting::field_of_view}, {Setting::intrinsics}});
     }
     return {};
 }

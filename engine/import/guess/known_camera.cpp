@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/number_words.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -29,6 +30,15 @@ Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
 Camera camera_of_fov(double degrees, int width, int height) {
     const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
     return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
+}
+
+std::string guessed_field_of_view(double degrees) {
+    constexpr double more = 10;  // degrees
+    const auto width = [](double whole) { return sine(whole * pi / 360) / cosine(whole * pi / 360); };
+    const double other = std::min(degrees + more, 175.0);
+    return "the camera sees " + short_number(degrees) + " degrees from left to right; if it sees " +
+           short_number(other) + ", all shapes are " +
+           short_number(100 * (1 - width(degrees) / width(other)), 2) + " % too narrow";
 }
 
 }  // namespace touchable

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "engine/import/guess/source_description.hpp"
 #include "engine/scene/camera.hpp"
 
@@ -12,5 +14,9 @@ Camera scaled_camera(const Intrinsics& intrinsics, int width, int height);
 
 /// Square pixels, the axis through the middle; degrees from the left edge to the right one.
 Camera camera_of_fov(double degrees, int width, int height);
+
+/// What is said of a field of view that nobody told: how wide it is taken to be, and what that does to shapes
+/// if it is wrong. Their depth is right all the same, so all is too narrow or too wide for it.
+std::string guessed_field_of_view(double degrees);
 
 }  // namespace touchable

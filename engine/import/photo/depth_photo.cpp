@@ -102,7 +102,7 @@ void PhotoScene::find_camera(const SourceDescription& known) {
               otherwise);
     } else {
         scene.camera = camera_of_fov(usual_fov, width, height);
-        guess("the camera sees " + short_number(usual_fov) + " degrees from left to right", otherwise);
+        guess(guessed_field_of_view(usual_fov), otherwise);
     }
 }
 
