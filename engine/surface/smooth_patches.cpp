@@ -98,6 +98,15 @@ T quantile(std::vector<T> values, double share) {
     return *at;
 }
 
+/// Such a place, as a background has it, tells nothing of levels or noise.
+bool is_one_code(const CodePicture& picture, int left, int top) {
+    const int first = picture.row(top)[left];
+    for (int y = 0; y < SmoothPatches::core; ++y)
+        for (int x = 0; x < SmoothPatches::core; ++x)
+            if (picture.row(top + y)[left + x] != first) return false;
+    return true;
+}
+
 Scene scene_of_mosaic(const Scene& scene) {
     Scene mosaic;
     mosaic.width = mosaic.height = SmoothPatches::side;
@@ -184,6 +193,7 @@ void SmoothPatches::choose(const CodePicture& picture) {
             for (int k = 0; k < 9; ++k) {
                 const int left = border + room_x * (3 * part_x + k % 3) / (3 * parts - 1),
                           top = border + room_y * (3 * part_y + k / 3) / (3 * parts - 1);
+                if (is_one_code(picture, left, top)) continue;
                 const CodePicture* const last[] = {&picture};
                 const Fit fit = fitted(last, left, top);
                 if (!fit.ok || !(fit.of[0] > 0)) continue;

@@ -20,7 +20,7 @@ namespace touchable {
 class SmoothPatches {
 public:
     /// Places are chosen in the last of some pictures of one size: of 8x8 parts of it the smoothest place in
-    /// each, and of these those that are about as smooth as the best.
+    /// each that is not all of one code, and of these those that are about as smooth as the best.
     SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures);
     static constexpr int core = 32, side = 64, most_across = 8;
     /// Pixels along each side of a core whose faces are not looked at: there the fit is less sure.

@@ -248,7 +248,7 @@ TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
     EXPECT_EQ(hash_of(at("c.mkv")), hash_of(at("bare")));
     const std::string told = run_touchable({"info", at("c.mkv")}).out;
     EXPECT_TRUE(says(told, "guessed: 30 frames a second (--scene FILE says otherwise)\n")) << told;
-    EXPECT_TRUE(says(run_touchable({"info", at("bare")}).out, "left to right (--fov DEGREES or --intr"));
+    EXPECT_TRUE(says(run_touchable({"info", at("bare")}).out, "18 % too narrow (--fov DEGREES or --intr"));
 }
 
 TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {

@@ -73,8 +73,9 @@ protected:
 TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
     const auto report = touched({});
     const auto& filters = report["filters"];
-    EXPECT_EQ(filters["median"], 5);
+    EXPECT_EQ(filters["median"], 3);
     EXPECT_EQ(filters["fill_holes"], 2);
+    EXPECT_EQ(filters["terraces"], true);
     EXPECT_EQ(filters["temporal"], true);
     EXPECT_EQ(filters["chosen"], (Words{"median", "fill_holes", "terraces", "temporal", "flying_pixels"}));
     const double sigma = filters["measured"]["noise_at_median"];
@@ -83,7 +84,7 @@ TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
     EXPECT_NE(words.find("(noise 3."), std::string::npos) << words;
     const Outcome said = run_touchable({"touch", clip(), "--seconds", "0.1", "--verbose"});
     EXPECT_NE(said.out.find("  filters "), std::string::npos) << said.out;
-    EXPECT_NE(run_touchable({"info", clip()}).out.find("median 5x5 ("), std::string::npos);
+    EXPECT_NE(run_touchable({"info", clip()}).out.find("median 3x3 ("), std::string::npos);
 }
 
 TEST_F(Filters, OneOptionSaysAllOfThem) {
@@ -122,11 +123,11 @@ TEST_F(Filters, AnExportedFrameStatesThem) {
     const Outcome run =
         run_touchable({"export", clip(), "--frame", "7", "--out", folder / "frame", "--builder", "cpu"});
     ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.err.find("median 5x5 ("), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("median 3x3 ("), std::string::npos) << run.err;
     const auto filter = nlohmann::json::parse(file_contents(folder / "frame/scene.json"))["filter"];
-    EXPECT_EQ(filter["median"], 5);
+    EXPECT_EQ(filter["median"], 3);
     EXPECT_EQ(filter["fill_holes"], 2);
-    EXPECT_EQ(filter["terraces"], "off");
+    EXPECT_EQ(filter["terraces"], "on");
     EXPECT_EQ(filter["temporal"], "on");
     EXPECT_FALSE(touch({folder / "frame", "--seconds", "0.1"})["filters"].contains("chosen"))
         << "measured once is enough";

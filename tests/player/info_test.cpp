@@ -73,7 +73,7 @@ TEST(Info, AdvisesTerraceRemovalWhereStepsAreSteep) {
         EXPECT_NEAR(facts["filters"]["measured"]["level_distance"].get<double>(), step, 1e-9) << bits;
         EXPECT_NEAR(facts["filters"]["measured"]["kappa"].get<double>(), step / (depth * 0.0112 / 4.7), 1e-9)
             << bits;
-        const std::string said = advised ? "terraces (levels" : "codes leave no room";
+        const std::string said = advised ? "terraces (levels" : "none needed (levels";
         EXPECT_NE(run_touchable({"info", clip}).out.find(said), std::string::npos) << bits;
         const auto off = facts_of({"info", clip, "--filters", "off", "--json"});
         EXPECT_EQ(off["filters"]["terraces"], false) << bits;

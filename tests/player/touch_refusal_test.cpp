@@ -79,7 +79,6 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
         {{"--median", "4"}, "--median: '4' will not do; right would be 0 (off), 3 or 5"},
         {{"--fill-holes", "17"}, "--fill-holes: '17' will not do; right would be a whole number, 0 to 16"},
         {{"--terraces", "yes"}, "off, on, auto"},
-        {{"--terraces", "on"}, "filter.terraces is on"},
         {{"--filters", "blur"}, "'blur' will not do"},
         {{"--filters", "flyng=1"}, "'flyng=1' will not do: did you mean flying?"},
         {{"--filters", "off,median"}, "'off' will not do: it stands alone"},

@@ -141,6 +141,18 @@ TEST(SmoothPatches, AreFilteredAsThePictureIs) {
             }
 }
 
+// A background of one code is the smoothest place of all, and says nothing.
+TEST(SmoothPatches, AreNotOfABackgroundOfOneCode) {
+    std::deque<CodePicture> pictures = still_of({.level = 12});
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width / 2; ++x)
+            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] = 3000;
+    const SmoothPatches patches(scene_of_millimetres(), pictures);
+    ASSERT_TRUE(patches.enough());
+    for (const auto& [from, to] : patches.places())
+        EXPECT_GT(from.x + SmoothPatches::core, picture_width / 2);
+}
+
 TEST(SmoothPatches, AreTooFewInASmallPictureAndWithoutDepth) {
     Scene scene = scene_of_millimetres();
     EXPECT_FALSE(SmoothPatches(scene, {}).enough());

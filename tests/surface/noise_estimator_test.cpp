@@ -175,10 +175,11 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
                           }).measured();
     Scene scene = camera_scene();
     choose_filters(measured, all_unstated, scene);
-    EXPECT_EQ(scene.filter.median, 5);
+    EXPECT_EQ(scene.filter.median, 3);
+    EXPECT_EQ(scene.filter.terraces, TerraceRemoval::on);
     EXPECT_EQ(scene.filter.fill_holes, 2);
     EXPECT_TRUE(scene.filter.temporal);
-    EXPECT_EQ(scene.filter.temporal_noise.constant, 1.5 * measured->noise.constant);
+    EXPECT_EQ(scene.filter.temporal_noise.constant, 1.4 * measured->noise.constant);
     EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
     EXPECT_TRUE(validate(scene).ok());
 }
@@ -228,8 +229,8 @@ TEST(FilterChoice, TheMedianIsSmallWhereLevelsAreFarApart) {
         choose_filters(measured, all_unstated, scene);
         return scene.filter;
     };
-    EXPECT_EQ(chosen(1e-5, 2).median, 3);
-    EXPECT_EQ(chosen(1e-5, 30).median, 5);
+    EXPECT_EQ(chosen(1e-5, 2).median, 0);
+    EXPECT_EQ(chosen(1e-5, 30).median, 3);
     EXPECT_EQ(chosen(1e-5, 2).terraces, TerraceRemoval::on);
     EXPECT_NEAR(chosen(1e-5, 2).levels.quadratic, 1e-5, 1e-6);
 }
@@ -280,8 +281,8 @@ struct Recording {
 };
 
 TEST(FilterChoice, OfRealRecordings) {
-    for (const Recording& known : {Recording{"castel_sr300", "castel_sr300", 0, true, false, false},
-                                   {"visp_cube_realsense", "visp_cube_realsense", 5, true, true, true},
+    for (const Recording& known : {Recording{"castel_sr300", "castel_sr300", 0, true, true, false},
+                                   {"visp_cube_realsense", "visp_cube_realsense", 0, true, true, true},
                                    {"stills/redwood5", "redwood5", 3, false, true, false},
                                    {"stills/icl_nuim5", "icl_nuim5", 0, false, false, false}}) {
         TOUCHABLE_NEEDS_DATA(real_data(known.name));
