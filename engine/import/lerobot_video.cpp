@@ -158,6 +158,8 @@ Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, 
         if (!fs::is_regular_file(file, ignored)) continue;
         const bool is_its_own = file.filename() != "info.json";
         auto found = read_description(file, video.path(), is_usual || is_its_own);
+        // Other programs have files of this name, which say nothing of a video that cannot be LeRobot's depth.
+        if (!found && !is_usual) continue;
         if (!found) return found.error();
         if (!*found) continue;
         if (is_usual) return found;

@@ -118,7 +118,8 @@ Result<std::vector<TimedPose>> parse_timed_poses(std::string_view text, const st
     std::vector<TimedPose> poses;
     for (int number = 1; !text.empty(); ++number) {
         const auto end = text.find('\n');
-        const std::string_view line = text.substr(0, std::min(end, text.find('#')));
+        std::string_view line = text.substr(0, end);
+        line = line.substr(0, line.find('#'));
         text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
         const auto numbers = numbers_of_line(line, 8);
         if (numbers && numbers->empty()) continue;

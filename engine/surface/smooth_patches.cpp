@@ -98,15 +98,6 @@ T quantile(std::vector<T> values, double share) {
     return *at;
 }
 
-/// Such a place, as a background has it, tells nothing of levels or noise.
-bool is_one_code(const CodePicture& picture, int left, int top) {
-    const int first = picture.row(top)[left];
-    for (int y = 0; y < SmoothPatches::core; ++y)
-        for (int x = 0; x < SmoothPatches::core; ++x)
-            if (picture.row(top + y)[left + x] != first) return false;
-    return true;
-}
-
 Scene scene_of_mosaic(const Scene& scene) {
     Scene mosaic;
     mosaic.width = mosaic.height = SmoothPatches::side;
@@ -150,7 +141,10 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
     // Of every pixel that has a depth, and lies within the limit of what was fitted before.
     Fit fit;
     double limit = std::numeric_limits<double>::infinity();
+    double least = 0, most = 0;  // of what was visited last
     const auto each = [&](const auto& visit) {
+        least = std::numeric_limits<double>::infinity();
+        most = 0;
         for (const CodePicture* const picture : pictures)
             for (int y = 0; y < core; ++y)
                 for (int x = 0; x < core; ++x) {
@@ -160,7 +154,10 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
                     const double w =
                         is_range ? inverse * scene_.camera.ray_length(left + x, top + y) : inverse;
                     const Terms terms = terms_at(middle_of(x), middle_of(y));
-                    if (std::fabs(w - sum_of(fit.of, terms)) <= limit) visit(terms, w);
+                    if (std::fabs(w - sum_of(fit.of, terms)) > limit) continue;
+                    least = std::min(least, inverse);
+                    most = std::max(most, inverse);
+                    visit(terms, w);
                 }
     };
     for (int round = 0; round < rounds_without_outliers; ++round) {
@@ -171,7 +168,8 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
             ++count;
         });
         const auto found = count >= (1 - most_left_out) * all ? sums.solved() : std::nullopt;
-        if (!found) return {};
+        // A place of one code, as a background has it, tells nothing of levels or noise.
+        if (!found || least == most) return {};
         double squares = 0;
         each([&](const Terms& terms, double w) {
             const double off = w - sum_of(*found, terms);
@@ -193,7 +191,6 @@ void SmoothPatches::choose(const CodePicture& picture) {
             for (int k = 0; k < 9; ++k) {
                 const int left = border + room_x * (3 * part_x + k % 3) / (3 * parts - 1),
                           top = border + room_y * (3 * part_y + k / 3) / (3 * parts - 1);
-                if (is_one_code(picture, left, top)) continue;
                 const CodePicture* const last[] = {&picture};
                 const Fit fit = fitted(last, left, top);
                 if (!fit.ok || !(fit.of[0] > 0)) continue;
@@ -288,7 +285,7 @@ double SmoothPatches::faces_off_deg(const SurfaceFrame& built) const {
     for (std::size_t n = 0; n < patches_.size(); ++n) {
         const Patch& patch = patches_[n];
         if (!patch.fit.ok) continue;
-        const auto& [left, top] = all[n].second;
+        const int left = all[n].second.x, top = all[n].second.y;
         // Of a vertex of the core; 0 where it has no depth.
         const auto w = [&](int x, int y) {
             if (!built.is_valid(left + x, top + y)) return 0.0;

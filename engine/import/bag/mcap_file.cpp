@@ -1,9 +1,13 @@
 #include "engine/import/bag/mcap_file.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <deque>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "engine/import/bag/bag_chunk.hpp"
@@ -32,7 +36,7 @@ public:
     Number number() {
         Number value{};
         const std::string_view bytes = take(sizeof value);
-        std::memcpy(&value, bytes.data(), bytes.size());
+        if (!bytes.empty()) std::memcpy(&value, bytes.data(), bytes.size());
         return value;
     }
     std::string text() { return std::string(take(number<std::uint32_t>())); }
@@ -145,7 +149,8 @@ Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, st
     if (op == McapOp::index && !chunks_.empty()) {
         const auto channel = fields.number<std::uint16_t>();
         const auto size = fields.number<std::uint32_t>();
-        if (fields.is_over() || size > length - 6 || size % index_pair != 0)
+        if (fields.is_over() || size > length - 6 || size % index_pair != 0 ||
+            size / index_pair > chunks_.back().size / (record_head + message_head))
             return damaged("an index of messages is none");
         chunks_.back().indices.push_back({channel, at + 6, size / index_pair});
     }
@@ -153,6 +158,7 @@ Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, st
         const auto channel = fields.number<std::uint16_t>();
         fields.number<std::uint32_t>();
         const auto time = static_cast<std::int64_t>(fields.number<std::uint64_t>());
+        if (!channels_.contains(channel)) return {};  // a channel stands before its messages
         auto& found = chunk == outside ? loose_ : chunks_[chunk].found;
         found.push_back({time, channel, chunk, at - record_head});
     }
@@ -205,7 +211,7 @@ Result<void> McapFile::look_into(std::uint32_t number) {
     const auto bytes = contents(number);
     if (!bytes) return bytes.error();
     if (auto read = records(**bytes, number); !read) return read;
-    if (!chunks_[number].indices.empty()) chunks_[number].found.clear();
+    if (!chunks_[number].indices.empty()) chunks_[number].found = {};
     return {};
 }
 

@@ -106,14 +106,17 @@ constexpr std::size_t packed_head = 12;
 /// Columns, rows, and then RVL. Some cameras leave out what compressed_depth_image_transport writes before
 /// it.
 Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where) {
-    constexpr std::size_t size_bytes = 8, largest_ratio = 50;  // 8 pixels that are 0 take half a byte
+    // A run of pixels that are 0 takes a few bytes, however long it is; others take half a byte and more.
+    constexpr std::size_t size_bytes = 8, largest_ratio = 50, always_possible = std::size_t{1} << 23;
     for (const std::size_t head : {packed_head, std::size_t{0}}) {
         if (bytes.size() < head + size_bytes) continue;
         std::uint32_t size[2] = {0, 0};
         std::memcpy(size, bytes.data() + head, sizeof size);
         const auto [columns, rows] = size;
         const std::uint64_t pixels = std::uint64_t{columns} * rows;
-        if (!check_picture_size(columns, rows, where) || pixels > largest_ratio * bytes.size()) continue;
+        if (!check_picture_size(columns, rows, where) ||
+            pixels > std::max(largest_ratio * bytes.size(), always_possible))
+            continue;
         const auto depths = unpack_rvl(bytes.substr(head + size_bytes), static_cast<std::size_t>(pixels));
         if (!depths) continue;
         StoredImage picture;

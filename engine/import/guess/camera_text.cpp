@@ -1,6 +1,7 @@
 #include "engine/import/guess/camera_text.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -18,7 +19,7 @@ namespace {
 
 using checked_json::Json;
 
-constexpr std::size_t most_cameras = 64;
+constexpr std::size_t most_cameras = 64, longest_name = 200;
 
 bool is_side(double pixels) {
     return pixels >= 1 && pixels <= 16384;
@@ -31,14 +32,14 @@ std::vector<double> numbers_in(std::string_view text) {
     while (at < end) {
         const bool begins = (*at >= '0' && *at <= '9') || *at == '-' || *at == '.';
         const bool in_word = at > text.data() && std::isalnum(static_cast<unsigned char>(at[-1])) != 0;
-        double number = 0;
-        const auto [after, failure] = std::from_chars(at, end, number);
-        if (!begins || in_word || failure != std::errc()) {
+        if (!begins || in_word) {
             ++at;
             continue;
         }
-        numbers.push_back(number);
-        at = after;
+        double number = 0;
+        const auto [after, failure] = std::from_chars(at, end, number);
+        if (failure == std::errc()) numbers.push_back(number);
+        at = std::max(after, at + 1);
     }
     return numbers;
 }
@@ -146,6 +147,7 @@ void CamerasInJson::look_at(const Json& json, const std::string& name, int width
     for (const char* member : {"name", "camera_name", "rostopic"})
         if (json.contains(member) && json[member].is_string())
             own_name += ' ' + json[member].get<std::string>();
+    own_name = own_name.substr(0, longest_name);
     if (auto camera = intrinsics(json)) {
         camera->width = width;
         camera->height = height;

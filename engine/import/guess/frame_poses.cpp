@@ -146,6 +146,7 @@ std::vector<fs::path> pose_files_in(const fs::path& folder) {
 
 std::optional<FoundPoses> poses_beside(const fs::path& folder, const PictureFiles& depth,
                                        const FrameRate& rate, double metres_per_unit) {
+    std::optional<FoundPoses> not_understood;
     for (const fs::path& file : pose_files_in(folder)) {
         const std::string name = file.filename().string(), extension = file.extension().string();
         const auto text = read_given_file(file, file.string(), "poses of the camera",
@@ -154,7 +155,12 @@ std::optional<FoundPoses> poses_beside(const fs::path& folder, const PictureFile
                    : extension == ".json" ? poses_of_record3d(*text, name, metres_per_unit)
                    : extension == ".log"  ? poses_of_log(*text, name, metres_per_unit)
                                           : poses_of_tum(*text, name, depth, rate, metres_per_unit);
-        if (!row) return FoundPoses{{}, file, "poses of the camera are not read: " + row.error().message};
+        if (!row) {
+            if (!not_understood)
+                not_understood =
+                    FoundPoses{{}, file, "poses of the camera are not read: " + row.error().message};
+            continue;
+        }
         if (row->size() > depth.count()) row->resize(depth.count());
         FoundPoses found{{std::move(*row)}, file};
         if (found.path.known() == 0) continue;
@@ -162,7 +168,7 @@ std::optional<FoundPoses> poses_beside(const fs::path& folder, const PictureFile
                        std::to_string(depth.count()) + " frames, by " + name;
         return found;
     }
-    return {};
+    return not_understood;
 }
 
 }  // namespace touchable
