@@ -170,13 +170,15 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
         const auto found = count >= (1 - most_left_out) * all ? sums.solved() : std::nullopt;
         // A place of one code, as a background has it, tells nothing of levels or noise.
         if (!found || least == most) return {};
-        double squares = 0;
+        double squares = 0, farthest = 0;
         each([&](const Terms& terms, double w) {
             const double off = w - sum_of(*found, terms);
             squares += off * off;
+            farthest = std::max(farthest, std::fabs(off));
         });
         fit = {*found, std::sqrt(squares / count), true};
         limit = outlier_per_residual * fit.residual;
+        if (round == 0 && farthest <= limit) break;  // nothing is left out, so all rounds are the same
     }
     return fit;
 }
