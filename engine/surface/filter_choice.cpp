@@ -32,9 +32,12 @@ DepthLength flat_within(const MeasuredDepth& measured) {
     return DepthLength{1, 1 / (measured.median * measured.median)}.times(0.5 * length);
 }
 
-bool may_be_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
-                  const FilterSettings& stated) {
-    return measured.from_a_camera() && unstated.median && unstated.terraces && stated.levels == DepthLength{} && !measured.tried.empty();
+/// Null: nothing was tried that may be chosen.
+const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
+                                  const FilterSettings& filter) {
+    const bool is_open = unstated.median && unstated.terraces && filter.levels == DepthLength{};
+    return is_open && measured.from_a_camera() ? mildest_of_the_best(measured.tried, filter.temporal)
+                                               : nullptr;
 }
 
 /// Where nothing was tried.
@@ -64,11 +67,11 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
         if (filter.terraces == TerraceRemoval::automatic) filter.terraces = TerraceRemoval::off;
         return;
     }
-    if (may_be_tried(*measured, unstated, filter)) {
-        const TriedFilters& best = mildest_of_the_best(measured->tried);
-        filter.median = best.median;
-        filter.terraces = best.terraces ? TerraceRemoval::on : TerraceRemoval::off;
-        filter.levels = best.levels;
+    if (unstated.temporal) filter.temporal = measured->is_noisy(scene.width);
+    if (const TriedFilters* const best = best_of_tried(*measured, unstated, filter)) {
+        filter.median = best->median;
+        filter.terraces = best->terraces ? TerraceRemoval::on : TerraceRemoval::off;
+        filter.levels = best->levels;
     } else {
         choose_smoothing_by_rule(*measured, unstated, scene);
     }
@@ -78,7 +81,6 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
                                    : DepthLength{};
     if (unstated.fill_holes)
         filter.fill_holes = measured->tiny_holes >= MeasuredDepth::some_tiny_holes ? passes : 0;
-    if (unstated.temporal) filter.temporal = measured->is_noisy(scene.width);
     if (filter.temporal && filter.temporal_noise == DepthLength{})
         filter.temporal_noise = stated_noise(measured->noise, filter.median);
 }

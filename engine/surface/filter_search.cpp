@@ -57,20 +57,30 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
     const double depth = patches.median_depth();
     const DepthLength codes = code_step(patches.mosaic_scene().depth),
                       least = least_step(levels, codes, patches.roughness(), depth);
+    const auto with = [&](Scene scene, double harshness) {
+        const auto keep = [&] {
+            const FilterSettings& filter = scene.filter;
+            tried.push_back({filter.temporal, filter.median, filter.terraces == TerraceRemoval::on,
+                             filter.levels, harshness, left_by(scene, patches)});
+        };
+        keep();
+        if (noise == DepthLength{}) return;
+        scene.filter.temporal = true;
+        scene.filter.temporal_noise = stated_noise(noise, scene.filter.median);
+        keep();
+    };
     for (const int median : {0, 3, 5}) {
         Scene scene = patches.mosaic_scene();
         scene.filter.median = median;
-        scene.filter.temporal = !(noise == DepthLength{});
-        scene.filter.temporal_noise = stated_noise(noise, median);
         const double harshness = harshness_of_median[median];
-        tried.push_back({median, false, {}, harshness, left_by(scene, patches)});
+        with(scene, harshness);
         scene.filter.terraces = TerraceRemoval::on;
         for (const double factor : per_least_step) {
             scene.filter.levels = least.times(factor);
             if (factor > most_after_median[median] || !has_working_codes(scene) ||
                 scene.filter.levels.at(depth) < std::max(levels.at(depth), codes.at(depth)))
                 continue;
-            tried.push_back({median, true, scene.filter.levels, harshness + factor, left_by(scene, patches)});
+            with(scene, harshness + factor);
         }
     }
     std::stable_sort(tried.begin(), tried.end(),
@@ -81,29 +91,31 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
 std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const DepthLength& levels) {
     Scene scene = patches.mosaic_scene();
     if (!patches.enough()) return {};
-    std::vector<TriedFilters> tried{{0, false, {}, 0, left_by(scene, patches)}};
+    std::vector<TriedFilters> tried(1);
+    tried[0].left_deg = left_by(scene, patches);
     scene.filter.terraces = TerraceRemoval::on;
     scene.filter.levels = levels;
-    if (has_working_codes(scene))
-        tried.push_back({0, true, levels, 1, left_by(scene, patches)});
+    if (has_working_codes(scene)) tried.push_back({false, 0, true, levels, 1, left_by(scene, patches)});
     return tried;
 }
 
 const TriedFilters* found_among(const std::vector<TriedFilters>& tried, const FilterSettings& filter) {
     const bool removed = filter.terraces == TerraceRemoval::on;
     for (const TriedFilters& one : tried)
-        if (one.median == filter.median && one.terraces == removed &&
+        if (one.temporal == filter.temporal && one.median == filter.median && one.terraces == removed &&
             (!removed || one.levels == filter.levels))
             return &one;
     return nullptr;
 }
 
-const TriedFilters& mildest_of_the_best(const std::vector<TriedFilters>& tried) {
+const TriedFilters* mildest_of_the_best(const std::vector<TriedFilters>& tried, bool temporal) {
     double best = 180;
-    for (const TriedFilters& one : tried) best = std::min(best, one.left_deg);
+    for (const TriedFilters& one : tried)
+        if (one.temporal == temporal) best = std::min(best, one.left_deg);
     const double enough = std::max(good_deg, as_good * best);
-    return *std::find_if(tried.begin(), tried.end(),
-                         [&](const TriedFilters& one) { return one.left_deg <= enough; });
+    for (const TriedFilters& one : tried)
+        if (one.temporal == temporal && one.left_deg <= enough) return &one;
+    return nullptr;
 }
 
 }  // namespace touchable

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/surface/fitted_length.hpp"
 #include "engine/surface/flying_pixels.hpp"
 
 namespace touchable {
@@ -35,33 +36,6 @@ double least_of_class(std::size_t number) {
     if (number < 4) return static_cast<double>(number);
     const std::size_t shift = (number - 4) / 4;
     return std::ldexp(static_cast<double>(number - 4 * shift), static_cast<int>(shift));
-}
-
-/// A length at a depth, and how much it counts.
-struct Point {
-    double depth, length, weight;
-};
-
-/// constant + quadratic depth^2 with the least squares of relative errors; neither is negative.
-DepthLength fitted(const std::vector<Point>& points) {
-    double ones = 0, squares = 0, fourths = 0, lengths = 0, products = 0;
-    for (const Point& point : points) {
-        const double weight = point.weight / (point.length * point.length), z2 = point.depth * point.depth;
-        ones += weight;
-        squares += weight * z2;
-        fourths += weight * z2 * z2;
-        lengths += weight * point.length;
-        products += weight * z2 * point.length;
-    }
-    if (points.empty()) return {};
-    const double determinant = ones * fourths - squares * squares;
-    if (determinant > 1e-9 * ones * fourths) {
-        const double constant = (lengths * fourths - products * squares) / determinant;
-        const double quadratic = (ones * products - squares * lengths) / determinant;
-        if (constant >= 0 && quadratic >= 0) return {constant, quadratic};
-        if (constant < 0) return {0, products / fourths};
-    }
-    return {lengths / ones, 0};
 }
 
 }  // namespace
@@ -190,7 +164,7 @@ void NoiseEstimator::add(CodePicture picture) {
 }
 
 DepthLength NoiseEstimator::noise(Place place) const {
-    std::vector<Point> points;
+    std::vector<LengthAtDepth> points;
     std::int64_t all = 0, noisy = 0;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
@@ -205,11 +179,11 @@ DepthLength NoiseEstimator::noise(Place place) const {
             {window.depth, window.step * std::sqrt(-means.product), static_cast<double>(means.count)});
     }
     if (2 * noisy < all) return {};
-    return fitted(points);
+    return fitted_length(points);
 }
 
 DepthLength NoiseEstimator::roughness() const {
-    std::vector<Point> points;
+    std::vector<LengthAtDepth> points;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
         // Six times the depth: of a code alone the sum of bends is as much off.
@@ -219,7 +193,7 @@ DepthLength NoiseEstimator::roughness() const {
         points.push_back(
             {window.depth, window.step * std::sqrt(means.square / 36), static_cast<double>(means.count)});
     }
-    return fitted(points);
+    return fitted_length(points);
 }
 
 double NoiseEstimator::dropouts() const {

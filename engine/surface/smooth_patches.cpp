@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/surface/fitted_length.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -264,18 +265,14 @@ double SmoothPatches::median_depth() const {
 }
 
 DepthLength SmoothPatches::roughness() const {
-    std::vector<double> constant, quadratic;
+    std::vector<LengthAtDepth> lengths;
     for (const Patch& patch : patches_) {
-        if (!patch.fit.ok) continue;
+        if (!patch.fit.ok || !(patch.fit.residual > 0)) continue;
         const double depth = 1 / patch.fit.of[0];
-        quadratic.push_back(patch.fit.residual);  // an error e of w is one of e depth^2
-        constant.push_back(patch.fit.residual * depth * depth);
+        lengths.push_back(
+            {depth, patch.fit.residual * depth * depth, 1});  // an error e of w is one of e depth^2
     }
-    if (constant.empty()) return {};
-    // What is more alike at all depths.
-    const auto spread = [](const std::vector<double>& of) { return quantile(of, 0.8) / quantile(of, 0.2); };
-    if (spread(constant) < spread(quadratic)) return {quantile(constant, 0.5), 0};
-    return {0, quantile(quadratic, 0.5)};
+    return fitted_length(lengths);
 }
 
 double SmoothPatches::faces_off_deg(const SurfaceFrame& built) const {

@@ -14,11 +14,11 @@ Json length(const DepthLength& value) {
     return {value.constant, value.quadratic};
 }
 
-/// What median and terrace removal leave on smooth places of the clip.
+/// What filters leave on smooth places of the clip.
 Json tried_json(const std::vector<TriedFilters>& tried) {
     Json out = Json::array();
     for (const TriedFilters& one : tried) {
-        Json filters{{"median", one.median}, {"terraces", one.terraces}};
+        Json filters{{"temporal", one.temporal}, {"median", one.median}, {"terraces", one.terraces}};
         if (one.terraces) filters["levels"] = length(one.levels);
         filters["left_degrees"] = one.left_deg;
         out.push_back(std::move(filters));

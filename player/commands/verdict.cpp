@@ -33,7 +33,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
     const auto* const measured = facts.measured ? &*facts.measured : nullptr;
     const TriedFilters* const now = measured ? found_among(measured->tried, facts.scene.filter) : nullptr;
     const TriedFilters* const best =
-        measured && !measured->tried.empty() ? &mildest_of_the_best(measured->tried) : nullptr;
+        measured ? mildest_of_the_best(measured->tried, measured->is_noisy(facts.scene.width)) : nullptr;
     if (now && best && now->left_deg > rough_deg && best->left_deg < worth_while * now->left_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro, and " +
                degrees(best->left_deg) + " with other filters: touchable play " + clip + " --filters auto";

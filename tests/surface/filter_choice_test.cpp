@@ -107,10 +107,10 @@ TEST(ChosenFilters, TheMildestOfTheBestThatWereTriedOnTheRecording) {
     MeasuredDepth measured = of_a_camera();
     measured.roughness = 2;
     measured.kappa = 1;
-    measured.tried = {{0, false, {}, 0, 30},
-                      {0, true, {4, 0}, 0.7, 4.1},
-                      {3, true, {4, 0}, 1.05, 4},
-                      {5, true, {6, 0}, 1.9, 3.99}};
+    measured.noise = {1, 0};
+    measured.tried = {{true, 0, false, {}, 0, 30},        {true, 0, true, {4, 0}, 0.7, 4.1},
+                      {true, 3, true, {4, 0}, 1.05, 4},   {true, 5, true, {6, 0}, 1.9, 3.99},
+                      {false, 0, true, {4, 0}, 0.7, 9.1}, {false, 3, true, {4, 0}, 1.05, 7}};
     EXPECT_EQ(chosen_by(measured).median, 0);
     EXPECT_EQ(chosen_by(measured).terraces, TerraceRemoval::on);
     EXPECT_EQ(chosen_by(measured).levels, (DepthLength{4, 0}));
@@ -123,6 +123,13 @@ TEST(ChosenFilters, TheMildestOfTheBestThatWereTriedOnTheRecording) {
     choose_filters(measured, unstated, scene);
     EXPECT_EQ(scene.filter.median, 5);
     EXPECT_EQ(scene.filter.levels, DepthLength{}) << "as measured";
+    // Where the scene states that nothing is averaged, what was tried without averaging counts.
+    scene = open_scene();
+    unstated = all_unstated;
+    unstated.temporal = false;
+    choose_filters(measured, unstated, scene);
+    EXPECT_FALSE(scene.filter.temporal);
+    EXPECT_EQ(scene.filter.median, 3);
 }
 
 TEST(ChosenFilters, TwoPassesOfHoleFillingFromATenThousandthOfTinyHolesOn) {

@@ -168,17 +168,34 @@ TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
     const SmoothPatches patches(scene_of_millimetres(), still_of({.noise = 4, .strays = true}));
     const auto tried = tried_filters(patches, {}, {});
     ASSERT_GT(tried.size(), 10U);
-    const TriedFilters& best = mildest_of_the_best(tried);
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
     EXPECT_GT(unfiltered(tried).left_deg, 30);
     EXPECT_LT(best.left_deg, 6);
     EXPECT_TRUE(best.terraces);
     for (std::size_t n = 1; n < tried.size(); ++n) EXPECT_GE(tried[n].harshness, tried[n - 1].harshness);
 }
 
+TEST(FilterSearch, TriesAllWithAndWithoutAveragingWhatIsNoisyFromFrameToFrame) {
+    std::deque<CodePicture> pictures;
+    for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+        pictures.push_back(Wall{.noise = 4}.picture(n));
+    const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {4, 0});
+    for (const TriedFilters& one : tried) {
+        FilterSettings filter{.median = one.median, .levels = one.levels, .temporal = !one.temporal};
+        filter.terraces = one.terraces ? TerraceRemoval::on : TerraceRemoval::off;
+        const TriedFilters* const other = found_among(tried, filter);
+        ASSERT_NE(other, nullptr);
+        if (one.temporal) {
+            EXPECT_LT(one.left_deg, other->left_deg) << one.harshness;
+        }
+    }
+    EXPECT_LT(mildest_of_the_best(tried, true)->left_deg, mildest_of_the_best(tried, false)->left_deg);
+}
+
 TEST(FilterSearch, TakesLevelsThatWereSeenForWhatTheyAre) {
     const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
     const auto tried = tried_filters(patches, {0, 12e-6}, {});
-    const TriedFilters& best = mildest_of_the_best(tried);
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
     EXPECT_EQ(best.median, 0);
     EXPECT_TRUE(best.terraces);
     EXPECT_GE(best.levels.quadratic, 12e-6);
@@ -199,7 +216,7 @@ TEST(FilterSearch, LeavesASmoothWallAlone) {
                 static_cast<int>(20 * 1000 / (1 - 0.3 * (x - 159.5) / 300) + 0.5);
     const auto tried = tried_filters(SmoothPatches(scene, pictures), {}, {});
     ASSERT_FALSE(tried.empty());
-    const TriedFilters& best = mildest_of_the_best(tried);
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
     EXPECT_EQ(best.median, 0);
     EXPECT_FALSE(best.terraces);
 }
