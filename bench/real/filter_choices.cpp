@@ -1,18 +1,9 @@
 #include "bench/real/filter_choices.hpp"
 
-#include <optional>
-
-#include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/filter_choice.hpp"
 
 namespace touchable {
 namespace {
-
-std::optional<MeasuredDepth> measured(const std::vector<RawFrame>& first, const Scene& scene) {
-    DepthEstimator estimator(scene);
-    for (std::size_t n = 0; n < first.size() && !estimator.enough(); ++n) estimator.add(first[n]);
-    return estimator.measured();
-}
 
 template <int median, bool temporal, bool terraces>
 Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
@@ -23,7 +14,7 @@ Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter.temporal_noise = noise;
     if (terraces) {
         scene.filter.terraces = TerraceRemoval::on;
-        if (const auto depth = measured(first, scene)) scene.filter.levels = depth->levels;
+        if (const auto depth = measured_depth(first, scene)) scene.filter.levels = depth->levels;
     }
     return scene;
 }
@@ -37,9 +28,15 @@ Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
 
 }  // namespace
 
+std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, const Scene& scene) {
+    DepthEstimator estimator(scene);
+    for (std::size_t n = 0; n < first.size() && !estimator.enough(); ++n) estimator.add(first[n]);
+    return estimator.measured();
+}
+
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter = {};
-    choose_filters(measured(first, scene), all_unstated, scene);
+    choose_filters(measured_depth(first, scene), all_unstated, scene);
     return scene;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 
@@ -14,6 +16,9 @@ struct FilterChoice {
     /// The scene with these filters, set up by what its first frames tell.
     Scene (*of)(const std::vector<RawFrame>& first, Scene scene);
 };
+
+/// What the program measures of the first frames.
+std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, const Scene& scene);
 
 /// The choice of the program where nothing is stated.
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene);

@@ -52,6 +52,9 @@ void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recordi
     add(cases, recording.name, patches, quick);
     cases.push_back({"real-forms-" + recording.name,
                      [patches, quick](Figures& figures) { return patches->measure_forms(quick, figures); }});
+    cases.push_back({"real-left-out-" + recording.name, [patches, quick](Figures& figures) {
+                         return patches->measure_left_out(quick, figures);
+                     }});
 }
 
 /// Of cameras that nobody makes: what the program chooses, against what an exhaustive search finds.

@@ -107,4 +107,49 @@ Result<void> RecordingPatches::measure_forms(bool quick, Figures& figures) {
     return {};
 }
 
+Result<double> RecordingPatches::force_angle_deg(const Scene& scene, std::size_t first) const {
+    std::vector<RawFrame> raws;
+    for (std::size_t n = first; n < raws_.size(); n += 2) raws.push_back(raws_[n]);
+    const auto frames = built(scene, raws);
+    if (!frames.ok()) return frames.error();
+    PressErrors errors;
+    for (std::size_t n = 0; n < frames->size(); ++n)
+        if (auto done = errors.press(scene, (*frames)[n], planes_[first + 2 * n]); !done.ok())
+            return done.error();
+    return errors.angle_deg_rms();
+}
+
+Result<void> RecordingPatches::measure_left_out(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done.ok()) return done;
+    double chosen_squares = 0, best_squares = 0;
+    for (const std::size_t left_out : {0U, 1U}) {
+        std::vector<RawFrame> seen;
+        for (std::size_t n = 1 - left_out; n < raws_.size(); n += 2) seen.push_back(raws_[n]);
+        const Scene chosen = chosen_filters(seen, *scene_);
+        const auto angle = force_angle_deg(chosen, left_out);
+        if (!angle.ok()) return angle.error();
+        double best = *angle;
+        const auto measured = measured_depth(seen, *scene_);
+        if (!measured) return Error{ErrorKind::check, recording_.name + ": no depth"};
+        for (const TriedFilters& tried : measured->tried) {
+            if (tried.temporal != chosen.filter.temporal) continue;
+            Scene scene = chosen;
+            scene.filter.median = tried.median;
+            scene.filter.terraces = tried.terraces ? TerraceRemoval::on : TerraceRemoval::off;
+            scene.filter.levels = tried.levels;
+            if (tried.temporal) scene.filter.temporal_noise = stated_noise(measured->noise, tried.median);
+            const auto with = force_angle_deg(scene, left_out);
+            if (!with.ok()) return with.error();
+            best = std::min(best, *with);
+        }
+        chosen_squares += *angle * *angle;
+        best_squares += best * best;
+    }
+    figures.push_back({"force_angle_deg_chosen", std::sqrt(chosen_squares / 2), "deg"});
+    figures.push_back({"force_angle_deg_best", std::sqrt(best_squares / 2), "deg"});
+    figures.push_back({"times_best", std::sqrt(chosen_squares / best_squares), ""});
+    return {};
+}
+
 }  // namespace touchable

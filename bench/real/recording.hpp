@@ -41,8 +41,15 @@ public:
     /// (depth_forms): force_angle_deg_png, ...; forms_apart_deg, the worst less the best.
     Result<void> measure_forms(bool quick, Figures& figures);
 
+    /// What is chosen by every second frame, on the frames between them: the filters that the program
+    /// chooses, and the best of those that it tried: force_angle_deg_chosen, force_angle_deg_best, and the
+    /// one over the other, times_best. Each half is left out once.
+    Result<void> measure_left_out(bool quick, Figures& figures);
+
 private:
     Result<void> read(bool quick);
+    /// Of every second frame from `first` on, RMS.
+    Result<double> force_angle_deg(const Scene& scene, std::size_t first) const;
 
     CameraRecording recording_;
     std::optional<Scene> scene_;  // once it is read
