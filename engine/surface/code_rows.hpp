@@ -45,6 +45,10 @@ public:
 
     /// All codes and validity of a frame. No allocation where `out` has had the size.
     void make_all(const RawFrame& raw, RowBands& bands, SurfaceFrame& out, const BandFinished& finished = {});
+    /// Of a frame that nobody is shown no more than what later ones remember of it; `scratch` is any frame.
+    virtual void remember(const RawFrame& raw, RowBands& bands, SurfaceFrame& scratch) {
+        make_all(raw, bands, scratch);
+    }
 };
 
 /// Lines as they are.

@@ -1,7 +1,5 @@
 #include "engine/surface/depth_estimator.hpp"
 
-#include <utility>
-
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -28,11 +26,11 @@ DepthEstimator::DepthEstimator(const Scene& scene)
     : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
 
 void DepthEstimator::add(const RawFrame& frame) {
-    CodePicture picture = code_picture(frame.depth, scene_.depth);
+    const CodePicture picture = code_picture(frame.depth, scene_.depth);
     levels_.add(picture);
-    last_.push_back(picture);
+    last_.push_back(SmoothPatches::cropped(picture));
     if (last_.size() > SmoothPatches::frames) last_.pop_front();
-    noise_.add(std::move(picture));
+    noise_.add(picture);
     ++added_;
 }
 

@@ -59,7 +59,7 @@ private:
     const Scene scene_;
     LevelEstimator levels_;
     NoiseEstimator noise_;
-    std::deque<CodePicture> last_;
+    std::deque<CodePicture> last_;  // cropped
     int added_ = 0;
 };
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "engine/scene/working_codes.hpp"
-#include "engine/surface/surface_builder.hpp"
+#include "engine/surface/code_filters.hpp"
+#include "engine/surface/filter_plan.hpp"
 
 namespace touchable {
 namespace {
@@ -35,12 +36,15 @@ DepthLength least_step(const DepthLength& levels, const DepthLength& codes, cons
 
 /// Of the last mosaic.
 double left_by(const Scene& scene, const SmoothPatches& patches) {
-    const auto builder = make_cpu_builder(scene);
+    const FilterPlan plan(scene);
+    const auto filters = make_code_filters(plan, usable_vector_units().front());
+    RowBands alone(1);
     SurfaceFrame built;
     const std::vector<RawFrame>& mosaics = patches.mosaics();
-    const std::size_t first = scene.filter.temporal ? 0 : mosaics.size() - 1;
-    for (std::size_t n = first; n < mosaics.size(); ++n)
-        if (!builder->build(mosaics[n], built)) return 60;
+    if (plan.remembers())
+        for (std::size_t n = 0; n + 1 < mosaics.size(); ++n) filters->remember(mosaics[n], alone, built);
+    filters->make_all(mosaics.back(), alone, built);
+    built.coding = plan.coding();
     return patches.faces_off_deg(built);
 }
 

@@ -23,6 +23,18 @@ int row_step(const CodePicture& picture) {
         std::max<std::int64_t>(1, std::int64_t{picture.width} * picture.height / enough_pixels));
 }
 
+/// The rows that are looked at, and those beside them.
+CodePicture kept_rows(const CodePicture& picture) {
+    const int step = row_step(picture);
+    if (step <= 3) return picture;
+    CodePicture kept{picture.width, 0, {}};
+    for (int y = 1; y < picture.height - 1; y += step) {
+        kept.codes.insert(kept.codes.end(), picture.row(y - 1), picture.row(y + 2));
+        kept.height += 3;
+    }
+    return kept;
+}
+
 /// By the highest three bits: 4 n + the two below the highest.
 std::size_t size_class(int size) {
     if (size < 4) return static_cast<std::size_t>(size);
@@ -136,8 +148,8 @@ void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
 }
 
 void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePicture& here,
-                                     const CodePicture& after) {
-    for (int y = 1; y < here.height - 1; y += row_step(here))
+                                     const CodePicture& after, int step) {
+    for (int y = 1; y < here.height - 1; y += step)
         for (int x = 1; x < here.width - 1; ++x) {
             const int a = before.row(y)[x], b = here.row(y)[x], c = after.row(y)[x];
             if (a == CodePicture::invalid || c == CodePicture::invalid) continue;
@@ -153,14 +165,13 @@ void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePictur
         }
 }
 
-void NoiseEstimator::add(CodePicture picture) {
+void NoiseEstimator::add(const CodePicture& picture) {
     for (int y = 1; y < picture.height - 1; y += row_step(picture))
         for (int x = 1; x < picture.width - 1; ++x) look_at_pixel(picture, x, y);
-    if (last_.size() == 2) {
-        look_at_changes(last_[0], last_[1], picture);
-        last_.erase(last_.begin());
-    }
-    last_.push_back(std::move(picture));
+    last_.push_back(kept_rows(picture));
+    if (last_.size() < 3) return;
+    look_at_changes(last_[0], last_[1], last_[2], std::min(row_step(picture), 3));
+    last_.erase(last_.begin());
 }
 
 DepthLength NoiseEstimator::noise(Place place) const {

@@ -38,8 +38,8 @@ public:
     /// Depths that differ by no more than this share, 1/50, are one surface, as far as flying pixels go.
     static constexpr int flat_share = 50;
 
-    /// The next frame. All have the same size.
-    void add(CodePicture picture);
+    /// The next frame. All have the same size. Of a large one only the rows that are looked at are kept.
+    void add(const CodePicture& picture);
 
     enum class Place { flat, edge, rim };  ///< rim: beside an invalid pixel
     /// Standard deviation of a depth from frame to frame, scene units. Of a quantity that goes up and down
@@ -65,7 +65,9 @@ private:
     Place place_of(const CodePicture& picture, int x, int y) const;
     bool flies(const CodePicture& picture, int x, int y) const;
     void look_at_pixel(const CodePicture& picture, int x, int y);
-    void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after);
+    /// Of pictures of which every `step`th row is looked at.
+    void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after,
+                         int step);
     const Window& window_of(int code) const;
 
     std::vector<Window> windows_;

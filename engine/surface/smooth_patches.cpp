@@ -75,6 +75,24 @@ struct LeastSquares {
     }
 };
 
+/// Along a side, where the 64 pixels of the n-th place begin.
+constexpr int places_of_a_side = 3 * parts;
+int begin_of_place(int n, int length) {
+    return (length - SmoothPatches::side) * n / (places_of_a_side - 1);
+}
+
+/// How many of the pixels before `at` lie in a place.
+int kept_before(int at, int length) {
+    if (length <= places_of_a_side * SmoothPatches::side) return at;
+    int kept = 0, end = 0;
+    for (int n = 0; n < places_of_a_side; ++n) {
+        const int begin = begin_of_place(n, length);
+        kept += std::max(0, std::min(begin + SmoothPatches::side, at) - std::max(begin, end));
+        end = begin + SmoothPatches::side;
+    }
+    return kept;
+}
+
 double middle_of(int pixel) {
     return (pixel - (SmoothPatches::core - 1) / 2.0) / pixels_of_a_unit;
 }
@@ -135,6 +153,30 @@ SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& 
     }
 }
 
+CodePicture SmoothPatches::cropped(const CodePicture& picture) {
+    const int width = picture.width, height = picture.height;
+    if (width < side || height < side) return picture;
+    CodePicture kept{kept_before(width, width), kept_before(height, height), {}};
+    if (kept.width == width && kept.height == height) return picture;
+    kept.codes.reserve(static_cast<std::size_t>(kept.width) * static_cast<std::size_t>(kept.height));
+    for (int y = 0; y < height; ++y) {
+        if (kept_before(y + 1, height) == kept_before(y, height)) continue;
+        int end = 0;
+        for (int n = 0; n < places_of_a_side; ++n) {
+            const int begin = begin_of_place(n, width);
+            const int* const row = picture.row(y);
+            kept.codes.insert(kept.codes.end(), row + std::max(begin, end), row + begin + side);
+            end = begin + side;
+        }
+    }
+    return kept;
+}
+
+/// From a pixel of a place on, in what was kept of the picture.
+const int* SmoothPatches::row_of(const CodePicture& picture, int x, int y) const {
+    return picture.row(kept_before(y, scene_.height)) + kept_before(x, scene_.width);
+}
+
 SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pictures, int left,
                                          int top) const {
     const bool is_range = scene_.depth.semantics == DepthSemantics::range;
@@ -147,9 +189,10 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
         least = std::numeric_limits<double>::infinity();
         most = 0;
         for (const CodePicture* const picture : pictures)
-            for (int y = 0; y < core; ++y)
+            for (int y = 0; y < core; ++y) {
+                const int* const row = row_of(*picture, left, top + y);
                 for (int x = 0; x < core; ++x) {
-                    const int code = picture->row(top + y)[left + x];
+                    const int code = row[x];
                     if (code == CodePicture::invalid) continue;
                     const double inverse = inverse_of_code_[static_cast<std::size_t>(code)];
                     const double w =
@@ -160,6 +203,7 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
                     most = std::max(most, inverse);
                     visit(terms, w);
                 }
+            }
     };
     for (int round = 0; round < rounds_without_outliers; ++round) {
         LeastSquares sums;
@@ -185,15 +229,15 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
 }
 
 void SmoothPatches::choose(const CodePicture& picture) {
-    const int room_x = picture.width - side, room_y = picture.height - side;
-    if (room_x < 0 || room_y < 0) return;
+    const int width = scene_.width, height = scene_.height;
+    if (width < side || height < side) return;
     std::vector<std::pair<double, Patch>> best;
     for (int part_y = 0; part_y < parts; ++part_y)
         for (int part_x = 0; part_x < parts; ++part_x) {
             std::optional<std::pair<double, Patch>> found;
             for (int k = 0; k < 9; ++k) {
-                const int left = border + room_x * (3 * part_x + k % 3) / (3 * parts - 1),
-                          top = border + room_y * (3 * part_y + k / 3) / (3 * parts - 1);
+                const int left = border + begin_of_place(3 * part_x + k % 3, width),
+                          top = border + begin_of_place(3 * part_y + k / 3, height);
                 const CodePicture* const last[] = {&picture};
                 const Fit fit = fitted(last, left, top);
                 if (!fit.ok || !(fit.of[0] > 0)) continue;
@@ -231,7 +275,7 @@ RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
     for (int n = 0; n < static_cast<int>(patches_.size()); ++n) {
         const Patch& patch = patches_[static_cast<std::size_t>(n)];
         for (int y = 0; y < side; ++y) {
-            const int* from = picture.row(patch.y - border + y) + patch.x - border;
+            const int* from = row_of(picture, patch.x - border, patch.y - border + y);
             std::uint16_t* to = codes->data() + place(n % across * side, n / across * side + y);
             for (int x = 0; x < side; ++x)
                 to[x] = from[x] == CodePicture::invalid ? none : static_cast<std::uint16_t>(from[x]);

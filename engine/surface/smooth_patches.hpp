@@ -20,8 +20,11 @@ namespace touchable {
 class SmoothPatches {
 public:
     /// Places are chosen in the last of some pictures of one size: of 8x8 parts of it the smoothest place in
-    /// each that is not all of one code, and of these those that are about as smooth as the best.
+    /// each that is not all of one code, and of these those that are about as smooth as the best. Of the
+    /// pictures only what `cropped` leaves.
     SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures);
+    /// The columns and rows in which a place can lie: of a side that is longer, 1536 at most.
+    static CodePicture cropped(const CodePicture& picture);
     static constexpr int core = 32, side = 64, most_across = 8;
     /// Pixels along each side of a core whose faces are not looked at: there the fit is less sure.
     static constexpr int margin = 8;
@@ -65,6 +68,7 @@ private:
 
     /// To the same core in one picture, or several.
     Fit fitted(std::span<const CodePicture* const> pictures, int left, int top) const;
+    const int* row_of(const CodePicture& picture, int x, int y) const;
     void choose(const CodePicture& picture);
     void fit_to_all(const std::deque<CodePicture>& pictures);
     RawFrame mosaic(const CodePicture& picture) const;

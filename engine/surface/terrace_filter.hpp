@@ -20,6 +20,9 @@ public:
     void begin(const RawFrame& raw, RowBands& bands) override;
     /// Finer codes, 0 where invalid, and validity.
     void make(const RowBand& band, SurfaceFrame& out) override;
+    void remember(const RawFrame& raw, RowBands& bands, SurfaceFrame& scratch) override {
+        before_->remember(raw, bands, scratch);
+    }
 
 private:
     static constexpr int passes = std::size(terrace_steps);

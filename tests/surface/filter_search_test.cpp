@@ -141,6 +141,30 @@ TEST(SmoothPatches, AreFilteredAsThePictureIs) {
             }
 }
 
+// Of a large picture no more is kept than where a place can lie, which is told by the picture's own pixels.
+TEST(SmoothPatches, OfALargePictureAreTheSamePixels) {
+    for (const auto& [width, height] : {std::pair{3000, 100}, {100, 3000}, {1600, 1545}}) {
+        Scene scene = scene_of_millimetres();
+        scene.width = width;
+        scene.height = height;
+        CodePicture picture{width, height, {}};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) picture.codes.push_back((10000 + 3 * x + 2 * y) / 10);
+        const CodePicture cropped = SmoothPatches::cropped(picture);
+        EXPECT_EQ(cropped.width, std::min(width, 1536));
+        EXPECT_EQ(cropped.height, std::min(height, 1536));
+        const SmoothPatches patches(scene, {cropped});
+        ASSERT_TRUE(patches.enough());
+        EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 1 / std::sqrt(12.0), 0.06);
+        const PlaneView mosaic = patches.mosaics().back().depth;
+        constexpr int around = (SmoothPatches::side - SmoothPatches::core) / 2;
+        for (const auto& [from, to] : patches.places())
+            for (int y = -around; y < SmoothPatches::side - around; ++y)
+                for (int x = -around; x < SmoothPatches::side - around; ++x)
+                    ASSERT_EQ(mosaic.sample(to.x + x, to.y + y), picture.row(from.y + y)[from.x + x]);
+    }
+}
+
 // A background of one code is the smoothest place of all, and says nothing.
 TEST(SmoothPatches, AreNotOfABackgroundOfOneCode) {
     std::deque<CodePicture> pictures = still_of({.level = 12});
