@@ -273,6 +273,26 @@ TEST(DepthValues, DisparitiesOfIntegersAreExact) {
     }
 }
 
+// As of a camera file that is wrong: what was seen keeps its steps, and the far plane lies no farther than codes go.
+TEST(DepthValues, DisparitiesWithAnOffsetFarAboveThemAreExact) {
+    for (const double scale : {1.0, -1.0}) {
+        Scene scene = scene_of(200, 1);
+        scene.depth.kind = DepthCodingKind::inverse;
+        scene.stored = {StoredDepth::Kind::disparity, 0.2, scale, 1e7, false, 0};
+        std::vector<float> stored;
+        for (int k = 0; k < 200; ++k) stored.push_back(static_cast<float>(20 + 0.25 * (k * 37 % 200)));
+        DepthValues values(scene);
+        values.look(floats(200, stored));
+        ASSERT_EQ(message(values.settle(scene)), "");
+        EXPECT_GT(scene.depth.code_max, 60000);
+        const Image codes = values.codes(floats(200, stored));
+        for (int x = 0; x < 200; ++x) {
+            const double wanted = 500 * 0.2 / (scale * stored[static_cast<std::size_t>(x)] + 1e7);
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1e-12 * wanted) << x << " scale " << scale;
+        }
+    }
+}
+
 TEST(DepthValues, DepthWithoutAScaleKeepsItsOrder) {
     for (const bool near_is_high : {true, false})
         for (const DepthCodingKind kind : {DepthCodingKind::inverse, DepthCodingKind::linear}) {

@@ -284,6 +284,10 @@ Result<std::string> DepthValues::settle(Scene& scene) {
         if (even) {
             const double steps = (at_far - even->first) / even->step;
             at_far = even->first + even->step * (stored_.scale > 0 ? std::floor(steps) : std::ceil(steps));
+            // Where the offset is far above all disparities, a far plane behind them is more codes away than
+            // there are.
+            const double most_apart = even->step * code_max_;
+            if (is_float_) at_far = std::clamp(at_far, at_near - most_apart, at_near + most_apart);
         }
         if (!is_float_) at_far = std::max(0.0, at_far);
         if (!(disparity(at_far) > 0)) at_far = stored_.scale > 0 ? least_ : most_;
