@@ -13,6 +13,7 @@
 #include "tests/limited_memory.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -470,7 +471,7 @@ TEST(Bag, ChangedBytesAreSurvived) {
         const std::string whole = read_bytes(kept_bag(name));
         write_bytes(folder / "x.bag", whole);
         std::fstream file(folder / "x.bag", std::ios::in | std::ios::out | std::ios::binary);
-        for (int trial = 0; trial < 700; ++trial, ++all) {
+        for (int trial = 0; trial < 700; trial += static_cast<int>(sweep_step()), ++all) {
             std::vector<std::size_t> places;
             for (int k = numbers.below(4); k >= 0; --k) {
                 auto at = static_cast<std::size_t>(numbers.below(static_cast<int>(whole.size())));

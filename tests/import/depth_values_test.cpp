@@ -273,7 +273,8 @@ TEST(DepthValues, DisparitiesOfIntegersAreExact) {
     }
 }
 
-// As of a camera file that is wrong: what was seen keeps its steps, and the far plane lies no farther than codes go.
+// As of a camera file that is wrong: what was seen keeps its steps, and the far plane lies no farther than
+// codes go.
 TEST(DepthValues, DisparitiesWithAnOffsetFarAboveThemAreExact) {
     for (const double scale : {1.0, -1.0}) {
         Scene scene = scene_of(200, 1);
