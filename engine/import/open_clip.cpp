@@ -10,7 +10,7 @@
 #include "engine/import/azure_kinect_clip.hpp"
 #include "engine/import/bag/bag_clip.hpp"
 #include "engine/import/bag/bag_file.hpp"
-#include "engine/import/bag/mcap_file.hpp"
+#include "engine/import/bag/ros2_folder.hpp"
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/gltf_clip.hpp"
@@ -54,7 +54,7 @@ struct Wanted {
 
 using Opened = Result<std::unique_ptr<ClipReader>>;
 
-constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
+constexpr std::size_t telling_bytes = 16;  // that tell what kind of file it is
 
 /// A file that may be a clip.
 struct Candidate {
@@ -102,7 +102,7 @@ bool is_depthkit(const Candidate& candidate) {
 }
 
 bool is_ros_recording(const Candidate& candidate) {
-    return is_bag(candidate.begin) || is_mcap(candidate.begin);
+    return is_recording_of_ros(candidate.begin);
 }
 
 bool is_mpeg4(const Candidate& candidate) {
@@ -246,7 +246,7 @@ const Format formats[] = {
       {{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}}},
     {is_ros_recording,
      [](const Candidate& c) { return open_bag_clip(c.source, c.described, c.known, c.colour); },
-     {"a recording of a RealSense or of ROS 1 (.bag), or of ROS 2 (.mcap), plain or packed",
+     {"a recording of a RealSense or of ROS 1 (.bag), or of ROS 2 (.mcap, .db3 or their folder)",
       "touchable play recording.bag"}},
     {is_depthkit,
      [](const Candidate& c) {
@@ -327,7 +327,7 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
     return input_error(
         file.string() +
         ": is not a Matroska file, nor a video, nor glTF, nor the text of an MPEG-4 scene, nor a "
-        "recording of ROS 1 (.bag), nor a "
+        "recording of ROS (.bag, .mcap, .db3), nor a "
         "picture of depth (PNG, PGM, TIFF, PFM, "
         "EXR, NumPy), nor a "
         "JPEG or HEIC with depth, nor a Depthkit video with " +
@@ -353,7 +353,7 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     pictures->trust_from(wanted.least_confidence);
     const SourceFile video(path / (video_source ? video_source->depth : ""));
     const std::string begin = first_bytes(video, telling_bytes);
-    const bool is_recording = video_source && (is_bag(begin) || is_mcap(begin));
+    const bool is_recording = video_source && is_recording_of_ros(begin);
     auto reader = is_file        ? open_file(path, *described, {}, wanted)
                   : is_recording ? open_file(video, *described, {}, wanted)
                   : video_source
@@ -386,7 +386,10 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     if (has_own) return open_described(folder, own, wanted);
     const auto lerobot = lerobot_video_in(folder);
     if (!lerobot) return lerobot.error();
-    if (*lerobot) return open_file(**lerobot, std::nullopt, known.value_or(SourceDescription()), wanted);
+    const auto recording = ros2_recording_in(folder);
+    if (!recording) return recording.error();
+    if (const auto& only = *lerobot ? *lerobot : *recording)
+        return open_file(*only, std::nullopt, known.value_or(SourceDescription()), wanted);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
     return with_inputs(
@@ -527,7 +530,9 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
                                ": is a LeRobot data set, and a scene file is of its video: "
                                "touchable init-scene " +
                                shell_word((*lerobot)->string()));
-        return guess_folder(path, known);
+        const auto recording = ros2_recording_in(path);
+        if (!recording) return recording.error();
+        return *recording ? guess_stored(**recording, known) : guess_folder(path, known);
     }
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");

@@ -4,45 +4,15 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
+#include <map>
 
-#include "engine/picture/image_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
+#include "tests/import/ros2_messages.hpp"
+#include "tests/limited_memory.hpp"
 
 namespace touchable::test {
 namespace {
-
-/// Values of CDR, low byte first: numbers stand at multiples of their size, texts end with a zero.
-class CdrBytes {
-public:
-    template <class Number>
-    CdrBytes& number(Number value) {
-        while (bytes_.size() % sizeof value != 0) bytes_ += '\0';
-        put(bytes_, value);
-        return *this;
-    }
-    CdrBytes& text(const std::string& words) {
-        number(static_cast<std::uint32_t>(words.size() + 1));
-        bytes_ += words + '\0';
-        return *this;
-    }
-    CdrBytes& data(const std::string& values) {
-        number(static_cast<std::uint32_t>(values.size()));
-        bytes_ += values;
-        return *this;
-    }
-    CdrBytes& header(std::int64_t stamp_ns) {
-        return number(static_cast<std::int32_t>(stamp_ns / 1'000'000'000))
-            .number(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000))
-            .text("camera_optical");
-    }
-    std::string message() const { return std::string("\0\1\0\0", 4) + bytes_; }
-
-private:
-    std::string bytes_;
-};
 
 std::string mcap_record(int op, const std::string& content) {
     std::string record(1, static_cast<char>(op));
@@ -135,59 +105,20 @@ private:
     std::vector<Message> messages_;
 };
 
-int mcap_code(int n, int x, int y) {
-    return (x + y) % 5 == 0 ? 0 : 700 + 10 * n + 3 * x + 20 * y;
-}
-
-/// Depth of 16x12, its camera, and colour, three frames of each.
-McapBytes ros2_recording() {
+McapBytes ros2_mcap() {
     McapBytes mcap;
-    const auto depth = mcap.add_channel("/camera/depth/image_raw", "sensor_msgs/msg/Image"),
-               camera = mcap.add_channel("/camera/depth/camera_info", "sensor_msgs/msg/CameraInfo"),
-               colour =
-                   mcap.add_channel("/camera/color/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
-               other = mcap.add_channel("/tf", "tf2_msgs/msg/TFMessage");
-    const TemporaryFolder folder;
-    for (int n = 0; n < 3; ++n) {
-        const std::int64_t time = 1'700'000'000'000'000'000 + n * 100'000'000LL;
-        std::string values;
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 16; ++x) put(values, static_cast<std::uint16_t>(mcap_code(n, x, y)));
-        mcap.add(depth, time + 5,
-                 CdrBytes()
-                     .header(time)
-                     .number(12U)
-                     .number(16U)
-                     .text("16UC1")
-                     .number(std::uint8_t{0})
-                     .number(32U)
-                     .data(values)
-                     .message());
-        CdrBytes info;
-        info.header(time).number(12U).number(16U).text("plumb_bob").number(5U);
-        for (int k = 0; k < 5; ++k) info.number(0.0);
-        for (const double each : {20.0, 0.0, 7.75, 0.0, 21.0, 5.25, 0.0, 0.0, 1.0}) info.number(each);
-        for (const double each : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) info.number(each);
-        for (const double each : {20.0, 0.0, 7.75, 0.0, 0.0, 21.0, 5.25, 0.0, 0.0, 0.0, 1.0, 0.0})
-            info.number(each);
-        for (int k = 0; k < 6; ++k) info.number(0U);
-        mcap.add(camera, time + 6, info.number(std::uint8_t{0}).message());
-        Samples memory(3 * 16 * 12, static_cast<std::uint8_t>(40 + n));
-        EXPECT_EQ(message(write_png(folder / "c.png", PlaneView{memory.data(), 48, 16, 12, 1, 3})), "");
-        mcap.add(colour, time + 7,
-                 CdrBytes()
-                     .header(time)
-                     .text("rgb8; png compressed rgb8")
-                     .data(read_bytes(folder / "c.png"))
-                     .message());
-        mcap.add(other, time + 8, std::string(30, '\7'));
+    std::map<std::string, std::uint16_t> channels;
+    for (const Ros2Message& each : ros2_recording()) {
+        auto& channel = channels[each.topic];
+        if (channel == 0) channel = mcap.add_channel(each.topic, each.type);
+        mcap.add(channel, each.time_ns, each.bytes);
     }
     return mcap;
 }
 
 TEST(Mcap, ARecordingOfRos2OpensHoweverItIsPacked) {
     const TemporaryFolder folder;
-    const McapBytes mcap = ros2_recording();
+    const McapBytes mcap = ros2_mcap();
     for (const McapOptions& options :
          {McapOptions{}, McapOptions{"lz4"}, McapOptions{"zstd"}, McapOptions{"", false},
           McapOptions{"zstd", true, false}, McapOptions{"lz4", true, true, false},
@@ -197,33 +128,13 @@ TEST(Mcap, ARecordingOfRos2OpensHoweverItIsPacked) {
         write_bytes(folder / "x.mcap", mcap.file(options));
         const auto clip = open_clip(folder / "x.mcap");
         ASSERT_EQ(message(clip), "");
-        const auto frames = read_all(**clip);
-        ASSERT_EQ(message(frames), "");
-        ASSERT_EQ(frames->size(), 3U);
-        const Scene& scene = (*clip)->scene();
-        EXPECT_EQ(scene.rate.num, 10);
-        for (int n = 0; n < 3; ++n) {
-            const RawFrame& frame = (*frames)[static_cast<std::size_t>(n)];
-            EXPECT_EQ(frame.colour.sample(3, 4, 1), 40 + n);
-            for (int y = 0; y < 12; ++y)
-                for (int x = 0; x < 16; ++x) {
-                    const std::uint16_t code = frame.depth.sample(x, y);
-                    ASSERT_EQ(code, mcap_code(n, x, y));
-                    ASSERT_EQ(scene.depth.is_valid(code), code > 0);
-                    if (code == 0) continue;
-                    const double z = 0.001 * code;
-                    const auto point = unproject(scene.camera, x, y, scene.depth.depth(code));
-                    ASSERT_NEAR(point.x, (x - 7.75) / 20 * z, 1e-12);
-                    ASSERT_NEAR(point.y, -(y - 5.25) / 21 * z, 1e-12);
-                    ASSERT_NEAR(point.z, -z, 1e-12);
-                }
-        }
+        expect_ros2_recording(**clip);
     }
 }
 
 TEST(Mcap, WhatIsCutIsReadUpToThereAndDamageIsTold) {
     const TemporaryFolder folder;
-    const std::string whole = ros2_recording().file({});
+    const std::string whole = ros2_mcap().file({});
     int opened = 0;
     for (std::size_t length = 8; length < whole.size(); length += 61) {
         write_bytes(folder / "x.mcap", whole.substr(0, length));
@@ -235,7 +146,7 @@ TEST(Mcap, WhatIsCutIsReadUpToThereAndDamageIsTold) {
     }
     EXPECT_GT(opened, 5);
     Numbers numbers(7);
-    const std::string packed = ros2_recording().file({"lz4"});
+    const std::string packed = ros2_mcap().file({"lz4"});
     for (int n = 0; n < 300; ++n) {
         std::string damaged = packed;
         for (int k = 0; k < 3; ++k)
@@ -248,6 +159,77 @@ TEST(Mcap, WhatIsCutIsReadUpToThereAndDamageIsTold) {
     none.add(none.add_channel("/tf", "tf2_msgs/msg/TFMessage"), 1, "what");
     write_bytes(folder / "x.mcap", none.file({}));
     EXPECT_NE(message(open_clip(folder / "x.mcap")).find("x.mcap"), std::string::npos);
+}
+
+/// As a clip is that lost its first frame, and says so.
+void expect_last_two_frames(const std::filesystem::path& file) {
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    expect_ros2_recording(**clip, 2);
+    const auto told = clip_notes(**clip);
+    EXPECT_EQ(std::count_if(told.begin(), told.end(),
+                            [](const std::string& note) {
+                                return note.find("a chunk is damaged") != std::string::npos;
+                            }),
+              1);
+}
+
+TEST(Mcap, WhatIsInADamagedChunkIsLeftOutAndTheRestIsRead) {
+    const TemporaryFolder folder;
+    const std::map<std::string, std::string> begins{{"lz4", "\x04\x22\x4d\x18"},
+                                                    {"zstd", "\x28\xb5\x2f\xfd"}};
+    for (const auto& [compression, begin] : begins)
+        for (const bool has_index : {true, false})
+            for (const bool has_summary : {true, false}) {
+                SCOPED_TRACE(compression);
+                std::string bytes = ros2_mcap().file({compression, true, has_index, has_summary});
+                bytes[bytes.find(begin)] = 'x';  // of the first chunk
+                write_bytes(folder / "x.mcap", bytes);
+                expect_last_two_frames(folder / "x.mcap");
+            }
+    // A plain chunk, in which the first message of depth is none.
+    std::string bytes = ros2_mcap().file({});
+    std::string time;
+    put(time, ros2_recording().front().time_ns);
+    const std::size_t op_and_length = 9, channel_and_number = 6;
+    const auto at = bytes.find(time + time) - op_and_length - channel_and_number;
+    ASSERT_EQ(bytes[at], 5);
+    bytes[at] = 8;
+    write_bytes(folder / "x.mcap", bytes);
+    expect_last_two_frames(folder / "x.mcap");
+}
+
+/// A hole in a file is zeros that cost nothing to write.
+TEST(Mcap, AHoleInAFileTakesNeitherMemoryNorTime) {
+    const TemporaryFolder folder;
+    const auto file = folder / "x.mcap";
+    const std::string whole = ros2_mcap().file({"zstd"});
+    const std::uintmax_t hole = std::uintmax_t{1} << 40U;
+    write_bytes(file, whole);
+    std::filesystem::resize_file(file, whole.size() + hole);
+    {
+        const auto clip = open_clip(file);
+        ASSERT_EQ(message(clip), "");
+        expect_ros2_recording(**clip);
+    }
+    // An index, of a chunk that says to have 3 GiB of messages.
+    std::string bytes = whole.substr(0, whole.rfind(mcap_record(15, std::string(4, '\0')))), chunk(16, '\0'),
+                index;
+    put(chunk, std::uint64_t{3} << 30U);
+    put(chunk, std::uint32_t{0});
+    chunk += mcap_text("zstd");
+    put(chunk, std::uint64_t{1});
+    bytes += mcap_record(6, chunk + "x") + '\7';
+    const std::uint32_t pairs = 100'000'000;
+    put(bytes, std::uint64_t{6 + 16 * std::uint64_t{pairs}});
+    put(bytes, std::uint16_t{1});
+    put(bytes, 16 * pairs);
+    write_bytes(file, bytes);
+    std::filesystem::resize_file(file, whole.size() + hole);
+    const LimitedMemory limited(512);
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    expect_ros2_recording(**clip);
 }
 
 }  // namespace

@@ -98,18 +98,21 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Rema
     return {};
 }
 
-void say_streams(const BagStreams& streams, std::vector<Remark>& remarks) {
+void say_streams(BagRecording& recording, std::vector<Remark>& remarks) {
+    const BagStreams& streams = recording.streams();
     add_remark(remarks, {"depth is " + printable(streams.depth.topic) +
                          (streams.colour ? ", colour is " + printable(streams.colour->topic)
                                          : std::string(", there is no colour"))});
     for (const std::string& other : streams.others)
         add_remark(remarks, {printable(other) + " is depth as well, and is left out"});
+    if (const std::string left_out = recording.bag().left_out(); !left_out.empty())
+        add_remark(remarks, {left_out});
 }
 
 Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path& file,
                            const SourceDescription& known) {
     std::vector<Remark> remarks;
-    say_streams(recording.streams(), remarks);
+    say_streams(recording, remarks);
     const auto said = completed(recording, known, remarks);
     if (!said) return said.error();
     const auto first = recording.depth(0);
@@ -149,7 +152,7 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
     auto made = described ? Result<GuessedScene>(GuessedScene{*described, {}, {}, {}})
                           : guess(*recording, file.path(), known);
     if (!made) return made.error();
-    if (described) say_streams(recording->streams(), made->scene.remarks);
+    if (described) say_streams(*recording, made->scene.remarks);
     StoredClip clip{recording->bag().name(), *made};
     clip.count = recording->count();
     clip.roles = {PlaneRole::depth};

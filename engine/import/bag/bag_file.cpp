@@ -8,7 +8,9 @@
 #include "engine/byte_source.hpp"
 #include "engine/import/bag/bag_chunk.hpp"
 #include "engine/import/bag/bag_record.hpp"
+#include "engine/import/bag/db3_file.hpp"
 #include "engine/import/bag/mcap_file.hpp"
+#include "engine/import/bag/sqlite_bytes.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -17,7 +19,6 @@ namespace {
 constexpr std::string_view magic = "#ROSBAG V";
 constexpr std::string_view version = "2.0\n";
 constexpr std::uint32_t largest_definition = 4 << 20;  // of a message type, bytes
-constexpr std::uint32_t largest_message = 256 << 20;   // bytes
 constexpr std::uint32_t index_entry = 12;              // bytes: seconds, nanoseconds, offset
 constexpr std::size_t kept_chunks = 2;                 // depth's and colour's
 
@@ -52,17 +53,12 @@ private:
     Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
                                std::vector<BagMessage>& found);
     Result<ByteSource*> unpacked(std::uint32_t number);
-    Error damaged(const std::string& what) const;
     Error unread(const Error& why) const;
 
     std::unique_ptr<ByteSource> bytes_;
     std::vector<Chunk> chunks_;
     std::deque<Unpacked> unpacked_;  // the newest is the last
 };
-
-Error RosBag::damaged(const std::string& what) const {
-    return input_error(name() + ": is damaged: " + what);
-}
 
 Error RosBag::unread(const Error& why) const {
     return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name(), why);
@@ -209,10 +205,11 @@ Result<ByteSource*> RosBag::unpacked(std::uint32_t number) {
     const auto there = std::find_if(unpacked_.begin(), unpacked_.end(),
                                     [&](const Unpacked& each) { return each.chunk == number; });
     if (there != unpacked_.end()) return there->source.get();
+    if (const Error* const why = why_given_up(number)) return *why;
     while (unpacked_.size() >= kept_chunks) unpacked_.pop_front();
     const Chunk& chunk = chunks_[number];
     auto bytes = unpack_bag_chunk(chunk.compression, *bytes_, chunk.data_at, chunk.packed, chunk.size);
-    if (!bytes) return Error{bytes.error().kind, name() + ": " + bytes.error().message};
+    if (!bytes) return give_up_chunk(number, error_at(name(), bytes.error()));
     unpacked_.push_back({number, std::move(*bytes), nullptr});
     unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
     return unpacked_.back().source.get();
@@ -231,9 +228,7 @@ Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
         return damaged("the message at byte " + std::to_string(message.offset) + " of the chunk at byte " +
                        std::to_string(chunk.at) + " is none of its connection");
     const std::size_t size = std::min<std::size_t>(record->size, most);
-    if (size > largest_message)
-        return input_error(name() + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
-                           std::to_string(largest_message >> 20) + " are read");
+    if (size > largest_message) return too_large(size);
     std::string data(size, '\0');
     if (auto read = (*packed)->read(record->data_at, data.data(), data.size()); !read)
         return unread(read.error());
@@ -242,12 +237,49 @@ Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
 
 }  // namespace
 
-bool is_bag(std::string_view begin) {
-    return begin.starts_with(magic);
+Result<std::string> BagFile::read_first(std::span<const BagMessage> messages) {
+    for (const BagMessage& each : messages) {
+        auto bytes = read(each);
+        if (bytes || !is_given_up(each)) return bytes;
+    }
+    return *why_given_up(messages.front().chunk);
+}
+
+std::string BagFile::left_out() const {
+    if (given_up_.empty()) return "";
+    const bool is_one = given_up_.size() == 1;
+    return (is_one ? "a chunk is" : std::to_string(given_up_.size()) + " chunks are") +
+           std::string(" damaged, and what cannot be read of ") + (is_one ? "it" : "them") +
+           " is left out: " + given_up_.begin()->second.message;
+}
+
+Error BagFile::damaged(const std::string& what) const {
+    return input_error(name() + ": is damaged: " + what);
+}
+
+Error BagFile::too_large(std::uint64_t message_size) const {
+    return input_error(name() + ": has a message of " + std::to_string(message_size >> 20) +
+                       " MiB: at most " + std::to_string(largest_message >> 20) + " are read");
+}
+
+Error BagFile::give_up_chunk(std::uint32_t chunk, Error why) {
+    if (why.kind == ErrorKind::input) given_up_.emplace(chunk, why);
+    return why;
+}
+
+const Error* BagFile::why_given_up(std::uint32_t chunk) const {
+    const auto found = given_up_.find(chunk);
+    return found == given_up_.end() ? nullptr : &found->second;
+}
+
+bool is_recording_of_ros(std::string_view begin) {
+    return begin.starts_with(magic) || is_mcap(begin) || is_sqlite(begin);
 }
 
 Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
-    if (is_mcap(first_bytes(file, 8))) return open_mcap_file(file);
+    const std::string begin = first_bytes(file, 16);
+    if (is_mcap(begin)) return open_mcap_file(file);
+    if (is_sqlite(begin)) return open_db3_file(file);
     auto bag = std::make_unique<RosBag>(file.string());
     if (auto opened = bag->open(file); !opened) return opened.error();
     return std::unique_ptr<BagFile>(std::move(bag));

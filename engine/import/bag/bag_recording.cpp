@@ -19,6 +19,7 @@ struct Stamped {
 };
 
 /// Of all messages, read in the order in which they lie in the file, so that each chunk is unpacked once.
+/// Those in chunks that were given up are left out.
 Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> messages) {
     std::sort(messages.begin(), messages.end(), [](const BagMessage& a, const BagMessage& b) {
         return std::tie(a.chunk, a.offset) < std::tie(b.chunk, b.offset);
@@ -28,6 +29,7 @@ Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> m
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while " + bag.name() + " was looked through"};
         const auto begin = bag.read(message, ros_stamp_bytes);
+        if (!begin && bag.is_given_up(message)) continue;
         if (!begin) return begin.error();
         stamped.push_back({ros_stamp(*begin).value_or(0), message});
     }
@@ -83,6 +85,8 @@ Result<void> BagRecording::put_in_order() {
     for (const Stamped& each : *stamped)
         (std::binary_search(depth_ids.begin(), depth_ids.end(), each.message.connection) ? depth : colour)
             .push_back(each);
+    if (depth.empty()) return input_error(bag_->name() + ": " + bag_->left_out());
+    if (colour.empty()) streams_.colour.reset();
     const bool by_stamp = tell_times(depth, colour);
     const auto order = [&](std::vector<Stamped>& pictures, std::vector<BagMessage>& messages) {
         const auto time = [&](const Stamped& each) {

@@ -36,7 +36,8 @@ Result<std::optional<std::string>> first_message(BagFile& bag, const std::string
     const auto messages = bag.messages(ids);
     if (!messages) return messages.error();
     if (messages->empty()) return std::optional<std::string>();
-    auto bytes = bag.read(messages->front());
+    auto bytes = bag.read_first(*messages);
+    if (!bytes && bag.is_given_up(messages->front())) return std::optional<std::string>();
     if (!bytes) return bytes.error();
     return std::optional(std::move(*bytes));
 }
@@ -66,7 +67,11 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
             topics.pop_back();
             continue;
         }
-        const auto bytes = bag.read(pictures.messages.front());
+        const auto bytes = bag.read_first(pictures.messages);
+        if (!bytes && bag.is_given_up(pictures.messages.front())) {
+            topics.pop_back();
+            continue;
+        }
         if (!bytes) return bytes.error();
         if (is_compressed) {
             const auto image = parse_ros_compressed_image(*bytes);
@@ -179,7 +184,8 @@ Result<BagStreams> choose_bag_streams(BagFile& bag) {
     if (depth == nullptr)
         return input_error(bag.name() + ": has no topic of depth (there are " + found_there(*topics) +
                            "): must have sensor_msgs/Image of encoding 16UC1, mono16 or 32FC1, or a "
-                           "CompressedImage of such");
+                           "CompressedImage of such" +
+                           (bag.left_out().empty() ? "" : "; " + bag.left_out()));
     BagStreams streams;
     for (const BagPictures& each : *topics)
         if (&each != depth && depth_mark(each) > 0) streams.others.push_back(each.topic);

@@ -70,6 +70,15 @@ private:
 
 }  // namespace
 
+std::optional<RosType> ros2_type(std::string name) {
+    constexpr std::string_view between = "/msg/";
+    if (const auto place = name.find(between); place != std::string::npos)
+        name.replace(place, between.size(), "/");
+    for (const RosType& known : {ros_image, ros_compressed_image, ros_camera_info})
+        if (name == known.name) return known;
+    return {};
+}
+
 std::string ros1_of_cdr(std::string_view cdr, const RosType& type) {
     constexpr std::string_view plain_low_byte_first("\0\1", 2);
     constexpr std::size_t kind_bytes = 4;

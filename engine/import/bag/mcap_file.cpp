@@ -22,7 +22,8 @@ constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
 constexpr std::uint64_t record_head = 9;  // what it is, its length
 constexpr std::size_t message_head = 22;  // channel, sequence, when logged, when published
 constexpr std::size_t index_pair = 16;    // when, where
-constexpr std::uint64_t longest_text = 1 << 16, largest_mcap_message = 256 << 20;
+constexpr std::uint64_t longest_text = 1 << 16;
+constexpr std::size_t pairs_at_once = 4096;
 constexpr std::size_t unpacked_at_once = 2;    // depth's and colour's
 constexpr std::uint32_t outside = 0xffffffff;  // a message in no chunk
 
@@ -72,7 +73,8 @@ private:
         std::uint64_t at = 0, packed = 0, size = 0;
         std::string compression;
         std::vector<Index> indices{};
-        std::vector<BagMessage> found{};  // where it has no index
+        bool has_wrong_index = false, is_lost = false;
+        std::vector<BagMessage> found{};  // where it has no index that is right
     };
     struct Channel {
         RosType type{};
@@ -88,17 +90,20 @@ private:
     Result<void> record(ByteSource& bytes, McapOp op, std::uint64_t at, std::uint64_t length,
                         std::uint32_t chunk);
     Result<void> add_chunk(const std::string& head, std::uint64_t at, std::uint64_t length);
+    void add_index(McapFields fields, std::uint64_t at, std::uint64_t length);
     void add_schema(McapFields fields);
     void add_channel(McapFields fields);
+    Error lose(std::uint32_t number, const Error& why);
     Result<void> look_into(std::uint32_t number);
     Result<ByteSource*> contents(std::uint32_t number);
-    Error damaged(const std::string& what) const { return input_error(name() + ": is damaged: " + what); }
+    Result<bool> read_indices(std::uint32_t number, std::span<const std::uint32_t> channels,
+                              std::vector<BagMessage>& found);
 
     std::unique_ptr<ByteSource> bytes_;
     std::vector<McapChunk> chunks_;
     std::vector<BagMessage> loose_;       // in no chunk
     std::deque<UnpackedChunk> unpacked_;  // the newest is the last
-    std::map<std::uint16_t, std::string> schemas_;
+    std::map<std::uint16_t, RosType> schemas_;
     std::map<std::uint16_t, Channel> channels_;
 };
 
@@ -127,7 +132,8 @@ Result<void> McapFile::records(ByteSource& bytes, std::uint32_t chunk) {
         McapFields fields(head);
         const auto op = static_cast<McapOp>(fields.number<std::uint8_t>());
         const auto length = fields.number<std::uint64_t>();
-        if (length > end - at - record_head) return {};
+        constexpr McapOp none{};  // what was never written, such as a hole in a file
+        if (op == none || length > end - at - record_head) return {};
         if (auto done = record(bytes, op, at + record_head, length, chunk); !done) return done;
         at += record_head + length;
     }
@@ -146,14 +152,7 @@ Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, st
     if (op == McapOp::schema) add_schema(fields);
     if (op == McapOp::channel) add_channel(fields);
     if (op == McapOp::chunk) return add_chunk(head, at, length);
-    if (op == McapOp::index && !chunks_.empty()) {
-        const auto channel = fields.number<std::uint16_t>();
-        const auto size = fields.number<std::uint32_t>();
-        if (fields.is_over() || size > length - 6 || size % index_pair != 0 ||
-            size / index_pair > chunks_.back().size / (record_head + message_head))
-            return damaged("an index of messages is none");
-        chunks_.back().indices.push_back({channel, at + 6, size / index_pair});
-    }
+    if (op == McapOp::index && !chunks_.empty()) add_index(fields, at, length);
     if (op == McapOp::message && length >= message_head) {
         const auto channel = fields.number<std::uint16_t>();
         fields.number<std::uint32_t>();
@@ -175,24 +174,46 @@ Result<void> McapFile::add_chunk(const std::string& head, std::uint64_t at, std:
     chunk.compression = fields.text();
     chunk.packed = fields.number<std::uint64_t>();
     chunk.at = at + (head.size() - fields.left());
+    constexpr std::uint64_t most = 0xffffffff;
+    std::optional<Error> wrong;
     if (fields.is_over() || chunk.packed > at + length - chunk.at ||
         (chunk.compression.empty() && chunk.size != chunk.packed))
-        return damaged("the chunk at byte " + std::to_string(at) + " is none");
-    if (!chunk.compression.empty() && chunk.compression != "lz4" && chunk.compression != "zstd")
+        wrong = damaged("the chunk at byte " + std::to_string(at) + " is none");
+    else if (chunk.packed > most || chunk.size > most)
+        wrong = damaged("a chunk is larger than 4 GiB");
+    else if (!chunk.compression.empty() && chunk.compression != "lz4" && chunk.compression != "zstd")
         return input_error(name() + ": is packed by " + printable(chunk.compression) +
                            ": must be plain, lz4 or zstd");
     chunks_.push_back(std::move(chunk));
+    if (wrong) (void)lose(static_cast<std::uint32_t>(chunks_.size() - 1), *wrong);
     return {};
+}
+
+/// Nothing of it can be read.
+Error McapFile::lose(std::uint32_t number, const Error& why) {
+    chunks_[number].is_lost = why.kind == ErrorKind::input;
+    return give_up_chunk(number, why);
+}
+
+/// Of the chunk before it. Where it cannot be one, the chunk is looked through instead.
+void McapFile::add_index(McapFields fields, std::uint64_t at, std::uint64_t length) {
+    McapChunk& chunk = chunks_.back();
+    const auto channel = fields.number<std::uint16_t>();
+    const auto size = fields.number<std::uint32_t>();
+    constexpr std::uint64_t begins = sizeof channel + sizeof size;
+    if (fields.is_over() || size > length - begins || size % index_pair != 0 ||
+        size / index_pair > chunk.size / (record_head + message_head))
+        chunk.has_wrong_index = true;
+    if (chunk.has_wrong_index)
+        chunk.indices.clear();
+    else
+        chunk.indices.push_back({channel, at + begins, size / index_pair});
 }
 
 void McapFile::add_schema(McapFields fields) {
     const auto id = fields.number<std::uint16_t>();
-    std::string type = fields.text();
-    if (fields.is_over()) return;
-    constexpr std::string_view between = "/msg/";  // sensor_msgs/msg/Image
-    if (const auto place = type.find(between); place != std::string::npos)
-        type.replace(place, between.size(), "/");
-    schemas_.emplace(id, std::move(type));
+    const auto type = ros2_type(fields.text());
+    if (!fields.is_over() && type) schemas_.emplace(id, *type);
 }
 
 /// Those that nothing here reads are left out.
@@ -201,15 +222,15 @@ void McapFile::add_channel(McapFields fields) {
     const std::string topic = fields.text(), encoding = fields.text();
     const auto type = schemas_.find(schema);
     if (fields.is_over() || type == schemas_.end() || (encoding != "cdr" && encoding != "ros1")) return;
-    for (const RosType& known : {ros_image, ros_compressed_image, ros_camera_info})
-        if (type->second == known.name && channels_.emplace(id, Channel{known, encoding == "cdr"}).second)
-            add_connection({id, topic, std::string(known.name), std::string(known.md5)});
+    const RosType& known = type->second;
+    if (channels_.emplace(id, Channel{known, encoding == "cdr"}).second)
+        add_connection({id, topic, std::string(known.name), std::string(known.md5)});
 }
 
-/// For channels, and for messages where no index tells them.
+/// For channels, and for messages where no index tells them. What cannot be unpacked is given up.
 Result<void> McapFile::look_into(std::uint32_t number) {
     const auto bytes = contents(number);
-    if (!bytes) return bytes.error();
+    if (!bytes) return chunks_[number].is_lost ? Result<void>{} : bytes.error();
     if (auto read = records(**bytes, number); !read) return read;
     if (!chunks_[number].indices.empty()) chunks_[number].found = {};
     return {};
@@ -219,43 +240,68 @@ Result<ByteSource*> McapFile::contents(std::uint32_t number) {
     const McapChunk& chunk = chunks_[number];
     for (UnpackedChunk& each : unpacked_)
         if (each.number == number) return each.source.get();
+    if (chunk.is_lost) return *why_given_up(number);
     while (unpacked_.size() >= unpacked_at_once) unpacked_.pop_front();
-    constexpr std::uint64_t most = 0xffffffff;
-    if (chunk.packed > most || chunk.size > most) return damaged("a chunk is larger than 4 GiB");
     auto bytes =
         unpack_bag_chunk(chunk.compression, *bytes_, chunk.at, static_cast<std::uint32_t>(chunk.packed),
                          static_cast<std::uint32_t>(chunk.size));
-    if (!bytes) return Error{bytes.error().kind, name() + ": " + bytes.error().message};
+    if (!bytes)
+        return lose(number,
+                    error_at(name() + ": the chunk at byte " + std::to_string(chunk.at), bytes.error()));
     unpacked_.push_back({number, std::move(*bytes), nullptr});
     unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
     return unpacked_.back().source.get();
 }
 
+/// What a chunk's indices say of these channels; false where one of them is wrong. An index as long as a hole
+/// in a file is found out before it is kept: no two messages are at one place.
+Result<bool> McapFile::read_indices(std::uint32_t number, std::span<const std::uint32_t> channels,
+                                    std::vector<BagMessage>& found) {
+    const McapChunk& chunk = chunks_[number];
+    std::vector<std::uint64_t> pairs;
+    for (const Index& index : chunk.indices) {
+        if (std::find(channels.begin(), channels.end(), index.channel) == channels.end()) continue;
+        std::uint64_t last = chunk.size;
+        for (std::uint64_t at = 0; at < index.pairs; at += pairs.size() / 2) {
+            pairs.resize(2 *
+                         static_cast<std::size_t>(std::min<std::uint64_t>(index.pairs - at, pairs_at_once)));
+            if (auto read = bytes_->read(index.at + index_pair * at, reinterpret_cast<char*>(pairs.data()),
+                                         sizeof pairs[0] * pairs.size());
+                !read)
+                return error_at(name(), read.error());
+            for (std::size_t k = 0; k < pairs.size(); k += 2) {
+                if (pairs[k + 1] >= chunk.size || pairs[k + 1] == last) return false;
+                last = pairs[k + 1];
+                found.push_back({static_cast<std::int64_t>(pairs[k]), index.channel, number, last});
+            }
+        }
+    }
+    return true;
+}
+
 Result<std::vector<BagMessage>> McapFile::messages(std::span<const std::uint32_t> connections) {
-    const auto is_wanted = [&](std::uint32_t channel) {
-        return std::find(connections.begin(), connections.end(), channel) != connections.end();
-    };
-    std::vector<BagMessage> found;
+    std::vector<BagMessage> all;
     const auto add = [&](const std::vector<BagMessage>& some) {
-        std::copy_if(some.begin(), some.end(), std::back_inserter(found),
-                     [&](const BagMessage& each) { return is_wanted(each.connection); });
+        std::copy_if(some.begin(), some.end(), std::back_inserter(all), [&](const BagMessage& each) {
+            return std::find(connections.begin(), connections.end(), each.connection) != connections.end();
+        });
     };
     add(loose_);
     for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
-        add(chunks_[number].found);
-        for (const Index& index : chunks_[number].indices) {
-            if (!is_wanted(index.channel)) continue;
-            std::vector<std::uint64_t> pairs(2 * static_cast<std::size_t>(index.pairs));
-            if (auto read = bytes_->read(index.at, reinterpret_cast<char*>(pairs.data()), 8 * pairs.size());
-                !read)
-                return error_at(name(), read.error());
-            for (std::size_t k = 0; k < pairs.size(); k += 2)
-                found.push_back({static_cast<std::int64_t>(pairs[k]), index.channel, number, pairs[k + 1]});
+        if (chunks_[number].is_lost) continue;
+        const std::size_t before = all.size();
+        const auto told = read_indices(number, connections, all);
+        if (!told) return told.error();
+        if (!*told) {
+            all.resize(before);
+            chunks_[number].indices.clear();
+            if (auto looked = look_into(number); !looked) return looked.error();
         }
+        add(chunks_[number].found);
     }
-    std::stable_sort(found.begin(), found.end(),
+    std::stable_sort(all.begin(), all.end(),
                      [](const BagMessage& a, const BagMessage& b) { return a.time_ns < b.time_ns; });
-    return found;
+    return all;
 }
 
 Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) {
@@ -268,9 +314,11 @@ Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) 
     const McapChunk* const chunk = is_loose ? nullptr : &chunks_[message.chunk];
     const std::uint64_t first = is_in_file && chunk ? chunk->at : 0;
     const std::uint64_t end = is_in_file && chunk ? chunk->at + chunk->packed : (*bytes)->size();
-    const Error none = damaged("a message that its index names is none of its channel");
+    const auto none = [&] {
+        return give_up_chunk(message.chunk, damaged("a message that its index names is none of its channel"));
+    };
     constexpr std::uint64_t heads = record_head + message_head;
-    if (message.offset > end - first || end - first - message.offset < heads) return none;
+    if (message.offset > end - first || end - first - message.offset < heads) return none();
     std::string head(heads, '\0');
     const std::uint64_t at = first + message.offset;
     if (auto read = (*bytes)->read(at, head.data(), head.size()); !read)
@@ -281,13 +329,11 @@ Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) 
     const auto channel = fields.number<std::uint16_t>();
     if (op != McapOp::message || channel != message.connection || length < message_head ||
         length > end - at - record_head)
-        return none;
+        return none();
     const Channel& of = channels_.at(channel);
     std::uint64_t size = length - message_head;
     if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, of.is_cdr ? cdr_stamp_bytes : most);
-    if (size > largest_mcap_message)
-        return input_error(name() + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
-                           std::to_string(largest_mcap_message >> 20) + " are read");
+    if (size > largest_message) return too_large(size);
     std::string data(static_cast<std::size_t>(size), '\0');
     if (auto read = (*bytes)->read(at + heads, data.data(), data.size()); !read)
         return error_at(name(), read.error());

@@ -17,7 +17,8 @@ constexpr std::size_t most_entries = 1'000'000;
 constexpr const char* extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
                                       ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
 
-constexpr const char* video_extensions[] = {".mkv", ".webm", ".mp4", ".m4v", ".mov", ".avi", ".bag", ".r3d"};
+constexpr const char* video_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
+                                            ".avi", ".bag",  ".mcap", ".db3", ".r3d"};
 
 std::string small_letters(std::string text) {
     for (char& c : text)

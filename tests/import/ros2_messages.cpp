@@ -1,0 +1,125 @@
+#include "tests/import/ros2_messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/picture/image_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/import/bag_bytes.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Values of CDR, low byte first: numbers stand at multiples of their size, texts end with a zero.
+class CdrBytes {
+public:
+    template <class Number>
+    CdrBytes& number(Number value) {
+        while (bytes_.size() % sizeof value != 0) bytes_ += '\0';
+        put(bytes_, value);
+        return *this;
+    }
+    CdrBytes& text(const std::string& words) {
+        number(static_cast<std::uint32_t>(words.size() + 1));
+        bytes_ += words + '\0';
+        return *this;
+    }
+    CdrBytes& data(const std::string& values) {
+        number(static_cast<std::uint32_t>(values.size()));
+        bytes_ += values;
+        return *this;
+    }
+    CdrBytes& header(std::int64_t stamp_ns) {
+        return number(static_cast<std::int32_t>(stamp_ns / 1'000'000'000))
+            .number(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000))
+            .text("camera_optical");
+    }
+    std::string message() const { return std::string("\0\1\0\0", 4) + bytes_; }
+
+private:
+    std::string bytes_;
+};
+
+int ros2_code(int n, int x, int y) {
+    return (x + y) % 5 == 0 ? 0 : 700 + 10 * n + 3 * x + 20 * y;
+}
+
+std::string ros2_depth(int n, std::int64_t time) {
+    std::string values;
+    for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 16; ++x) put(values, static_cast<std::uint16_t>(ros2_code(n, x, y)));
+    return CdrBytes()
+        .header(time)
+        .number(12U)
+        .number(16U)
+        .text("16UC1")
+        .number(std::uint8_t{0})
+        .number(32U)
+        .data(values)
+        .message();
+}
+
+std::string ros2_camera(std::int64_t time) {
+    CdrBytes info;
+    info.header(time).number(12U).number(16U).text("plumb_bob").number(5U);
+    for (int k = 0; k < 5; ++k) info.number(0.0);
+    for (const double each : {20.0, 0.0, 7.75, 0.0, 21.0, 5.25, 0.0, 0.0, 1.0}) info.number(each);
+    for (const double each : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) info.number(each);
+    for (const double each : {20.0, 0.0, 7.75, 0.0, 0.0, 21.0, 5.25, 0.0, 0.0, 0.0, 1.0, 0.0})
+        info.number(each);
+    for (int k = 0; k < 6; ++k) info.number(0U);
+    return info.number(std::uint8_t{0}).message();
+}
+
+std::string ros2_colour(int n, std::int64_t time) {
+    const TemporaryFolder folder;
+    Samples memory(3 * 16 * 12, static_cast<std::uint8_t>(40 + n));
+    EXPECT_EQ(message(write_png(folder / "c.png", PlaneView{memory.data(), 48, 16, 12, 1, 3})), "");
+    return CdrBytes()
+        .header(time)
+        .text("rgb8; png compressed rgb8")
+        .data(read_bytes(folder / "c.png"))
+        .message();
+}
+
+}  // namespace
+
+std::vector<Ros2Message> ros2_recording() {
+    std::vector<Ros2Message> all;
+    for (int n = 0; n < 3; ++n) {
+        const std::int64_t time = 1'700'000'000'000'000'000 + n * 100'000'000LL;
+        all.push_back({"/camera/depth/image_raw", "sensor_msgs/msg/Image", time + 5, ros2_depth(n, time)});
+        all.push_back(
+            {"/camera/depth/camera_info", "sensor_msgs/msg/CameraInfo", time + 6, ros2_camera(time)});
+        all.push_back({"/camera/color/image_raw/compressed", "sensor_msgs/msg/CompressedImage", time + 7,
+                       ros2_colour(n, time)});
+        all.push_back({"/tf", "tf2_msgs/msg/TFMessage", time + 8, std::string(30, '\7')});
+    }
+    return all;
+}
+
+void expect_ros2_recording(ClipReader& clip, int frames) {
+    const auto read = read_all(clip);
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), static_cast<std::size_t>(frames));
+    const Scene& scene = clip.scene();
+    EXPECT_EQ(scene.rate.num, 10);
+    for (int k = 0; k < frames; ++k) {
+        const RawFrame& frame = (*read)[static_cast<std::size_t>(k)];
+        const int n = 3 - frames + k;
+        EXPECT_EQ(frame.colour.sample(3, 4, 1), 40 + n);
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 16; ++x) {
+                const std::uint16_t code = frame.depth.sample(x, y);
+                ASSERT_EQ(code, ros2_code(n, x, y));
+                ASSERT_EQ(scene.depth.is_valid(code), code > 0);
+                if (code == 0) continue;
+                const double z = 0.001 * code;
+                const auto point = unproject(scene.camera, x, y, scene.depth.depth(code));
+                ASSERT_NEAR(point.x, (x - 7.75) / 20 * z, 1e-12);
+                ASSERT_NEAR(point.y, -(y - 5.25) / 21 * z, 1e-12);
+                ASSERT_NEAR(point.z, -z, 1e-12);
+            }
+    }
+}
+
+}  // namespace touchable::test
