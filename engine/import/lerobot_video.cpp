@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/import/guess/camera_file.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/video/lerobot_writer.hpp"
@@ -62,10 +63,11 @@ Result<DepthCoding> coding_of(const Json& feature, const std::string& where) {
         if (!*each) return each->error();
     const Json* const use_log = member_of(feature, "use_log");
     const bool is_log = use_log == nullptr || *use_log != false;
-    if (!(*near >= 0 && *near < *far && *far < 1e6) || (is_log && !(*near + *shift > 0)))
+    if (!(*near >= 0 && *near < *far && *far < lerobot_horizon) || (is_log && !(*near + *shift > 0)))
         return input_error(where +
                            ": its depth_min, depth_max and shift are no range of depth: must be 0 <= "
-                           "depth_min < depth_max" +
+                           "depth_min < depth_max < " +
+                           short_number(lerobot_horizon) +
                            (is_log ? ", and depth_min + shift more than 0" : ""));
     return is_log ? lerobot_coding(*near, *far, *shift) : lerobot_linear_coding(*near, *far);
 }
@@ -158,7 +160,8 @@ Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, 
         if (!fs::is_regular_file(file, ignored)) continue;
         const bool is_its_own = file.filename() != "info.json";
         auto found = read_description(file, video.path(), is_usual || is_its_own);
-        // Other programs have files of this name, which say nothing of a video that cannot be LeRobot's depth.
+        // Other programs have files of this name, which say nothing of a video that cannot be LeRobot's
+        // depth.
         if (!found && !is_usual) continue;
         if (!found) return found.error();
         if (!*found) continue;

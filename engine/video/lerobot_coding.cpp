@@ -70,6 +70,13 @@ LeRobotCodes::LeRobotCodes(const Scene& scene) : from_(scene), scene_(scene) {
             table_[each] = scene_.depth.code(stored.depth(each));
 }
 
+double LeRobotCodes::step_at_a_metre() const {
+    const double metres = scene_.metres_per_unit;
+    const int code = std::min<int>(scene_.depth.code(1 / metres), largest_lerobot_code - 1);
+    const auto depth = [&](int of) { return metres * scene_.depth.depth(static_cast<std::uint16_t>(of)); };
+    return depth(code + 1) - depth(code);
+}
+
 RawFrame LeRobotCodes::of(const RawFrame& frame) const {
     RawFrame made;
     made.number = frame.number;

@@ -15,6 +15,9 @@ DepthCoding lerobot_coding(double near = 0.01, double far = 10, double shift = 3
 /// The same with even steps of depth (`video.use_log` false).
 DepthCoding lerobot_linear_coding(double near, double far);
 
+/// Metres that all of its depth is nearer than.
+inline constexpr double lerobot_horizon = 1e6;
+
 /// A clip's depth as LeRobot has it.
 class LeRobotCodes {
 public:
@@ -23,6 +26,8 @@ public:
     const Scene& scene() const { return scene_; }
     /// Whether the clip's codes are such codes already, and stay.
     bool are_kept() const { return are_kept_; }
+    /// How far the codes about 1 m are apart, metres.
+    double step_at_a_metre() const;
     /// Its depth, along the optical axis whatever it was. What is nearer or deeper than the planes is at
     /// them, but never code 0.
     RawFrame of(const RawFrame& frame) const;

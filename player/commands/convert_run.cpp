@@ -15,6 +15,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/import/video_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
+#include "engine/number_words.hpp"
 #include "engine/sound/stored_sound.hpp"
 #include "engine/video/lerobot_coding.hpp"
 #include "engine/video/lerobot_writer.hpp"
@@ -78,14 +79,17 @@ std::vector<fs::path> files_of_one_frame(const ConvertOptions& options) {
                                                 : still_files(options.out);
 }
 
-/// Which frames: those whose time begins before the end that was named.
+/// Which frames: those whose time begins before the end that was named. Times that other programs write are
+/// rounded: a frame's own is one that is nearer to it than another frame's can be.
 ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     const FrameRate& rate = clip.scene().rate;
     ClipPart part{.every = options.every, .crop = options.crop};
+    constexpr std::int64_t near_ns = shortest_frame_ns / 2;
     if (options.from)
-        part.first = options.from->time_ns ? rate.frame_at(*options.from->time_ns) : options.from->frame;
+        part.first =
+            options.from->time_ns ? rate.frame_at(*options.from->time_ns + near_ns) : options.from->frame;
     if (options.to)
-        part.last = options.to->time_ns ? rate.frame_at(*options.to->time_ns - 1) : options.to->frame;
+        part.last = options.to->time_ns ? rate.frame_at(*options.to->time_ns - near_ns) : options.to->frame;
     const auto frames = clip.frame_count();
     if (options.to && options.to->time_ns && frames && *part.last >= *frames) part.last.reset();
     if (is_one_frame(options.form)) part.last = part.first;
@@ -229,10 +233,15 @@ Result<void> Conversion::check_loss() const {
             "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
             "--allow-lossy "
             "as well");
+    if (const double far = codes_ ? codes_->scene().depth.far * codes_->scene().metres_per_unit : 0;
+        !(far < lerobot_horizon))
+        return usage_error("--lerobot: depth may be " + short_number(far) + " m deep: must be less than " +
+                           short_number(lerobot_horizon) +
+                           " m; a scene file with a smaller far (touchable init-scene) says so");
     if (is_recoded() && !options_.allow_lossy)
-        return usage_error(
-            "--lerobot changes what is touched: depth becomes 4095 steps, 1.5 mm wide at 1 m; say "
-            "--allow-lossy as well, and the report tells what is lost");
+        return usage_error("--lerobot changes what is touched: depth becomes 4095 steps, " +
+                           short_number(1000 * codes_->step_at_a_metre(), 2) +
+                           " mm wide at 1 m; say --allow-lossy as well, and the report tells what is lost");
     if (!is_resized() || options_.allow_lossy) return {};
     const Scene& scene = source_->scene();
     const auto& size = options_.size;

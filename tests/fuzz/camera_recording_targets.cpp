@@ -3,6 +3,7 @@
 
 #include "engine/import/azure_kinect_calibration.hpp"
 #include "engine/import/bag/bag_clip.hpp"
+#include "engine/import/bag/rvl.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/video/frame_times_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
@@ -12,6 +13,19 @@ namespace {
 
 bool parse_bag(std::string_view bytes) {
     return is_clip(open_bag_clip(file_of(bytes, "input.bag"), std::nullopt, {}));
+}
+
+bool parse_mcap(std::string_view bytes) {
+    return is_clip(open_bag_clip(file_of(bytes, "input.mcap"), std::nullopt, {}));
+}
+
+/// A byte says how many pixels there are.
+bool parse_rvl(std::string_view bytes) {
+    Taken taken(bytes);
+    const std::size_t pixels = taken.byte();
+    const auto depth = unpack_rvl(taken.rest(), pixels);
+    if (depth) require(depth->size() == pixels, "there are more or fewer pixels than were asked for");
+    return depth.has_value();
 }
 
 /// An Azure Kinect's file as a whole: as it is, and with a camera that is known, which its own gives way to.
@@ -51,6 +65,8 @@ bool parse_times(std::string_view bytes) {
 }
 
 const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 100, .most_bytes = 16384}};
+const Registered mcap_target{{.name = "mcap", .parse = parse_mcap, .changes = 100, .most_bytes = 8192}};
+const Registered rvl_target{{.name = "rvl", .parse = parse_rvl, .most_bytes = 512}};
 const Registered k4a_target{{.name = "k4a",
                              .parse = parse_k4a,
                              .cuts_are_refused = true,

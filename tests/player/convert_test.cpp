@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "player/commands/commands.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
+#include "tests/import/foreign_video.hpp"
 #include "tests/opened_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
@@ -238,7 +240,10 @@ TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
     const auto is_guessed = [&](const std::string& text) {
         return std::count(guesses.begin(), guesses.end(), "guessed: " + text);
     };
-    EXPECT_EQ(is_guessed("the camera sees 60 degrees from left to right; if it sees 70, all shapes are 18 % too narrow"), 1);
+    EXPECT_EQ(
+        is_guessed(
+            "the camera sees 60 degrees from left to right; if it sees 70, all shapes are 18 % too narrow"),
+        1);
     EXPECT_EQ(is_guessed("a code is 1 mm, as their median is 720"), 1);
     EXPECT_EQ(is_guessed("30 frames a second"), 1);
     convert({at("bare"), at("a.mkv")});
@@ -427,6 +432,86 @@ TEST_F(Convert, DepthForLeRobotIsByItsFormulaAndThenStaysAsItIs) {
     EXPECT_NE(convert({at("robot.mp4"), at("robot.mkv")}).find("every value kept"), std::string::npos);
     EXPECT_EQ(hash_of(at("robot.mkv")), forces);
     expect_refused({at("robot.mkv"), at("robot.mkv"), "--lerobot"}, "--lerobot is for NAME.mp4");
+}
+
+/// Depth of LeRobot's usual numbers, whose frames are told apart by their codes.
+int episode_code(int n, int x, int y) {
+    return (x + y) % 7 == 0 ? 0 : 300 + 200 * n + 3 * x + 5 * y;
+}
+
+/// Its episode tables name an episode's ends by seconds, of which frames of 30 a second have no whole number.
+TEST_F(Convert, AnEpisodeOfLeRobotIsCutByItsTwoTimes) {
+    constexpr int width = 64, height = 48;
+    ForeignVideo video{"libx265", AV_PIX_FMT_GRAY12, width, height, 8};
+    video.tag = MKTAG('h', 'v', 'c', '1');
+    video.interval = 2;
+    write_video(at("episodes.mp4"), video, [&](AVFrame& frame, int n) {
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) set_sample(frame, 0, x, y, episode_code(n, x, y));
+    });
+    struct Episode {
+        const char *from, *to;
+        int first, count;
+    };
+    const std::vector<Episode> episodes{{"0.0s", "0.06666666666666667s", 0, 2},
+                                        {"0.06666666666666667s", "0.16666666666666666s", 2, 3},
+                                        {"0.0667s", "0.1667s", 2, 3},
+                                        {"0.0666s", "0.1666s", 2, 3},
+                                        {"0.16666666666666666s", "0.26666666666666666s", 5, 3}};
+    for (const Episode& episode : episodes)
+        for (const std::string name : {"cut.mkv", "cut.mp4"}) {
+            SCOPED_TRACE(std::string(episode.from) + " " + name);
+            std::vector<std::string> words{at("episodes.mp4"), at(name),     "--from", episode.from, "--to",
+                                           episode.to,         "--overwrite"};
+            if (name == "cut.mp4") words.emplace_back("--lerobot");
+            EXPECT_NE(convert(words).find("every value kept"), std::string::npos);
+            auto cut = open_clip(at(name));
+            ASSERT_TRUE(cut.ok());
+            EXPECT_EQ((*cut)->scene().depth.kind, DepthCodingKind::log);
+            for (int n = 0; n < episode.count; ++n) {
+                const auto frame = (*cut)->next();
+                ASSERT_TRUE(frame.ok() && *frame);
+                ASSERT_EQ((*frame)->number, n);
+                ASSERT_EQ((*frame)->time_ns, 1'000'000'000LL * n / 30);
+                for (int y = 0; y < height; ++y)
+                    for (int x = 0; x < width; ++x)
+                        ASSERT_EQ((*frame)->depth.sample(x, y), episode_code(episode.first + n, x, y));
+            }
+            const auto end = (*cut)->next();
+            EXPECT_TRUE(end.ok() && !*end);
+        }
+}
+
+/// Codes of so many metres as 16-bit pictures; the step is LeRobot's own formula's.
+TEST_F(Convert, DepthForLeRobotSaysTheStepThatItHasAndRefusesWhatLeRobotCannotSay) {
+    Image image{64, 48, 2, 1, {}};
+    for (int k = 0; k < 64 * 48; ++k)
+        for (const int byte : {(1000 + 10 * k) & 255, (1000 + 10 * k) >> 8})
+            image.samples.push_back(static_cast<std::uint8_t>(byte));
+    ASSERT_TRUE(write_png(at("depth.png"), image.view()).ok());
+    const auto words = [this](const std::string& unit) {
+        return std::vector<std::string>{at("depth.png"), at("robot.mp4"), "--fov", "60", "--depth-unit", unit,
+                                        "--lerobot"};
+    };
+    for (const auto& [unit, at_least] : {std::pair("0.0001", 1.4), std::pair("0.1", 6.0)}) {
+        auto lossy = words(unit);
+        lossy.insert(lossy.end(), {"--allow-lossy", "--overwrite"});
+        convert(lossy);
+        std::ifstream info_file(at("robot.info.json"));
+        const auto info = nlohmann::json::parse(info_file)["features"]["observation.images.depth"]["info"];
+        const double near = info["video.depth_min"], far = info["video.depth_max"],
+                     shift = info["video.shift"];
+        const double step = 1000 * (1 + shift) * std::log((far + shift) / (near + shift)) / 4095;
+        EXPECT_GE(step, at_least);
+        std::array<char, 32> said{};
+        std::snprintf(said.data(), said.size(), "%.2g mm wide at 1 m", step);
+        auto again = words(unit);
+        again.emplace_back("--overwrite");
+        expect_refused(again, said.data());
+    }
+    auto deep = words("100");
+    deep.emplace_back("--overwrite");
+    expect_refused(deep, "must be less than 1000000 m");
 }
 
 TEST_F(Convert, TakesThePartThatIsAskedFor) {
