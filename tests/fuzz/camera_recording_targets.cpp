@@ -19,6 +19,10 @@ bool parse_mcap(std::string_view bytes) {
     return is_clip(open_bag_clip(file_of(bytes, "input.mcap"), std::nullopt, {}));
 }
 
+bool parse_db3(std::string_view bytes) {
+    return is_clip(open_bag_clip(file_of(bytes, "input.db3"), std::nullopt, {}));
+}
+
 /// A byte says how many pixels there are.
 bool parse_rvl(std::string_view bytes) {
     Taken taken(bytes);
@@ -66,6 +70,8 @@ bool parse_times(std::string_view bytes) {
 
 const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 100, .most_bytes = 16384}};
 const Registered mcap_target{{.name = "mcap", .parse = parse_mcap, .changes = 100, .most_bytes = 8192}};
+const Registered db3_target{
+    {.name = "db3", .parse = parse_db3, .cuts_are_refused = true, .changes = 100, .most_bytes = 8192}};
 const Registered rvl_target{{.name = "rvl", .parse = parse_rvl, .most_bytes = 512}};
 const Registered k4a_target{{.name = "k4a",
                              .parse = parse_k4a,

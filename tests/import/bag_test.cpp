@@ -438,6 +438,36 @@ TEST(Bag, SaysWhatIsWrong) {
         std::string::npos);
 }
 
+/// Spoils the first bytes of every `step`th packed chunk.
+std::string with_spoilt_chunks(std::string bytes, std::size_t step) {
+    const std::string lz4 = "\x04\x22\x4d\x18";
+    std::size_t number = 0;
+    for (auto at = bytes.find(lz4); at != std::string::npos; at = bytes.find(lz4, at + 1))
+        if (number++ % step == 0) bytes[at] = 'x';
+    return bytes;
+}
+
+TEST(Bag, WhatIsInADamagedChunkIsLeftOutAndSaid) {
+    const TemporaryFolder folder;
+    const auto file = folder / "x.bag";
+    BagBytes bag;
+    for (int n = 0; n < 5; ++n) {
+        ImageMessage picture = even_picture("16UC1", word(700 + n));
+        picture.stamp_ns = (10 + n) * 100'000'000LL;
+        bag.add("/depth", of_images, picture.stamp_ns, picture.bytes());
+    }
+    const std::string whole = bag.file("lz4", 1);
+    write_bytes(file, with_spoilt_chunks(whole, 2));
+    const auto [reader, frames] = opened_bag(file);
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[0].depth.sample(1, 1), 701);
+    EXPECT_EQ(frames[1].depth.sample(1, 1), 703);
+    expect_note(*reader, "3 chunks are damaged, and what cannot be read of them is left out");
+    const std::string said = refusal_of(file, with_spoilt_chunks(whole, 1));
+    EXPECT_NE(said.find("has no topic of depth (there are no pictures)"), std::string::npos) << said;
+    EXPECT_NE(said.find("5 chunks are damaged"), std::string::npos) << said;
+}
+
 /// An error on one line, or frames.
 bool survives(const std::filesystem::path& file) {
     auto reader = open_clip(file);
