@@ -61,6 +61,13 @@ FieldVertex HeightField::vertex(std::int64_t i, std::int64_t j) const {
     return {prev.depth + (next.depth - prev.depth) * blend_, prev.valid};
 }
 
+std::array<FieldVertex, 2> HeightField::vertices_of_frames(std::int64_t i, std::int64_t j) const {
+    if (!is_pixel(i, j)) return {FieldVertex{scene_.depth.far, false}, FieldVertex{scene_.depth.far, false}};
+    const int x = static_cast<int>(i), y = static_cast<int>(j);
+    const FieldVertex prev = frame_vertex(*prev_, prev_codes_, x, y);
+    return {prev, next_ ? frame_vertex(*next_, next_codes_, x, y) : prev};
+}
+
 bool HeightField::is_valid(std::int64_t i, std::int64_t j) const {
     const SurfaceFrame* codes = nearer_ == prev_ ? prev_codes_ : next_codes_;
     return is_pixel(i, j) && is_valid_in(*nearer_, codes, static_cast<int>(i), static_cast<int>(j));

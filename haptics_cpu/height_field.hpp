@@ -49,6 +49,9 @@ public:
 
     /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
+    /// The same at a lattice vertex in the pair's earlier and later frame; twice the same where this field
+    /// has only one of them. `vertex` lies between the two.
+    std::array<FieldVertex, 2> vertices_of_frames(std::int64_t i, std::int64_t j) const;
     /// The vertex's validity alone.
     bool is_valid(std::int64_t i, std::int64_t j) const;
     /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.

@@ -5,6 +5,7 @@
 
 // Codes of a pair of frames -> q of every pixel, for the eye.
 
+#include "shaders/blend_rule.h"
 #include "shaders/unproject.h"
 
 layout(local_size_x_id = 0) in;
@@ -69,10 +70,11 @@ u64vec4 eight(uint row, uint texel, uint x, uint valids, uint next_valids, float
             float next_depth = depth_of(part(next_code, n));
             if (has_heights != 0u) next_depth -= push.next_height_per_code * float(part(next_height, n));
             const bool next_valid = (next_valids >> n & 1u) != 0u;
-            // A pixel valid in one frame alone takes the state of the frame nearer in time.
-            const bool is_next = valid != next_valid && push.blend >= 0.5f;
+            // Where there is nothing half-way, the pixel takes the state of the frame nearer in time.
+            const bool mixes = valid && next_valid && depths_mix(depth, next_depth, push.reach);
+            const bool is_next = !mixes && push.blend >= 0.5f;
             const float mixed = depth * push.rest + next_depth * push.blend;
-            depth = valid && next_valid ? mixed : (is_next ? next_depth : depth);
+            depth = mixes ? mixed : (is_next ? next_depth : depth);
             valid = is_next ? next_valid : valid;
         }
         float ray = 1.0f;

@@ -1,13 +1,15 @@
 // What the kernel unproject.comp and its caller agree on. Compiled as GLSL and as C++.
 //
-// Filtered codes of a pair of frames become q = 1 / planar depth at a moment between them, height taken off;
+// Filtered codes of a pair of frames become q = 1 / planar depth as it is drawn at a moment between them
+// (blend_rule.h), height taken off;
 // 0 stands for an invalid pixel and for what lies beyond the width. A lane marches along a row, or a part of
 // it, by words of validity: 32 pixels, 4 texels of codes, so that nothing is loaded twice and no row needs a
 // special end. Rows of q are whole words too.
 //
 // A code's length grows with its distance m from the end of its scale where the length is least (1 / length
 // for inverse codings), so base + step m adds what is never negative, and a depth is good to four roundings.
-// A logarithmic code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six roundings.
+// A logarithmic code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six
+// roundings.
 #ifndef TOUCHABLE_SHADERS_UNPROJECT_H
 #define TOUCHABLE_SHADERS_UNPROJECT_H
 
@@ -27,9 +29,9 @@ using uint = unsigned int;
 
 #define UNPROJECT_WORD 32  // pixels of a word of validity
 
-#define UNPROJECT_CODES 0     // of the earlier frame: texels of 8 codes, rows in whole texels
-#define UNPROJECT_VALIDITY 1  // a bit each, rows in whole words
-#define UNPROJECT_HEIGHTS 2   // as codes
+#define UNPROJECT_CODES 0       // of the earlier frame: texels of 8 codes, rows in whole texels
+#define UNPROJECT_VALIDITY 1    // a bit each, rows in whole words
+#define UNPROJECT_HEIGHTS 2     // as codes
 #define UNPROJECT_NEXT_CODES 3  // of the later frame; the earlier one's again where there is none
 #define UNPROJECT_NEXT_VALIDITY 4
 #define UNPROJECT_NEXT_HEIGHTS 5
@@ -47,18 +49,19 @@ struct UnprojectConstants {
 };
 
 struct UnprojectPush {
-    uint height;           // pixels
-    uint pitch;            // texels of a row of codes
-    uint words;            // of a row of validity
-    uint segments;         // parts of a row, for a lane each
-    uint segment_words;    // words of a part
+    uint height;         // pixels
+    uint pitch;          // texels of a row of codes
+    uint words;          // of a row of validity
+    uint segments;       // parts of a row, for a lane each
+    uint segment_words;  // words of a part
     uint code_max;
     float base, step;                             // scene units, or 1 / scene units
     float shift;                                  // scene units, of inverse codings
     float cx, cy, per_fx, per_fy;                 // pixels, 1 / pixels
     float height_per_code, next_height_per_code;  // scene units; 0: no heights
     float blend, rest;                            // weights of the later and the earlier frame, in all 1
-    float step_low, from_shift;                   // log: the rest of the step; near plane + the coding's shift
+    float step_low, from_shift;  // log: the rest of the step; near plane + the coding's shift
+    float reach;                 // scene units: of blend_rule.h
 };
 
 /// e^(t + low) - 1 for t from 0 to 87, |low| far less: exp would lose digits, and all of them near 0.

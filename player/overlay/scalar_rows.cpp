@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "player/view/drawn_vertex.hpp"
+#include "shaders/blend_rule.h"
+
 // Compiled without errno and traps: the loops below become vectors where they look nothing up.
 
 namespace touchable {
@@ -24,6 +27,7 @@ void ScalarRows::begin(Scalar scalar, const HeightField& field, const FramePair&
     blend_ = static_cast<float>(field.blend());
     height_per_code_ =
         static_cast<float>(largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max);
+    reach_ = blend_reach(field);
     begin_frame(prev_, pair.prev.frame);
     begin_frame(next_, blend_ > 0 && pair.next.frame != pair.prev.frame ? pair.next.frame : nullptr);
 }
@@ -32,11 +36,12 @@ void ScalarRows::begin_frame(Frame& frame, const SurfaceFrame* of) {
     frame.frame = of;
     if (!of) return;
     const auto columns = static_cast<std::size_t>(field_->width());
+    frame.lengths.resize(columns);
     frame.values.resize(columns);
     frame.valid.resize(columns);
     frame.codes = of->vertices->read_from();
     if (scalar_ != Scalar::depth && scalar_ != Scalar::height) return make_properties(frame);
-    if (scalar_ != Scalar::depth || !frame.codes) return;
+    if (!frame.codes) return;
     const DepthCoding& coding = frame.codes->coding;
     if (!frame.depths.empty() && coding == frame.coding) return;
     frame.coding = coding;
@@ -70,9 +75,9 @@ void ScalarRows::read_validity(Frame& frame, int y) const {
     }
 }
 
-void ScalarRows::read_depths(Frame& frame, int y) const {
+void ScalarRows::read_depths(Frame& frame, int y, std::vector<float>& to) const {
     const int width = field_->width();
-    float* values = frame.values.data();
+    float* values = to.data();
     if (frame.codes) {
         const std::uint16_t* codes = frame.codes->codes.data() + frame.codes->index(0, y);
         const float* depths = frame.depths.data();
@@ -113,13 +118,14 @@ void ScalarRows::read_heights(Frame& frame, int y) const {
 
 void ScalarRows::read_frame(Frame& frame, int y) const {
     read_validity(frame, y);
-    if (reading_ == Scalar::depth) return read_depths(frame, y);
-    if (reading_ == Scalar::height) return read_heights(frame, y);
-    read_properties(frame, y);
+    if (reading_ == Scalar::depth) return read_depths(frame, y, frame.values);
+    if (reading_ != Scalar::height) return read_properties(frame, y);
+    read_heights(frame, y);
+    if (next_.frame) read_depths(frame, y, frame.lengths);
 }
 
-/// Depth and height of a pixel that is valid in one frame alone are those of the nearer frame, which says
-/// whether it is valid; properties are of both.
+/// Depth and height of a pixel are those of the nearer frame, which says whether it is valid, where it is
+/// valid in one frame alone or there is nothing half-way; properties are of both.
 void ScalarRows::mix(float* values) const {
     const int width = field_->width();
     const bool of_valid = reading_ == Scalar::depth || reading_ == Scalar::height;
@@ -128,9 +134,12 @@ void ScalarRows::mix(float* values) const {
     const float *from = prev_.values.data(), *to = next_.values.data(), *near = nearer.values.data();
     const std::uint8_t *before = prev_.valid.data(), *after = next_.valid.data(),
                        *valid = nearer.valid.data();
+    const bool of_depth = reading_ == Scalar::depth;
+    const float *one = of_depth ? from : prev_.lengths.data(), *other = of_depth ? to : next_.lengths.data();
     for (int x = 0; x < width; ++x) {
         const float mixed = from[x] + (to[x] - from[x]) * blend;
-        const float value = of_valid && before[x] != after[x] ? near[x] : mixed;
+        const bool mixes = before[x] == after[x] && depths_mix(one[x], other[x], reach_);
+        const float value = of_valid && !mixes ? near[x] : mixed;
         values[x] = valid[x] != 0 ? value : no_value;
     }
 }

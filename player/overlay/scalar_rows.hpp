@@ -11,8 +11,8 @@ namespace touchable {
 /// What a pixel has one number of.
 enum class Scalar { depth, stiffness, static_friction, dynamic_friction, height };
 
-/// Reads a field row by row: the same numbers as the hand meets at the pixels, to a float's precision, by
-/// tables of what the frames' codes mean.
+/// Reads a field row by row: depth and height as they are drawn (`drawn_vertex`), other numbers as the hand
+/// meets them at the pixels, to a float's precision, by tables of what the frames' codes mean.
 class ScalarRows {
 public:
     /// `pair` is what `field` was made of; both are referred to by `read`, until the next call.
@@ -40,6 +40,7 @@ private:
         std::vector<float> depths;                 // of each code
         std::array<float, 256> property{};         // of each value of the channel
         std::array<float, 256> static_friction{};  // likewise, where dynamic friction is asked for
+        std::vector<float> lengths;                // of a row, height taken off, where they are asked for
         std::vector<float> values;                 // of a row
         std::vector<std::uint8_t> valid;           // likewise, 0 or 1
     };
@@ -48,7 +49,7 @@ private:
     void read_validity(Frame& frame, int y) const;
     void mark_filled(const Frame& frame, int y, std::uint8_t* states) const;
     void read_frame(Frame& frame, int y) const;
-    void read_depths(Frame& frame, int y) const;
+    void read_depths(Frame& frame, int y, std::vector<float>& to) const;
     void read_heights(Frame& frame, int y) const;
     void read_properties(Frame& frame, int y) const;
     void mix(float* values) const;
@@ -59,7 +60,7 @@ private:
     Scalar scalar_ = Scalar::depth;
     Scalar reading_ = Scalar::depth;  // the same, or what that needs as well
     const HeightField* field_ = nullptr;
-    float blend_ = 0, height_per_code_ = 0;
+    float blend_ = 0, height_per_code_ = 0, reach_ = 0;
     Frame prev_, next_;
     std::vector<float> static_frictions_;  // of a row
     std::vector<std::uint32_t> whole_;     // likewise, by bits: there is depth all around

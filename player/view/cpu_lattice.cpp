@@ -6,6 +6,7 @@
 
 #include "engine/surface/vectors.hpp"
 #include "player/view/surface_unproject.hpp"
+#include "shaders/blend_rule.h"
 #include "shaders/cut_rule.h"
 
 // Compiled without errno for square roots, which there are none of what is negative: the loops below become
@@ -53,13 +54,14 @@ struct FrameRow {
     }
 }
 
-/// A pixel valid in one frame alone takes the state of the frame nearer in time.
+/// Where there is nothing half-way, a pixel takes the state of the frame nearer in time.
 [[gnu::always_inline]] inline void mix_rows(const UnprojectPush& push, int width, const float* next_depths,
                                             const float* next_valid, float* depths, float* valid) {
     const float blend = push.blend, rest = push.rest, next_is_nearer = blend >= 0.5F ? 1.0F : 0.0F;
     for (int x = 0; x < width; ++x) {
         const float mixed = depths[x] * rest + next_depths[x] * blend;
-        const float both = valid[x] * next_valid[x];
+        const bool mixes = depths_mix(depths[x], next_depths[x], push.reach);
+        const float both = mixes ? valid[x] * next_valid[x] : 0.0F;
         const float nearer = next_is_nearer > 0.0F ? next_depths[x] : depths[x];
         depths[x] = both > 0.0F ? mixed : nearer;
         valid[x] = next_is_nearer > 0.0F ? next_valid[x] : valid[x];

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 
+#include "player/view/drawn_vertex.hpp"
 #include "player/view/surface_light.hpp"
 #include "shaders/light.h"
 #include "shaders/light.spv.h"
@@ -17,7 +18,7 @@ static_assert(sizeof(LightPush) == 44);
 UsualQ usual_q_of(const HeightField& field) {
     const Scene& scene = field.scene();
     return usual_q(field.width(), field.height(), [&](int x, int y) {
-        const FieldVertex vertex = field.vertex(x, y);
+        const FieldVertex vertex = drawn_vertex(field, x, y);
         const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
         return vertex.valid ? static_cast<float>(1.0 / depth) : 0.0F;
     });

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "player/view/drawn_vertex.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable {
@@ -88,7 +89,13 @@ struct Triangle {
     }
 };
 
-Triangle triangle_at(const HeightField& field, double x, double y) {
+/// Of what is drawn, or of what is felt.
+using VertexOf = FieldVertex (*)(const HeightField&, std::int64_t, std::int64_t);
+FieldVertex felt_vertex(const HeightField& field, std::int64_t i, std::int64_t j) {
+    return field.vertex(i, j);
+}
+
+Triangle triangle_at(const HeightField& field, VertexOf vertex_of, double x, double y) {
     const auto i = static_cast<int>(std::clamp(std::floor(x), 0.0, field.width() - 2.0)),
                j = static_cast<int>(std::clamp(std::floor(y), 0.0, field.height() - 2.0));
     const bool lower = x - i >= y - j;
@@ -98,7 +105,7 @@ Triangle triangle_at(const HeightField& field, double x, double y) {
     Triangle out{};
     std::array<float, 3> q;  // as painters have it: 0 where there is no depth
     for (std::size_t k = 0; k < 3; ++k) {
-        const FieldVertex vertex = field.vertex(at[k][0], at[k][1]);
+        const FieldVertex vertex = vertex_of(field, at[k][0], at[k][1]);
         const double depth =
             planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], vertex.depth);
         out.corners[k] = {at[k][0], at[k][1], 1 / depth};
@@ -126,7 +133,8 @@ std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, 
 
 /// Calls `take(triangle, s0, s1)` for every triangle under the way, in order, until it gives false.
 template <class Take>
-void for_each_triangle(const HeightField& field, const LatticeWay& way, const Take& take) {
+void for_each_triangle(const HeightField& field, VertexOf vertex_of, const LatticeWay& way,
+                       const Take& take) {
     Crossings columns(way.begin.x, way.end.x), rows(way.begin.y, way.end.y),
         diagonals(way.begin.x - way.begin.y, way.end.x - way.end.y);
     for (double s = 0; s < 1;) {
@@ -135,7 +143,7 @@ void for_each_triangle(const HeightField& field, const LatticeWay& way, const Ta
             if (family->next() <= next) family->advance();
         const double end = std::max(s, next);
         const glm::dvec3 middle = way.at(0.5 * (s + end));
-        if (!take(triangle_at(field, middle.x, middle.y), s, end)) return;
+        if (!take(triangle_at(field, vertex_of, middle.x, middle.y), s, end)) return;
         s = end;
     }
 }
@@ -152,7 +160,7 @@ SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meetin
             drawn};
 }
 
-/// Height that is taken off a pixel's depth, as HeightField blends depths.
+/// Height that is taken off the depth that is drawn at a pixel, which has one.
 double height_at(const HeightField& field, const FramePair& pair, int x, int y) {
     const Scene& scene = field.scene();
     const double per_code = largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max;
@@ -161,8 +169,8 @@ double height_at(const HeightField& field, const FramePair& pair, int x, int y) 
     };
     const SurfaceFrame &prev = *pair.prev.frame, &next = *pair.next.frame;
     if (!(field.blend() > 0)) return of(prev);
-    if (prev.vertices->at(x, y).valid != next.vertices->at(x, y).valid)
-        return of(field.blend() >= 0.5 ? next : prev);
+    const auto [before, after] = field.vertices_of_frames(x, y);
+    if (!are_mixed(field, before, after)) return of(field.blend() >= 0.5 ? next : prev);
     return of(prev) + (of(next) - of(prev)) * field.blend();
 }
 
@@ -180,7 +188,7 @@ std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& came
     const auto way = way_of(ray, near, field);
     if (!way) return std::nullopt;
     std::optional<SurfacePick> found;  // first a wall, if there is one
-    for_each_triangle(field, *way, [&](const Triangle& triangle, double s, double end) {
+    for_each_triangle(field, drawn_vertex, *way, [&](const Triangle& triangle, double s, double end) {
         const auto met = end > s ? meeting(*way, triangle, s, end) : std::nullopt;
         if (met && (!found || !triangle.cut)) found = picked(field, *way, *met, !triangle.cut, ray);
         return !found || !found->drawn;
@@ -210,7 +218,7 @@ std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::
         found.behind = std::max(found.behind, 1 / at.z - surface);
         found.nearest = std::min(found.nearest, surface);
     };
-    for_each_triangle(field, way, [&](const Triangle& triangle, double from_s, double to_s) {
+    for_each_triangle(field, felt_vertex, way, [&](const Triangle& triangle, double from_s, double to_s) {
         look(triangle, from_s);
         look(triangle, to_s);
         return true;
@@ -219,7 +227,7 @@ std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::
 }
 
 PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y) {
-    const FieldVertex vertex = field.vertex(x, y);
+    const FieldVertex vertex = drawn_vertex(field, x, y);
     const double millimetres = field.scene().metres_per_unit * 1000;
     const double height = vertex.valid ? height_at(field, pair, x, y) : 0;
     return {vertex.valid, vertex.depth,         vertex.depth * millimetres,

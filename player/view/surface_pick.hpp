@@ -34,7 +34,7 @@ struct SurfacePick {
 /// clip's own view, fractions of a millisecond from the side.
 std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y);
 
-/// The surface along a straight way, as the clip's camera sees it: from there nothing that is drawn is
+/// The surface that is felt along a straight way, as the clip's camera sees it: from there nothing of it is
 /// hidden. Depths are planar, scene units.
 struct SurfaceOnWay {
     double behind;   ///< how far the way is behind the surface where it is farthest; below 0: it is before it
@@ -45,7 +45,7 @@ struct SurfaceOnWay {
 std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::dvec3& from,
                                            const glm::dvec3& to);
 
-/// What a pixel of the surface is, as a finger meets it there.
+/// What a pixel of the surface is: depth and height as they are drawn, properties as a finger meets them.
 struct PixelValues {
     bool valid;                   ///< false: a hole; all but the properties are those of the far plane
     double depth;                 ///< as the coding has it (range or planar), height taken off, scene units

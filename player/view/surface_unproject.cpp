@@ -6,13 +6,14 @@
 #include <cstring>
 
 #include "engine/surface_vulkan/vulkan_vertices.hpp"
+#include "player/view/drawn_vertex.hpp"
 #include "shaders/unproject.h"
 #include "shaders/unproject.spv.h"
 
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 76);
+static_assert(sizeof(UnprojectPush) == 80);
 
 /// Length = base + step m, or its inverse less the shift, of a coding, and how m comes from the code; see
 /// shaders/unproject.h.
@@ -73,6 +74,7 @@ UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair) 
     push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
     push.blend = static_cast<float>(blend);
     push.rest = static_cast<float>(1.0 - blend);
+    push.reach = blend_reach(field);
     constants.is_pair = blend > 0 ? 1 : 0;
     constants.has_heights = prev.heights.empty() && next.heights.empty() ? 0 : 1;
     constants.is_range = prev.coding.semantics == DepthSemantics::range ? 1 : 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "player/view/drawn_vertex.hpp"
 #include "player/view/surface_light.hpp"
 #include "shaders/cut_rule.h"
 
@@ -13,7 +14,7 @@ std::vector<float> q_of(const HeightField& field) {
     q.reserve(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
     for (int y = 0; y < field.height(); ++y)
         for (int x = 0; x < field.width(); ++x) {
-            const FieldVertex vertex = field.vertex(x, y);
+            const FieldVertex vertex = drawn_vertex(field, x, y);
             const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
             q.push_back(vertex.valid ? static_cast<float>(1.0 / depth) : 0.0F);
         }
@@ -67,7 +68,7 @@ Subject subject_of(const HeightField& field) {
     const Scene& scene = field.scene();
     for (int y = 0; y < field.height(); y += step)
         for (int x = 0; x < field.width(); x += step) {
-            const FieldVertex vertex = field.vertex(x, y);
+            const FieldVertex vertex = drawn_vertex(field, x, y);
             if (!vertex.valid || vertex.depth >= 0.999 * scene.depth.far) continue;
             const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
             subject.points.push_back(unproject(scene.camera, x, y, depth));

@@ -38,7 +38,7 @@ struct ViewSurface {
     }
 };
 
-/// q of every pixel of a field: what the solver touches, to the nearest float.
+/// q of every pixel of a field: of what is drawn there (drawn_vertex.hpp), to the nearest float.
 std::vector<float> q_of(const HeightField& field);
 
 /// Which tiles of a lattice of these q are worth drawing, by asking for every triangle.

@@ -31,7 +31,7 @@ void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& n
             EXPECT_EQ(lattices.tiles_of(scene.width, scene.height, q),
                       classify_tiles(scene.width, scene.height, q));
         }
-    expect_close(scene, prev, q_of(field), first);
+    expect_close(field, prev, q_of(field), first);
 }
 
 /// Light of the same q against `lit_colours`, and the same bits with any vectors and threads.

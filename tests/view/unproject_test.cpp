@@ -37,7 +37,7 @@ protected:
         const std::vector<float> twin = q_of(field), &made = surface.q;
         ASSERT_TRUE(surface.on_gpu);
         EXPECT_EQ(surface.tiles, classify_tiles(scene.width, scene.height, made));
-        expect_close(scene, prev, twin, made);
+        expect_close(field, prev, twin, made);
     }
 
     std::optional<GpuLattices> lattices;
