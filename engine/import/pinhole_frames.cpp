@@ -121,12 +121,13 @@ Result<void> PinholeReader::open() {
     const auto first = next();
     if (!first) return first.error();
     if (auto back = rewind(); !back || !*first) return back;
+    registration_->look_at((*first)->depth);  // it may be read without its colour
     const auto per_cent = [](double share) { return short_number(std::round(1000 * share) / 10) + " %"; };
-    notes_.push_back("colour is brought onto depth's pixels: in frame 0 its camera does not see " +
-                     per_cent(registration_->unseen_share()) +
-                     " of those with depth, which have the colour beside them where they are hidden; " +
-                     per_cent(registration_->grey_share()) +
-                     " of all pixels, with depth or without, are grey, as its picture ends before them");
+    notes_.push_back(
+        "colour is brought onto depth's pixels: in frame 0 its camera does not see " +
+        per_cent(registration_->unseen_share()) + " of those with depth; " +
+        per_cent(registration_->grey_share()) +
+        " of all pixels, with depth or without, are grey: hidden from it, or beyond its picture");
     return {};
 }
 
