@@ -306,6 +306,28 @@ TEST(PinholeFrames, ColourOfItsStandInIsWhereAPlainTwinHasIt) {
     expect_colour_where_a_plain_twin_has_it(folder.path());
 }
 
+/// As `info` opens a clip.
+TEST(PinholeFrames, WhatTheColourCameraDoesNotSeeIsToldWithoutLookingAtColour) {
+    const TemporaryFolder folder;
+    write_stand_in(folder.path(), large_castle(2));
+    write_bytes(folder / "castle.json", castle_scene());
+    std::string with_colour;
+    for (const Colour colour : {Colour::wanted, Colour::left_out}) {
+        const auto reader = open_clip(folder.path(), folder / "castle.json", {}, colour);
+        ASSERT_EQ(message(reader), "");
+        const auto& notes = (*reader)->notes();
+        const auto note = std::find_if(notes.begin(), notes.end(), [](const std::string& each) {
+            return each.find("its camera does not see ") != std::string::npos;
+        });
+        ASSERT_NE(note, notes.end());
+        EXPECT_EQ(note->find("not see 0 %"), std::string::npos) << *note;
+        if (colour == Colour::wanted)
+            with_colour = *note;
+        else
+            EXPECT_EQ(*note, with_colour);
+    }
+}
+
 TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {
     auto described = parse_scene(castle_scene(), "scene");
     ASSERT_EQ(message(described), "");
