@@ -28,33 +28,50 @@ int code_at(int x, int y) {
     return valid ? int(code) : none;
 }
 
+bool differ(int a, int b, int gate) { return abs(a - b) > gate; }
+
+/// Where a line away from a pixel meets a surface: its code, `none` for nowhere, and the steps to there. ramp_end of
+/// engine/surface/flying_pixels.hpp.
+ivec2 ramp_end(int code, int next_code, int gate, int x, int y, int dx, int dy) {
+    int before = code, here = next_code, next = code_at(x + 2 * dx, y + 2 * dy);
+    bool is_ramp = differ(before, here, gate);
+    for (int n = 2; n < int(most_ramp_steps); ++n) {
+        const int beyond = next < 0 ? none : code_at(x + (n + 1) * dx, y + (n + 1) * dy);
+        if (beyond < 0) break;
+        const bool steps_on = differ(here, next, gate);
+        is_ramp = is_ramp && steps_on && (next > here) == (here > before);
+        if (n > 2 && !is_ramp) break;
+        if (!differ(next, beyond, gate)) return ivec2(next, steps_on ? n : 1);
+        before = here;
+        here = next;
+        next = beyond;
+    }
+    return ivec2(none, 0);
+}
+
 /// Takes in the two sides of a line, where a pixel hangs between them.
-void judge(int code, int gate, int x, int y, int dx, int dy, inout int landed, inout int least) {
+void judge(int code, int gate, int x, int y, int dx, int dy, inout int landed, inout int widest) {
     const int next_a = code_at(x - dx, y - dy), next_b = code_at(x + dx, y + dy);
     if (next_a < 0 || next_b < 0 || max(abs(code - next_a), abs(code - next_b)) <= gate) return;
-    const int a = code_at(x - 2 * dx, y - 2 * dy), beyond_a = code_at(x - 3 * dx, y - 3 * dy);
-    const int b = code_at(x + 2 * dx, y + 2 * dy), beyond_b = code_at(x + 3 * dx, y + 3 * dy);
-    if (min(min(a, b), min(beyond_a, beyond_b)) < 0) return;
-    if (max(abs(a - beyond_a), abs(b - beyond_b)) > gate) return;
-    const int low = min(a, b), high = max(a, b);
+    const ivec2 a = ramp_end(code, next_a, gate, x, y, -dx, -dy);
+    if (a.x < 0) return;
+    const ivec2 b = ramp_end(code, next_b, gate, x, y, dx, dy);
+    if (b.x < 0 || a.y + b.y > int(most_ramp_steps)) return;
+    const int low = min(a.x, b.x), high = max(a.x, b.x);
     if (code - low <= 2 * gate || high - code <= 2 * gate) return;
-    if (code - low < least || (code - low == least && low < landed)) {
-        landed = low;
-        least = code - low;
-    }
-    if (high - code < least || (high - code == least && high < landed)) {
-        landed = high;
-        least = high - code;
-    }
+    const int side = code - low <= high - code ? low : high;
+    if (high - low < widest || (high - low == widest && side >= landed)) return;
+    landed = side;
+    widest = high - low;
 }
 
 uint landed_code(int x, int y, uint stored) {
     const int code = int(stored), gate = int(max(curve_at(push.gate, stored), 1u));
-    int landed = code, least = 65536;
-    judge(code, gate, x, y, 1, 0, landed, least);
-    judge(code, gate, x, y, 0, 1, landed, least);
-    judge(code, gate, x, y, 1, 1, landed, least);
-    judge(code, gate, x, y, 1, -1, landed, least);
+    int landed = code, widest = 0;
+    judge(code, gate, x, y, 1, 0, landed, widest);
+    judge(code, gate, x, y, 0, 1, landed, widest);
+    judge(code, gate, x, y, 1, 1, landed, widest);
+    judge(code, gate, x, y, 1, -1, landed, widest);
     return uint(landed);
 }
 

@@ -83,6 +83,9 @@ struct TerracesPush {
     uint fraction, step, noise;  // TerraceFilter
 };
 
+/// Of the widest ramp whose pixels are pulled in; no pixel that is farther away is read.
+const uint most_ramp_steps = 12u;
+
 /// Of flying_pixels.
 struct FlyingPixelsPush {
     uint width, height;

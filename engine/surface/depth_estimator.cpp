@@ -10,12 +10,21 @@ constexpr double some_dropouts = 5e-4;
 /// Noise is averaged from a ten-thousandth of the picture's width on. The hand's 16 cm are as wide as the
 /// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
 constexpr double noise_per_picture = 1e-4;
+/// Pixels that hang between two surfaces count from this share on.
+constexpr double some_flying = 1e-4;
+/// Where edges are clean there are more of these than so many times the pixels that hang midway.
+constexpr double clean_edges_per_midway = 4;
 
 }  // namespace
 
 bool MeasuredDepth::from_a_camera() const {
     return noise != DepthLength{} || levels.quadratic > 0 || dropouts >= some_dropouts ||
            tiny_holes >= some_tiny_holes;
+}
+
+bool MeasuredDepth::has_flying_pixels() const {
+    if (from_a_camera()) return flying >= some_flying;
+    return midway >= some_flying && clean_edges <= clean_edges_per_midway * midway;
 }
 
 bool MeasuredDepth::is_noisy(int width) const {
@@ -71,6 +80,8 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
     measured.dropouts = noise_.dropouts();
     measured.tiny_holes = noise_.tiny_holes();
     measured.flying = noise_.flying();
+    measured.midway = noise_.midway();
+    measured.clean_edges = noise_.clean_edges();
     return measured;
 }
 

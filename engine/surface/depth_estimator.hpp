@@ -26,6 +26,8 @@ struct MeasuredDepth {
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
     double tiny_holes = 0;                         ///< share of the pixels that are tiny holes
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
+    double midway = 0;                             ///< share of those a quarter of the way from both at least
+    double clean_edges = 0;  ///< share of the pixels beside which depth jumps in one step
     /// Filters, and what they leave: of a camera's depth a search, of other depth whose steps are felt the
     /// removal of these. None: too little of it is smooth.
     std::vector<TriedFilters> tried;
@@ -38,6 +40,9 @@ struct MeasuredDepth {
     bool is_noisy(int width) const;
     /// Whether something says that a camera measured it: noise, dropouts, tiny holes, or levels of disparity.
     bool from_a_camera() const;
+    /// Whether enough pixels hang between surfaces to be pulled in. Of depth that shows nothing of a camera,
+    /// as phones and networks store it, only where edges are ramps, not where they are clean but for a few.
+    bool has_flying_pixels() const;
 };
 
 /// Looks at the frames of a clip from the first one on. The same on every machine.

@@ -21,15 +21,20 @@ int median_of_cameras(const MeasuredDepth& measured) {
     return measured.distance >= levels_per_noise * noise ? 3 : 5;
 }
 
-/// Pixels that hang in the air are pulled to a surface from this share on. One surface is what they were
-/// judged by, or what is flat to three times the noise.
-constexpr double flying_to_land = 1e-4, flat_per_noise = 3;
+/// One surface is what flying pixels were judged by, or what is flat to three times the noise; without noise
+/// what leans by no more than 84 degrees, and two levels.
+constexpr double flat_per_noise = 3, flat_per_pixel = 10, flat_per_level = 2;
 
-/// About in proportion to depth, which a DepthLength can say around the median only.
+/// About in proportion to depth, which a DepthLength can say around the median only; levels grow with its
+/// square.
 DepthLength flat_within(const MeasuredDepth& measured) {
+    const double m = measured.median, share = m / NoiseEstimator::flat_share;
+    const double noise = flat_per_noise * measured.noise_at_median(),
+                 levels = flat_per_level * measured.distance;
     const double length =
-        std::max(measured.median / NoiseEstimator::flat_share, flat_per_noise * measured.noise_at_median());
-    return DepthLength{1, 1 / (measured.median * measured.median)}.times(0.5 * length);
+        measured.from_a_camera() ? std::max(share, noise) : std::min(share, flat_per_pixel * measured.pixel);
+    const double beyond = measured.from_a_camera() ? 0 : std::max(0.0, levels - length);
+    return {0.5 * length, 1 / (m * m) * (0.5 * length + beyond)};
 }
 
 /// Null: nothing was tried that may be chosen.
@@ -76,9 +81,7 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
         choose_smoothing_by_rule(*measured, unstated, scene);
     }
     if (unstated.flying_pixels)
-        filter.flying_pixels = measured->from_a_camera() && measured->flying >= flying_to_land
-                                   ? flat_within(*measured)
-                                   : DepthLength{};
+        filter.flying_pixels = measured->has_flying_pixels() ? flat_within(*measured) : DepthLength{};
     if (unstated.fill_holes)
         filter.fill_holes = measured->tiny_holes >= MeasuredDepth::some_tiny_holes ? passes : 0;
     if (filter.temporal && filter.temporal_noise == DepthLength{})

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -10,28 +11,65 @@
 
 namespace touchable {
 
-/// The code of a pixel once it does not fly. `at(dx, dy)`: the code of a neighbour, negative where it is
-/// invalid or outside the picture; that of the pixel itself is valid.
+/// Where a line away from a pixel meets a surface.
+struct RampEnd {
+    int code = -1;  ///< negative: nowhere
+    int steps = 0;  ///< from the pixel to there
+};
+
+/// The second pixel along a line, or the end of a ramp that only falls, or only rises, by more than the gate
+/// with each step. Two neighbours that differ by less are a surface. `at(n)`: the code n pixels away,
+/// negative where there is none; at(0) and at(1) are not.
+template <class At>
+RampEnd ramp_end(const At& at, int gate) {
+    const auto differ = [gate](int a, int b) { return a > b ? a - b > gate : b - a > gate; };
+    int before = at(0), here = at(1), next = at(2);
+    bool is_ramp = differ(before, here);
+    for (int n = 2; n < flying_reach; ++n) {
+        const int beyond = next < 0 ? -1 : at(n + 1);
+        if (beyond < 0) return {};
+        const bool steps_on = differ(here, next);
+        is_ramp = is_ramp && steps_on && (next > here) == (here > before);
+        if (n > 2 && !is_ramp) return {};
+        if (!differ(next, beyond)) return {next, steps_on ? n : 1};
+        before = here;
+        here = next;
+        next = beyond;
+    }
+    return {};
+}
+
+/// Calls `hangs(low, high)` for each line along which a pixel hangs between two surfaces, with their codes.
+/// `at(dx, dy)`: the code of a neighbour, negative where it is invalid or outside the picture; that of the
+/// pixel itself is valid.
+template <class At, class Hangs>
+void for_each_hanging(const At& at, int gate, const Hangs& hangs) {
+    const int code = at(0, 0);
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
+        const int next_a = at(-dx, -dy), next_b = at(dx, dy);
+        if (next_a < 0 || next_b < 0 || std::max(std::abs(code - next_a), std::abs(code - next_b)) <= gate)
+            continue;
+        const RampEnd a = ramp_end([&, x = dx, y = dy](int n) { return at(-n * x, -n * y); }, gate);
+        if (a.code < 0) continue;
+        const RampEnd b = ramp_end([&, x = dx, y = dy](int n) { return at(n * x, n * y); }, gate);
+        if (b.code < 0 || a.steps + b.steps > widest_ramp) continue;
+        const int low = std::min(a.code, b.code), high = std::max(a.code, b.code);
+        if (code - low > 2 * gate && high - code > 2 * gate) hangs(low, high);
+    }
+}
+
+/// The code of a pixel once it does not fly; `at` as above. It lands along the line whose sides are farthest
+/// apart: along the edge, other pixels of the same ramp look like a surface.
 template <class At>
 std::uint16_t landed(const At& at, int gate) {
     const int code = at(0, 0);
-    int landed = code, least = 65536;
-    const auto differ = [&](int a, int b) { return a > b ? a - b > gate : b - a > gate; };
-    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
-        const int next_a = at(-dx, -dy), next_b = at(dx, dy);
-        if (next_a < 0 || next_b < 0 || (!differ(code, next_a) && !differ(code, next_b))) continue;
-        const int a = at(-2 * dx, -2 * dy), b = at(2 * dx, 2 * dy);
-        if (a < 0 || b < 0) continue;
-        const int low = std::min(a, b), high = std::max(a, b);
-        if (code - low <= 2 * gate || high - code <= 2 * gate) continue;
-        const int beyond_a = at(-3 * dx, -3 * dy), beyond_b = at(3 * dx, 3 * dy);
-        if (beyond_a < 0 || beyond_b < 0 || differ(a, beyond_a) || differ(b, beyond_b)) continue;
-        for (const auto& [side, distance] : {std::pair{low, code - low}, {high, high - code}})
-            if (distance < least || (distance == least && side < landed)) {
-                landed = side;
-                least = distance;
-            }
-    }
+    int landed = code, widest = 0;
+    for_each_hanging(at, gate, [&](int low, int high) {
+        const int side = code - low <= high - code ? low : high;
+        if (high - low < widest || (high - low == widest && side >= landed)) return;
+        landed = side;
+        widest = high - low;
+    });
     return static_cast<std::uint16_t>(landed);
 }
 

@@ -50,6 +50,12 @@ double least_of_class(std::size_t number) {
     return std::ldexp(static_cast<double>(number - 4 * shift), static_cast<int>(shift));
 }
 
+/// `invalid` outside the picture.
+int code_of(const CodePicture& picture, int x, int y) {
+    const bool inside = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
+    return inside ? picture.row(y)[x] : CodePicture::invalid;
+}
+
 }  // namespace
 
 void ClippedSums::add(int size, std::int64_t product, std::int64_t square) {
@@ -112,15 +118,36 @@ NoiseEstimator::Place NoiseEstimator::place_of(const CodePicture& picture, int x
     return edge_share * most * window.step > window.depth ? Place::edge : Place::flat;
 }
 
-bool NoiseEstimator::flies(const CodePicture& picture, int x, int y) const {
-    const auto at = [&](int dx, int dy) {
-        if (x + dx < 0 || x + dx >= picture.width || y + dy < 0 || y + dy >= picture.height)
-            return CodePicture::invalid;
-        return picture.row(y + dy)[x + dx];
-    };
+int NoiseEstimator::flat_codes(const Window& window) const {
+    return std::max(1, static_cast<int>(window.depth / (flat_share * window.step)));
+}
+
+void NoiseEstimator::look_at_edge(const CodePicture& picture, int x, int y) {
+    const auto at = [&](int dx, int dy) { return code_of(picture, x + dx, y + dy); };
     const Window& window = window_of(at(0, 0));
-    if (window.step == 0) return false;
-    return landed(at, std::max(1, static_cast<int>(window.depth / (flat_share * window.step)))) != at(0, 0);
+    if (window.step == 0) return;
+    bool flies = false, is_midway = false;
+    for_each_hanging(at, flat_codes(window), [&, here = at(0, 0)](int low, int high) {
+        flies = true;
+        is_midway |= 4 * std::min(here - low, high - here) >= high - low;
+    });
+    flying_ += flies;
+    midway_ += is_midway;
+    clean_edges_ += is_clean_edge(picture, x, y);
+}
+
+bool NoiseEstimator::is_clean_edge(const CodePicture& picture, int x, int y) const {
+    const Window& window = window_of(code_of(picture, x, y));
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}}) {
+        const int before = code_of(picture, x - dx, y - dy), here = code_of(picture, x, y),
+                  there = code_of(picture, x + dx, y + dy), beyond = code_of(picture, x + 2 * dx, y + 2 * dy);
+        if (std::min(std::min(before, there), beyond) < 0) continue;
+        const int jump = std::abs(there - here);
+        if (jump > 4 * flat_codes(window) && 4 * std::abs(here - before) <= jump &&
+            4 * std::abs(beyond - there) <= jump)
+            return true;
+    }
+    return false;
 }
 
 /// A hole, or how much the surface bends.
@@ -140,7 +167,7 @@ void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
         return;
     }
     const Place place = place_of(picture, x, y);
-    if (place == Place::edge) flying_ += flies(picture, x, y);
+    if (place == Place::edge) look_at_edge(picture, x, y);
     if (valid == 8 && place == Place::flat) {
         const std::int64_t square = std::int64_t{bend} * bend;
         windows_[window_of_code_[static_cast<std::size_t>(here)]].bends.add(std::abs(bend), 0, square);
@@ -213,6 +240,14 @@ double NoiseEstimator::dropouts() const {
 
 double NoiseEstimator::flying() const {
     return pixels_ > 0 ? static_cast<double>(flying_) / static_cast<double>(pixels_) : 0;
+}
+
+double NoiseEstimator::midway() const {
+    return pixels_ > 0 ? static_cast<double>(midway_) / static_cast<double>(pixels_) : 0;
+}
+
+double NoiseEstimator::clean_edges() const {
+    return pixels_ > 0 ? static_cast<double>(clean_edges_) / static_cast<double>(pixels_) : 0;
 }
 
 double NoiseEstimator::tiny_holes() const {

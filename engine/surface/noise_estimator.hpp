@@ -54,6 +54,11 @@ public:
     double tiny_holes() const;
     /// Share of the pixels that hang between two surfaces, at edges (landed, flying_pixels.hpp).
     double flying() const;
+    /// Of those, share of the pixels that are a quarter of the way or more from both: no rounded rim is.
+    double midway() const;
+    /// Share of the pixels, at edges, from which depth goes from one surface to another in one step, to the
+    /// right or down.
+    double clean_edges() const;
 
 private:
     struct Window {
@@ -63,7 +68,10 @@ private:
     };
 
     Place place_of(const CodePicture& picture, int x, int y) const;
-    bool flies(const CodePicture& picture, int x, int y) const;
+    /// Codes at a pixel's depth that differ by no more are one surface.
+    int flat_codes(const Window& window) const;
+    void look_at_edge(const CodePicture& picture, int x, int y);
+    bool is_clean_edge(const CodePicture& picture, int x, int y) const;
     void look_at_pixel(const CodePicture& picture, int x, int y);
     /// Of pictures of which every `step`th row is looked at.
     void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after,
@@ -73,7 +81,8 @@ private:
     std::vector<Window> windows_;
     std::vector<std::uint8_t> window_of_code_;
     std::vector<CodePicture> last_;  // two at most
-    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0;
+    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0, midway_ = 0,
+                 clean_edges_ = 0;
 };
 
 }  // namespace touchable

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/filter_plan.hpp"
@@ -72,33 +75,52 @@ Picture median_filtered(const Picture& before, int side) {
     return after;
 }
 
-/// Of three pixels in a row to one side, the second, where the last two are one surface; -1: no such side.
-int side_of(const Picture& picture, int x, int y, int dx, int dy, int gate) {
-    for (int n = 1; n <= 3; ++n)
-        if (!picture.inside(x + n * dx, y + n * dy) || !picture.at(x + n * dx, y + n * dy).valid) return -1;
-    const int second = picture.at(x + 2 * dx, y + 2 * dy).code,
-              third = picture.at(x + 3 * dx, y + 3 * dy).code;
-    return std::abs(second - third) <= gate ? second : -1;
+/// Codes of the pixels along a line away from one, and of that one first: up to the first without depth.
+std::vector<int> codes_along(const Picture& picture, int x, int y, int dx, int dy) {
+    std::vector<int> codes;
+    for (int n = 0; n <= flying_reach; ++n, x += dx, y += dy) {
+        if (!picture.inside(x, y) || !picture.at(x, y).valid) break;
+        codes.push_back(picture.at(x, y).code);
+    }
+    return codes;
 }
 
-/// A pixel far from the surfaces on both sides of a line, and between them, becomes the nearer one.
+/// The code of the surface that a line away from a pixel meets, and the steps to there.
+std::optional<std::pair<int, std::size_t>> surface_along(const std::vector<int>& codes, int gate) {
+    const auto one_surface = [&](std::size_t n) { return std::abs(codes[n] - codes[n + 1]) <= gate; };
+    if (codes.size() > 3 && one_surface(2)) return std::pair(codes[2], one_surface(1) ? 1UL : 2UL);
+    std::size_t end = 0;  // of the ramp
+    const auto goes_on = [&](std::size_t n) {
+        return !one_surface(n) && (codes[n] < codes[n + 1]) == (codes[0] < codes[1]);
+    };
+    while (end + 1 < codes.size() && goes_on(end)) ++end;
+    if (end < 3 || end + 1 >= codes.size() || !one_surface(end)) return std::nullopt;
+    return std::pair(codes[end], end);
+}
+
+/// A pixel far from the surfaces on both sides of a line, and between them, becomes the nearer one; of
+/// several lines that whose sides are farthest apart counts.
 Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) {
     Picture after = before;
     for (int y = 0; y < before.height; ++y)
         for (int x = 0; x < before.width; ++x) {
             if (!before.at(x, y).valid) continue;
             const int code = before.at(x, y).code, gate = filter.gate_at(before.at(x, y).code);
-            std::vector<std::pair<int, int>> sides;  // distance and code
+            std::vector<std::pair<int, int>>
+                sides;  // how far they are from each other, negative; the nearer one
             for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
-                const int a = side_of(before, x, y, -dx, -dy, gate), b = side_of(before, x, y, dx, dy, gate);
-                if (a < 0 || b < 0) continue;
+                const auto end_a = surface_along(codes_along(before, x, y, -dx, -dy), gate);
+                const auto end_b = surface_along(codes_along(before, x, y, dx, dy), gate);
+                if (!end_a || !end_b || end_a->second + end_b->second > widest_ramp) continue;
+                const int a = end_a->first, b = end_b->first;
                 const bool one_with_neighbours = std::abs(before.at(x - dx, y - dy).code - code) <= gate &&
                                                  std::abs(before.at(x + dx, y + dy).code - code) <= gate;
                 const bool between = (a < code) != (b < code);  // and far from both, so neither
                 const bool far = std::abs(a - code) > 2 * gate && std::abs(b - code) > 2 * gate;
                 if (one_with_neighbours || !between || !far) continue;
-                sides.emplace_back(std::abs(a - code), a);
-                sides.emplace_back(std::abs(b - code), b);
+                const auto nearer =
+                    std::min(std::pair(std::abs(a - code), a), std::pair(std::abs(b - code), b));
+                sides.emplace_back(-std::abs(a - b), nearer.second);
             }
             if (!sides.empty())
                 after.at(x, y).code =

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/scene/flying_pixels.hpp"
 #include "engine/scene/working_codes.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
@@ -20,6 +21,7 @@ namespace {
 
 static_assert(no_hue_code == no_hue);
 static_assert(no_finer_code > 2 * terrace_range);
+static_assert(most_ramp_steps == widest_ramp && most_ramp_steps == flying_reach);
 
 constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
 

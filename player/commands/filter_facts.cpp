@@ -40,6 +40,8 @@ Json measured_json(const MeasuredDepth& measured) {
             {"dropouts", measured.dropouts},
             {"tiny_holes", measured.tiny_holes},
             {"flying", measured.flying},
+            {"midway", measured.midway},
+            {"clean_edges", measured.clean_edges},
             {"from_a_camera", measured.from_a_camera()},
             {"tried", tried_json(measured.tried)}};
 }

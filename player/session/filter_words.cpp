@@ -91,6 +91,12 @@ std::string temporal_name(const Scene& scene, double depth) {
     return "temporal for " + number(noise.constant, " + ") + number(noise.quadratic, " depth^2 units");
 }
 
+std::string flying_reason(const MeasuredDepth& measured) {
+    const std::string flying = share(measured.flying, "hang between surfaces");
+    if (measured.from_a_camera() || measured.clean_edges == 0) return flying;
+    return flying + ", " + share(measured.clean_edges, "are beside clean edges");
+}
+
 }  // namespace
 
 std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
@@ -103,7 +109,7 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
     const std::string side = std::to_string(filter.median);
     FilterList list;
     list.add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels",
-             share(measured.flying, "hang between surfaces"));
+             flying_reason(measured));
     list.add(filter.fill_holes > 0, by.fill_holes, "hole filling",
              share(measured.tiny_holes, "are tiny holes"));
     list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",

@@ -112,15 +112,17 @@ TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
         EXPECT_EQ(estimator.dropouts(), plain.dropouts);
         EXPECT_EQ(estimator.tiny_holes(), plain.tiny_holes);
         EXPECT_EQ(estimator.flying(), plain.flying);
+        EXPECT_EQ(estimator.midway(), plain.midway);
+        EXPECT_EQ(estimator.clean_edges(), plain.clean_edges);
         for (const std::string& rule : plain.decided) ++decided[rule];
         noisy += plain.noise_at_flat != DepthLength{};
         rough += plain.roughness != DepthLength{};
     }
     EXPECT_GT(noisy, rounds * 3 / 8);
     EXPECT_GT(rough, rounds * 3 / 4);
-    for (const char* rule :
-         {"fewer than 200 pixels", "more than half is left out", "not noisy", "less than half is noisy",
-          "noise has no constant", "noise does not grow", "flying"})
+    for (const char* rule : {"fewer than 200 pixels", "more than half is left out", "not noisy",
+                             "less than half is noisy", "noise has no constant", "noise does not grow",
+                             "flying", "flying on a ramp", "midway", "clean edge"})
         EXPECT_GT(decided[rule], rounds / 20) << rule;
 }
 

@@ -146,8 +146,39 @@ TEST(ChosenFilters, FlyingPixelsLandFromATenThousandthOfThemOn) {
     EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{});
     measured.flying = 0.0001;
     EXPECT_NE(chosen_by(measured).flying_pixels, DepthLength{});
+}
+
+// Of depth that shows nothing of a camera: a phone's, or a rendered one's.
+TEST(ChosenFilters, FlyingPixelsOfOthersLandFromATenThousandthMidwayWhereEdgesAreNotClean) {
+    MeasuredDepth measured = of_a_camera();
     measured.dropouts = 0;
-    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{}) << "no camera";
+    measured.flying = 0.01;
+    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{}) << "rounded rims";
+    measured.midway = 0.0000999;
+    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{});
+    measured.midway = 0.001;
+    EXPECT_NE(chosen_by(measured).flying_pixels, DepthLength{});
+    measured.clean_edges = 0.00399;
+    EXPECT_NE(chosen_by(measured).flying_pixels, DepthLength{});
+    measured.clean_edges = 0.00401;
+    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{});
+}
+
+// Ten pixels' widths, but no more than a fiftieth of the depth; two levels where these are farther apart.
+TEST(ChosenFilters, TenPixelsWidthsOrTwoLevelsAreOneSurfaceToFlyingPixelsOfOthers) {
+    MeasuredDepth measured = of_a_camera();
+    measured.dropouts = 0;
+    measured.flying = measured.midway = 0.001;
+    for (const auto& [pixel, length] : {std::pair{1.0, 10.0}, {1.5, 15.0}, {2.5, 20.0}}) {
+        measured.pixel = pixel;
+        const DepthLength flat = chosen_by(measured).flying_pixels;
+        EXPECT_NEAR(flat.at(median_mm), length, 1e-9);
+        EXPECT_NEAR((flat.at(median_mm + 1) - flat.at(median_mm - 1)) / 2, length / median_mm, 1e-9);
+    }
+    measured.distance = 15;
+    const DepthLength levels = chosen_by(measured).flying_pixels;
+    EXPECT_NEAR(levels.at(median_mm), 30, 1e-9);
+    EXPECT_NEAR(levels.constant, 10, 1e-9) << "what is near has finer levels";
 }
 
 // A fiftieth of the median depth, or three times the noise; about in proportion to depth around it.

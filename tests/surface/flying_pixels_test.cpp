@@ -1,6 +1,7 @@
 // Pixels that hang between two surfaces are pulled to one of them; slopes, steps and thin things stay.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -55,6 +56,38 @@ TEST(FlyingPixels, OneOrTwoBetweenTwoSurfacesGoToTheNearerOne) {
                             << k << ", " << n;
                     }
             }
+}
+
+/// From 900 to 900 + 40 n in n steps, from the pixel `first` on.
+int on_a_ramp(int along, int first, int steps) {
+    return 900 + 40 * std::clamp(along - first, 0, steps);
+}
+
+// Edges of depth that was made larger. Half of the ramp goes to each side, and pixels within twice the gate
+// of a side are its.
+TEST(FlyingPixels, RampsUpTo12StepsGoToTheirTwoSides) {
+    for (const bool down : {false, true})
+        for (int steps = 2; steps <= 12; ++steps) {
+            const auto picture =
+                landed_picture([&](int x, int y) { return on_a_ramp(down ? y : x, 6, steps); });
+            for (int k = 0; k < side; ++k)
+                for (int n = 0; n < side; ++n) {
+                    const int along = down ? n : k;
+                    const int expected = 2 * (along - 6) <= steps ? 900 : 900 + 40 * steps;
+                    ASSERT_EQ(picture[static_cast<std::size_t>(n * side + k)], expected)
+                        << steps << ": " << k << ", " << n;
+                }
+        }
+}
+
+TEST(FlyingPixels, WhatIsNoRampStays) {
+    EXPECT_EQ(changes([](int x, int) { return on_a_ramp(x, 5, 13); }), "") << "wider: a real slope";
+    EXPECT_EQ(changes([](int x, int) { return 900 + 9 * std::clamp(x - 6, 0, 10); }), "") << "gentle";
+    EXPECT_EQ(changes([](int x, int) { return x < 6 || x > 16 ? 900 : 900 + 40 * std::min(x - 5, 17 - x); }),
+              "")
+        << "a ridge, whose sides end at its edge";
+    EXPECT_EQ(changes([](int x, int y) { return (x == 10 || x == 11) && y > 4 ? 900 : 1300; }), "")
+        << "a pen two pixels wide";
 }
 
 TEST(FlyingPixels, HalfWayTheLowerCodeWins) {

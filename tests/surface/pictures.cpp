@@ -182,6 +182,14 @@ std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& r
                         code = codes[static_cast<std::size_t>((x / 7 * 5 + y / 6 * 3) % 4) * (count - 1) / 3];
                     hole = share(1);
                     break;
+                case Fill::slanted_edges: {
+                    const auto at_most = static_cast<int>(count) - 1, wide = 1 + y / 3 % 15;
+                    const int along = std::clamp(x % 24 - 4, 0, wide + 1);
+                    const int way = x / 24 % 2 == 0 ? along : wide + 1 - along;
+                    code = codes[static_cast<std::size_t>(at_most / 8 + at_most * 3 / 4 * way / (wide + 1))];
+                    hole = share(1);
+                    break;
+                }
             }
             values.push_back(hole ? invalid_value(scene, random) : code);
         }

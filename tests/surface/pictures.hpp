@@ -63,10 +63,11 @@ enum class Fill {
     few_holes,
     half_holes,
     many_holes,
-    blob,         ///< one large hole in a noisy slope
-    silhouettes,  ///< flat patches of a few depths, and pixels in between
+    blob,          ///< one large hole in a noisy slope
+    silhouettes,   ///< flat patches of a few depths, and pixels in between
+    slanted_edges  ///< flat patches, and ramps of 1 to 15 pixels from one to the next
 };
-inline constexpr int fill_count = static_cast<int>(Fill::silhouettes) + 1;
+inline constexpr int fill_count = static_cast<int>(Fill::slanted_edges) + 1;
 
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
 /// That picture of the seed, stored without awkwardness.

@@ -165,7 +165,7 @@ private:
     // The rest.
 
     void look() {
-        std::int64_t pixels = 0, tiny = 0, flying = 0, kept = 0, dropped = 0;
+        std::int64_t pixels = 0, tiny = 0, in_the_air = 0, between = 0, clean = 0, kept = 0, dropped = 0;
         for (std::size_t n = 0; n < pictures_.size(); ++n) {
             const CodePicture& picture = pictures_[n];
             const int rows = std::max(1, picture.width * picture.height / 307200);
@@ -176,7 +176,10 @@ private:
                     tiny += at(picture, x, y) == nothing && valid >= 6;
                     if (at(picture, x, y) == nothing) continue;
                     const int place = place_of(picture, x, y);
-                    flying += place == edge && flies(picture, x, y);
+                    const Flight flight = place == edge ? this->flight(picture, x, y) : none;
+                    in_the_air += flight != none;
+                    between += flight == midway;
+                    clean += place == edge && is_clean_edge(picture, x, y);
                     if (place == flat && valid == 8) add_bend(picture, x, y);
                 }
             if (n < 2) continue;
@@ -194,7 +197,9 @@ private:
         };
         estimator_.dropouts = share(dropped, kept);
         estimator_.tiny_holes = share(tiny, pixels);
-        estimator_.flying = share(flying, pixels);
+        estimator_.flying = share(in_the_air, pixels);
+        estimator_.midway = share(between, pixels);
+        estimator_.clean_edges = share(clean, pixels);
     }
     static int valid_around(const CodePicture& picture, int x, int y) {
         int valid = 0;
@@ -216,23 +221,62 @@ private:
         return is_edge ? edge : flat;
     }
     /// Step 2 of "From stored value to surface".
-    bool flies(const CodePicture& picture, int x, int y) {
+    enum Flight { none, flying, midway };
+    Flight flight(const CodePicture& picture, int x, int y) {
         const int c = at(picture, x, y);
         const auto [z, step] = depth_and_step(window_of(c).first);
         const int gate = std::max(1, static_cast<int>(z / (50 * step)));
+        Flight flight = none;
         for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
-            int a[4], b[4];
-            bool all = true;
-            for (int k = 1; k <= 3; ++k) {
-                a[k] = at(picture, x - k * dx, y - k * dy);
-                b[k] = at(picture, x + k * dx, y + k * dy);
-                all = all && a[k] != nothing && b[k] != nothing;
-            }
-            if (!all || std::abs(a[2] - a[3]) > gate || std::abs(b[2] - b[3]) > gate) continue;
+            const auto line = [&, dx = dx, dy = dy](int way) {
+                std::vector<int> codes;
+                for (int k = 0; k <= 12 && (codes.empty() || codes.back() != nothing); ++k)
+                    codes.push_back(at(picture, x + way * k * dx, y + way * k * dy));
+                if (codes.back() == nothing) codes.pop_back();
+                return codes;
+            };
+            const auto a = line(-1), b = line(1);
+            const auto end_a = surface_along(a, gate), end_b = surface_along(b, gate);
+            if (end_a.first == nothing || end_b.first == nothing || end_a.second + end_b.second > 12)
+                continue;
             if (std::abs(c - a[1]) <= gate && std::abs(c - b[1]) <= gate) continue;
-            if ((a[2] < c) == (b[2] < c)) continue;
-            if (std::abs(c - a[2]) > 2 * gate && std::abs(c - b[2]) > 2 * gate) {
-                decide("flying");
+            if ((end_a.first < c) == (end_b.first < c)) continue;
+            const int from_a = std::abs(c - end_a.first), from_b = std::abs(c - end_b.first);
+            if (from_a <= 2 * gate || from_b <= 2 * gate) continue;
+            decide(end_a.second + end_b.second > 4 ? "flying on a ramp" : "flying");
+            const bool far = 4 * std::min(from_a, from_b) >= std::abs(end_a.first - end_b.first);
+            if (far) decide("midway");
+            flight = std::max(flight, far ? midway : flying);
+        }
+        return flight;
+    }
+    /// Of codes along a line: that of the surface at its end, and the steps to there.
+    static std::pair<int, int> surface_along(const std::vector<int>& codes, int gate) {
+        const int count = static_cast<int>(codes.size());
+        const auto step = [&](int k) {
+            return codes[static_cast<std::size_t>(k + 1)] - codes[static_cast<std::size_t>(k)];
+        };
+        if (count > 3 && std::abs(step(2)) <= gate) return {codes[2], std::abs(step(1)) <= gate ? 1 : 2};
+        for (int end = 3; end + 1 < count; ++end) {
+            bool is_ramp = std::abs(step(end)) <= gate;
+            for (int k = 0; k < end; ++k)
+                is_ramp = is_ramp && std::abs(step(k)) > gate && (step(k) > 0) == (step(0) > 0);
+            if (is_ramp) return {codes[static_cast<std::size_t>(end)], end};
+        }
+        return {nothing, 0};
+    }
+    bool is_clean_edge(const CodePicture& picture, int x, int y) {
+        const auto [z, step] = depth_and_step(window_of(at(picture, x, y)).first);
+        const int gate = std::max(1, static_cast<int>(z / (50 * step)));
+        for (const bool down : {false, true}) {
+            int codes[4];  // before, here, and two beyond
+            for (int k = 0; k < 4; ++k)
+                codes[k] = at(picture, x + (down ? 0 : k - 1), y + (down ? k - 1 : 0));
+            if (std::count(codes, codes + 4, nothing) > 0) continue;
+            const int jump = std::abs(codes[2] - codes[1]);
+            const int most = std::max(std::abs(codes[1] - codes[0]), std::abs(codes[3] - codes[2]));
+            if (jump > 4 * gate && 4 * most <= jump) {
+                decide("clean edge");
                 return true;
             }
         }

@@ -14,7 +14,7 @@ struct PlainEstimator {
     double median_depth = 0;  ///< 0: nothing is valid
     DepthLength levels;
     DepthLength noise_at_flat, noise_at_edges, noise_at_rims, roughness;
-    double dropouts = 0, tiny_holes = 0, flying = 0;
+    double dropouts = 0, tiny_holes = 0, flying = 0, midway = 0, clean_edges = 0;
 
     /// Which rules decided something, by name; so a test knows that its pictures try them.
     std::vector<std::string> decided;
