@@ -3,6 +3,10 @@
 # A force is the same bits on every compiler and optimisation level (docs/architecture.md, decision 3):
 # no fused multiply-add where the source has a product and a sum.
 add_compile_options(-ffp-contract=off)
+# Rooms go into shared libraries too, which export their C functions alone (capi/).
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 add_compile_options(-Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Wold-style-cast -Wfloat-conversion)
 # Where a room is one translation unit, a file's globals would be shadowed by another's locals.
 if(NOT CMAKE_UNITY_BUILD)

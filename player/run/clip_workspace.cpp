@@ -3,34 +3,11 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/surface/surface_builder.hpp"
+#include "engine/surface/depth_quantile.hpp"
 
 namespace touchable {
 
 namespace {
-
-/// Of frame 0's valid depths, in order; the far plane where none is valid.
-std::vector<double> depths_of(const Scene& scene, const SurfaceFrame& first) {
-    // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
-    SurfaceFrame whole;
-    const bool is_lazy = first.codes.empty() && make_cpu_builder(scene)->build(first.raw, whole).ok();
-    const SurfaceFrame& frame = is_lazy ? whole : first;
-    std::vector<double> depths;
-    for (int y = 0; y < scene.height; ++y)
-        for (int x = 0; x < scene.width; ++x)
-            if (const DepthSample sample = frame.vertices->at(x, y); sample.valid)
-                depths.push_back(sample.depth);
-    if (depths.empty()) depths.push_back(scene.depth.far);
-    return depths;
-}
-
-/// So many of them, of all, are not above it.
-double quantile(std::vector<double>& depths, double share) {
-    const auto at =
-        depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
-    std::nth_element(depths.begin(), at, depths.end());
-    return *at;
-}
 
 // Of a clip's depths, the nearest and the deepest that count: what lies beyond may be noise.
 constexpr double nearest_share = 0.02, deepest_share = 0.98;
@@ -54,14 +31,14 @@ Workspace fitted(const Scene& scene, std::vector<double>& depths, double median,
 }  // namespace
 
 Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
-    std::vector<double> depths = depths_of(scene, first);
+    std::vector<double> depths = valid_depths(scene, first);
     Workspace workspace = default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5));
     workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
     return workspace;
 }
 
 Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {
-    std::vector<double> depths = depths_of(scene, first);
+    std::vector<double> depths = valid_depths(scene, first);
     const double median = quantile(depths, 0.5);
     const bool has_reach = reach.x > 0 && reach.y > 0 && reach.z > 0;
     Workspace workspace = has_reach ? fitted(scene, depths, median, reach)

@@ -1,0 +1,146 @@
+#include "capi/frames.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "capi/status.hpp"
+#include "engine/surface/raw_check.hpp"
+
+namespace touchable::capi {
+
+namespace {
+
+constexpr int largest_size = 16384;
+
+struct PlaneName {
+    const char* name;
+    bool may_be_float;
+};
+
+Error plane_error(const char* name, const std::string& what) {
+    return usage_error(std::string("the ") + name + " picture " + what);
+}
+
+std::int64_t row_bytes(const touch_plane& plane) {
+    return std::int64_t{plane.width} * plane.channels * plane.sample;
+}
+
+/// What of a plane can be told without its scene.
+Result<void> check_plane(const touch_plane& plane, const PlaneName& role) {
+    if (plane.width < 1 || plane.width > largest_size || plane.height < 1 || plane.height > largest_size)
+        return plane_error(role.name, "has an impossible size; right would be 1 to 16384 pixels each way");
+    if (plane.channels != 1 && plane.channels != 3)
+        return plane_error(role.name,
+                           "has " + std::to_string(plane.channels) + " channels; right would be 1 or 3");
+    const bool is_float = plane.sample == TOUCH_F32;
+    if (plane.sample != TOUCH_U8 && plane.sample != TOUCH_U16 && !is_float)
+        return plane_error(role.name, "has samples of an unknown kind; right would be TOUCH_U8 or TOUCH_U16");
+    if (is_float && (!role.may_be_float || plane.channels != 1))
+        return plane_error(role.name, "has samples of floats; only depth of one channel may have them");
+    const std::int64_t stride = plane.stride_bytes;
+    constexpr std::int64_t longest = std::int64_t{1} << 40;
+    if (stride > longest || stride < -longest || (plane.height > 1 && std::abs(stride) < row_bytes(plane)))
+        return plane_error(role.name, "has rows of " + std::to_string(row_bytes(plane)) +
+                                          " bytes, but stride_bytes is " + std::to_string(stride));
+    return {};
+}
+
+/// Samples of two bytes are read as such in places: they lie where such lie, row after row.
+PlaneView view_of(const touch_plane& plane, std::vector<std::uint8_t>& packed) {
+    PlaneView view;
+    view.data = static_cast<const std::uint8_t*>(plane.data);
+    view.stride = static_cast<std::ptrdiff_t>(plane.stride_bytes);
+    view.width = plane.width;
+    view.height = plane.height;
+    view.bytes_per_sample = plane.sample;
+    view.channels = plane.channels;
+    const auto place =
+        reinterpret_cast<std::uintptr_t>(plane.data) | static_cast<std::uintptr_t>(plane.stride_bytes);
+    if (view.stride > 0 && place % static_cast<unsigned>(plane.sample) == 0) return view;
+    const auto bytes = static_cast<std::size_t>(row_bytes(plane));
+    packed.resize(bytes * static_cast<std::size_t>(view.height));
+    for (int y = 0; y < view.height; ++y)
+        std::memcpy(packed.data() + bytes * static_cast<std::size_t>(y), view.row(y), bytes);
+    view.data = packed.data();
+    view.stride = static_cast<std::ptrdiff_t>(bytes);
+    return view;
+}
+
+/// A code that means "no surface here".
+std::optional<std::uint16_t> code_of_no_surface(const DepthCoding& coding) {
+    if (coding.invalid_code_count > 0) return coding.invalid_codes[0];
+    if (coding.valid_min > 0) return std::uint16_t{0};
+    if (coding.valid_max < coding.code_max) return coding.code_max;
+    return std::nullopt;
+}
+
+/// Metres to the nearest codes; what is not above 0, not a number, or deeper than the far plane has no
+/// surface.
+Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
+                                  std::vector<std::uint16_t>& codes) {
+    if (scene.depth.kind == DepthCodingKind::hue || scene.depth_bits <= 8)
+        return plane_error("depth",
+                           "is of floats, but the scene has depth of 8 bits; right would be TOUCH_U8");
+    const auto none = code_of_no_surface(scene.depth);
+    if (!none)
+        return plane_error("depth",
+                           "is of floats, but every code of the scene is a depth, and none means no surface");
+    codes.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
+    const auto* first = static_cast<const unsigned char*>(plane.data);
+    std::size_t place = 0;
+    for (std::int64_t y = 0; y < plane.height; ++y)
+        for (std::int64_t x = 0; x < plane.width; ++x) {
+            float metres;
+            std::memcpy(&metres, first + y * plane.stride_bytes + 4 * x, sizeof metres);
+            const double depth = static_cast<double>(metres) / scene.metres_per_unit;
+            const bool there = depth > 0 && depth >= scene.depth.near && depth <= scene.depth.far;
+            codes[place++] = there ? scene.depth.code(depth) : *none;
+        }
+    return PlaneView{reinterpret_cast<const std::uint8_t*>(codes.data()),
+                     std::ptrdiff_t{2} * plane.width,
+                     plane.width,
+                     plane.height,
+                     2,
+                     1};
+}
+
+}  // namespace
+
+Result<RawFrame> raw_frame(const touch_frame& given, const Scene& scene, FrameScratch& scratch) {
+    if (!has_known_size(&given)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
+    if (given.number < 0) return usage_error("the frame's number is below 0");
+    RawFrame raw;
+    raw.number = given.number;
+    raw.time_ns = given.time_ns;
+    const struct {
+        const touch_plane& from;
+        PlaneView& to;
+        PlaneName role;
+    } planes[] = {{given.depth, raw.depth, {"depth", true}},
+                  {given.colour, raw.colour, {"colour", false}},
+                  {given.haptic, raw.haptic, {"haptic", false}},
+                  {given.height, raw.height, {"height", false}}};
+    for (std::size_t k = 0; k < std::size(planes); ++k) {
+        const auto& [from, to, role] = planes[k];
+        if (!from.data) continue;
+        if (auto sound = check_plane(from, role); !sound) return sound.error();
+        if (from.width != scene.width || from.height != scene.height)
+            return plane_error(role.name, "is " + std::to_string(from.width) + "x" +
+                                              std::to_string(from.height) + ", the scene says " +
+                                              std::to_string(scene.width) + "x" +
+                                              std::to_string(scene.height));
+        if (from.sample != TOUCH_F32) {
+            to = view_of(from, scratch.planes[k]);
+            continue;
+        }
+        auto codes = codes_of_metres(from, scene, scratch.codes);
+        if (!codes) return codes.error();
+        to = *codes;
+    }
+    if (auto fits = check_raw_frame(raw, scene); !fits) return usage_error(fits.error().message);
+    return raw;
+}
+
+}  // namespace touchable::capi

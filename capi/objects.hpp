@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "capi/frames.hpp"
+#include "capi/handle_table.hpp"
+#include "capi/status.hpp"
+#include "capi/touchable.h"
+#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/scene_description.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/force_hash.hpp"
+#include "haptics_cpu/touch_step.hpp"
+
+namespace touchable::capi {
+
+/// Behind a touch_scene. It does not change.
+struct SceneObject {
+    SceneDescription described;  ///< its scene is settled; what is unstated stays said
+    const Scene& scene() const { return described.scene; }
+};
+
+/// Which frame it was, and when.
+struct FramePlaceInTime {
+    std::int64_t number = 0, time_ns = 0;
+};
+
+/// Behind a touch_surface. One thread pushes, one solver reads the timeline.
+struct SurfaceObject {
+    SurfaceObject(const Scene& scene, int threads, int frames)
+        : scene(scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
+
+    const Scene scene;
+    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards what follows up to the timeline
+    std::unique_ptr<SurfaceBuilder> builder;
+    std::uint64_t epoch = 0;
+    bool epoch_has_ended = false;
+    std::optional<FramePlaceInTime> newest;  ///< of this epoch
+    FrameScratch scratch;
+    std::atomic<double> hand_scale{0};  ///< 0 until there is a frame
+    SurfaceTimeline timeline;
+    std::atomic<bool> has_solver{false};
+};
+
+/// Behind a touch_solver.
+struct SolverObject {
+    SolverObject(std::shared_ptr<SurfaceObject> surface, const TouchSolver& solver,
+                 const GuardSettings& guard, int fingers)
+        : surface(std::move(surface)), solver(solver), step(this->solver, guard, fingers) {}
+    ~SolverObject() { surface->has_solver.store(false, std::memory_order_release); }
+
+    const std::shared_ptr<SurfaceObject> surface;
+    const TouchSolver solver;
+    std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards what follows
+    TouchStep step;
+    ForceHash hash;
+    std::optional<std::int64_t> last_tick;
+    FramePair pair;
+};
+
+HandleTable<SceneObject>& scenes();
+HandleTable<SurfaceObject>& surfaces();
+HandleTable<SolverObject>& solvers();
+
+/// Puts an object into its table, and its number where the caller wants it.
+template <class Object, class Handle>
+touch_status give_handle(HandleTable<Object>& table, std::shared_ptr<Object> object, Handle& handle,
+                         touch_error* error) {
+    const auto id = table.insert(std::move(object));
+    if (!id) return fail(error, TOUCH_NO_MEMORY, "there are 1024 of these already; destroy one first");
+    handle.id = *id;
+    return TOUCH_OK;
+}
+
+}  // namespace touchable::capi

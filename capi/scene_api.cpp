@@ -1,0 +1,179 @@
+// touch_scene_*: what pictures mean.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "capi/objects.hpp"
+#include "capi/status.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/surface/depth_estimator.hpp"
+#include "engine/surface/filter_choice.hpp"
+
+using namespace touchable;
+using namespace touchable::capi;
+
+namespace touchable::capi {
+
+HandleTable<SceneObject>& scenes() {
+    static auto& table = *new HandleTable<SceneObject>(1);
+    return table;
+}
+
+namespace {
+
+/// Of a value that `validate` would not name as the program does.
+Error camera_error(const char* member, const std::string& right) {
+    return usage_error(std::string(member) + " of the camera is out of range; right would be " + right);
+}
+
+Result<Scene> scene_of(const touch_camera& camera) {
+    const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+    if (camera.depth_kind != TOUCH_PLANAR && camera.depth_kind != TOUCH_RANGE)
+        return camera_error("depth_kind", "TOUCH_PLANAR or TOUCH_RANGE");
+    if (!positive(camera.metres_per_code)) return camera_error("metres_per_code", "above 0, such as 0.001");
+    if (!positive(camera.far_m)) return camera_error("far_m", "above 0, such as 10");
+    Scene scene;
+    scene.width = camera.width;
+    scene.height = camera.height;
+    if (!(camera.frames_per_second >= 0.001 && camera.frames_per_second <= 1000))
+        return camera_error("frames_per_second", "0.001 to 1000");
+    constexpr std::int64_t parts = 1'000'000;
+    const std::int64_t rate = std::llround(camera.frames_per_second * static_cast<double>(parts));
+    scene.rate = {rate / std::gcd(rate, parts), parts / std::gcd(rate, parts)};
+    scene.metres_per_unit = 1;
+    scene.camera = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = camera.depth_kind == TOUCH_RANGE ? DepthSemantics::range : DepthSemantics::planar;
+    scene.depth.scale = camera.metres_per_code;
+    scene.depth.code_max = 65535;
+    scene.depth.far = camera.far_m;
+    scene.depth_bits = 16;
+    scene.default_properties = {camera.stiffness_n_per_m, camera.static_friction, camera.dynamic_friction};
+    derive_valid_range(scene.depth);
+    if (auto valid = validate(scene); !valid) return usage_error(valid.error().message);
+    return scene;
+}
+
+touch_scene_facts facts_of(const SceneObject& object) {
+    const Scene& scene = object.scene();
+    touch_scene_facts facts{};
+    facts.struct_size = sizeof facts;
+    facts.width = scene.width;
+    facts.height = scene.height;
+    facts.depth_kind = scene.depth.semantics == DepthSemantics::range ? TOUCH_RANGE : TOUCH_PLANAR;
+    facts.fx_px = scene.camera.fx;
+    facts.fy_px = scene.camera.fy;
+    facts.cx_px = scene.camera.cx;
+    facts.cy_px = scene.camera.cy;
+    facts.metres_per_scene_unit = scene.metres_per_unit;
+    facts.near_units = scene.depth.near;
+    facts.far_units = scene.depth.far;
+    facts.frames_per_second = scene.rate.per_second();
+    facts.hand_metres_per_scene_unit = scene.device_metres_per_unit.value_or(0);
+    facts.unstated_filters = object.described.unstated.filters.any() ? 1 : 0;
+    return facts;
+}
+
+/// What frames of a recording tell of its depth; nothing where they have no surface.
+Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned char* frames,
+                                             std::size_t stride, std::size_t count) {
+    DepthEstimator estimator(scene);
+    FrameScratch scratch;
+    for (std::size_t k = 0; k < count && !estimator.enough(); ++k) {
+        touch_frame frame;
+        std::memcpy(&frame, frames + k * stride, sizeof frame);
+        auto raw = raw_frame(frame, scene, scratch);
+        if (!raw) return error_at("frame " + std::to_string(k) + " of those given", raw.error());
+        estimator.add(*raw);
+    }
+    return estimator.measured();
+}
+
+}  // namespace
+}  // namespace touchable::capi
+
+touch_status touch_camera_defaults(touch_camera* camera, uint32_t struct_size) {
+    if (!camera || struct_size != sizeof *camera) return TOUCH_USAGE;
+    constexpr double focal_length = 554.2562584220408;  // 320 / tan 30 degrees
+    *camera = {struct_size, 640,   480, TOUCH_PLANAR, focal_length, focal_length, 319.5,
+               239.5,       0.001, 10,  30,           600,          0.4,          0.3};
+    return TOUCH_OK;
+}
+
+touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* scene, touch_error* error) {
+    return without_exceptions(error, [&] {
+        if (!scene || !has_known_size(camera))
+            return fail(error, TOUCH_USAGE,
+                        "camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
+        auto made = scene_of(*camera);
+        if (!made) return fail(error, made.error());
+        auto object = std::make_shared<SceneObject>(SceneDescription(std::move(*made)));
+        object->described.unstated.filters = all_unstated;
+        return give_handle(scenes(), std::move(object), *scene, error);
+    });
+}
+
+touch_status touch_scene_from_text(const char* text, size_t length, touch_scene* scene, touch_error* error) {
+    return without_exceptions(error, [&] {
+        constexpr std::size_t longest = std::size_t{1} << 28;
+        if (!text || !scene || length > longest)
+            return fail(error, TOUCH_USAGE, "text or scene is NULL, or the text is longer than 256 MiB");
+        auto described = parse_scene({text, length}, "the scene's text");
+        if (!described) return fail(error, described.error());
+        auto settled = settle(*described, {});
+        if (!settled) return fail(error, settled.error());
+        auto object = std::make_shared<SceneObject>(SceneDescription(std::move(*settled)));
+        object->described.unstated.filters = described->unstated.filters;
+        return give_handle(scenes(), std::move(object), *scene, error);
+    });
+}
+
+touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, size_t* length) {
+    return without_exceptions(nullptr, [&]() -> touch_status {
+        if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
+        const auto use = scenes().find(scene.id);
+        if (!use) return TOUCH_STALE;
+        const std::string json = scene_to_json(use->described);
+        *length = json.size();
+        std::memcpy(text, json.data(), std::min(capacity, json.size()));
+        if (capacity > json.size()) text[json.size()] = 0;
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_scene_describe(touch_scene scene, touch_scene_facts* facts) {
+    if (!has_known_size(facts)) return TOUCH_USAGE;
+    const auto use = scenes().find(scene.id);
+    if (!use) return TOUCH_STALE;
+    hand_out(facts_of(*use), *facts);
+    return TOUCH_OK;
+}
+
+touch_status touch_scene_destroy(touch_scene scene) {
+    return without_exceptions(nullptr,
+                              [&]() -> touch_status { return status_of(scenes().remove(scene.id)); });
+}
+
+touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* frames, size_t frame_stride_bytes,
+                                      size_t count, touch_scene* filtered, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!filtered || (!frames && count > 0) || (count > 1 && frame_stride_bytes < sizeof(touch_frame)))
+            return fail(error, TOUCH_USAGE, "frames or filtered is NULL, or frame_stride_bytes is too small");
+        const auto use = scenes().find(scene.id);
+        if (!use) return fail_stale(error, "scene");
+        Scene chosen = use->scene();
+        auto measured =
+            measure(chosen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count);
+        if (!measured) return fail(error, measured.error());
+        choose_filters(*measured, use->described.unstated.filters, chosen);
+        if (chosen.filter.temporal && chosen.filter.temporal_noise == DepthLength{})
+            return fail(error, TOUCH_USAGE,
+                        "the scene wants the temporal filter, but neither it nor these frames say how noisy "
+                        "depth is");
+        if (auto valid = validate(chosen); !valid) return fail(error, TOUCH_USAGE, valid.error().message);
+        return give_handle(scenes(), std::make_shared<SceneObject>(SceneDescription(std::move(chosen))),
+                           *filtered, error);
+    });
+}

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+
+#include "capi/handle_table.hpp"
+#include "capi/touchable.h"
+#include "engine/result.hpp"
+
+namespace touchable::capi {
+
+/// Writes status and line where there is an error to write to, and gives the status.
+touch_status fail(touch_error* error, touch_status status, std::string_view line) noexcept;
+touch_status fail(touch_error* error, const Error& what) noexcept;
+/// Of a handle of this kind, such as "surface".
+touch_status fail_stale(touch_error* error, std::string_view kind) noexcept;
+
+/// Of an object that was to be destroyed.
+touch_status status_of(Removal removal) noexcept;
+
+/// Whether a struct that a program hands over has a size that this library knows: at least that of the first
+/// version, at most its own.
+template <class T>
+bool has_known_size(const T* given, std::size_t first_version = sizeof(T)) {
+    return given && given->struct_size >= first_version && given->struct_size <= sizeof(T);
+}
+
+/// `defaults`, with what the program's struct has of it in their place.
+template <class T>
+T over_defaults(const T& given, T defaults) {
+    std::memcpy(&defaults, &given, given.struct_size);
+    return defaults;
+}
+
+/// Writes as much as the program's struct has room for.
+template <class T>
+void hand_out(const T& from, T& to) {
+    const std::uint32_t size = to.struct_size;
+    std::memcpy(&to, &from, size);
+    to.struct_size = size;
+}
+
+/// Nothing that is thrown comes out: memory that is missing is a status, anything else an internal fault.
+template <class Function>
+touch_status without_exceptions(touch_error* error, Function&& function) noexcept {
+    try {
+        return function();
+    } catch (const std::bad_alloc&) {
+        return fail(error, TOUCH_NO_MEMORY, "there is not enough memory");
+    } catch (const std::length_error&) {
+        return fail(error, TOUCH_NO_MEMORY, "there is not enough memory");
+    } catch (const std::exception& fault) {
+        return fail(error, TOUCH_INTERNAL, fault.what());
+    } catch (...) {
+        return fail(error, TOUCH_INTERNAL, "an unknown fault inside the library");
+    }
+}
+
+}  // namespace touchable::capi

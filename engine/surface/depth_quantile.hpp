@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// A frame's valid depths, row by row, scene units; the far plane where none is valid. Of a lazy frame all of
+/// it is built for that.
+std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& frame);
+
+/// So many of them, of all (`share`: 0 to 1), are not above it. Needs one; changes their order.
+double quantile(std::vector<double>& depths, double share);
+
+}  // namespace touchable
