@@ -109,7 +109,7 @@ touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* sc
                         "camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
         auto made = scene_of(*camera);
         if (!made) return fail(error, made.error());
-        auto object = std::make_shared<SceneObject>(SceneDescription(std::move(*made)));
+        auto object = std::make_shared<SceneObject>(SceneObject{std::move(*made)});
         object->described.unstated.filters = all_unstated;
         return give_handle(scenes(), std::move(object), *scene, error);
     });
@@ -124,7 +124,7 @@ touch_status touch_scene_from_text(const char* text, size_t length, touch_scene*
         if (!described) return fail(error, described.error());
         auto settled = settle(*described, {});
         if (!settled) return fail(error, settled.error());
-        auto object = std::make_shared<SceneObject>(SceneDescription(std::move(*settled)));
+        auto object = std::make_shared<SceneObject>(SceneObject{std::move(*settled)});
         object->described.unstated.filters = described->unstated.filters;
         return give_handle(scenes(), std::move(object), *scene, error);
     });
@@ -173,7 +173,7 @@ touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* fram
                         "the scene wants the temporal filter, but neither it nor these frames say how noisy "
                         "depth is");
         if (auto valid = validate(chosen); !valid) return fail(error, TOUCH_USAGE, valid.error().message);
-        return give_handle(scenes(), std::make_shared<SceneObject>(SceneDescription(std::move(chosen))),
-                           *filtered, error);
+        return give_handle(scenes(), std::make_shared<SceneObject>(SceneObject{std::move(chosen)}), *filtered,
+                           error);
     });
 }
