@@ -1,0 +1,191 @@
+// touchable.hpp - touchable.h for C++17: objects that end themselves, and errors that are thrown. Header
+// only. What the functions take and give, their units and their threads are described in touchable.h.
+#ifndef TOUCHABLE_HPP
+#define TOUCHABLE_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "touchable.h"
+
+namespace touch {
+
+/// What a function of touchable.h refused, in one line.
+class Error : public std::runtime_error {
+public:
+    Error(touch_status status, const std::string& line) : std::runtime_error(line), status_(status) {}
+    touch_status status() const noexcept { return status_; }
+
+private:
+    touch_status status_;
+};
+
+namespace detail {
+
+inline touch_error no_error() noexcept {
+    return {sizeof(touch_error), TOUCH_OK, {}};
+}
+
+/// Throws an Error where the status is none of TOUCH_OK, TOUCH_FULL, TOUCH_END.
+inline touch_status check(touch_status status, const touch_error& error = no_error()) {
+    if (status == TOUCH_OK || status == TOUCH_FULL || status == TOUCH_END) return status;
+    throw Error(status, error.line[0] ? error.line : touch_status_name(status));
+}
+
+/// A handle that ends itself.
+template <class Handle, touch_status (*destroy)(Handle)>
+class Owner {
+public:
+    Owner() = default;
+    explicit Owner(Handle handle) noexcept : handle_(handle) {}
+    Owner(Owner&& other) noexcept : handle_(std::exchange(other.handle_, Handle{})) {}
+    Owner& operator=(Owner&& other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Owner() {
+        if (handle_.id) destroy(handle_);
+    }
+    Handle get() const noexcept { return handle_; }
+
+private:
+    Handle handle_{};
+};
+
+/// A struct with its defaults.
+template <class Struct, touch_status (*defaults)(Struct*, std::uint32_t)>
+Struct made() {
+    Struct made{};
+    check(defaults(&made, sizeof made));
+    return made;
+}
+
+}  // namespace detail
+
+inline touch_camera camera() {
+    return detail::made<touch_camera, touch_camera_defaults>();
+}
+inline touch_frame frame() {
+    return detail::made<touch_frame, touch_frame_defaults>();
+}
+inline touch_surface_settings surface_settings() {
+    return detail::made<touch_surface_settings, touch_surface_settings_defaults>();
+}
+inline touch_solver_settings solver_settings() {
+    return detail::made<touch_solver_settings, touch_solver_settings_defaults>();
+}
+/// Tick number `tick`, at that many milliseconds of the frames' clock.
+inline touch_tick tick_at(std::int64_t tick) noexcept {
+    return {sizeof(touch_tick), 0, tick, tick * 1'000'000, 0, 0};
+}
+
+/// touch_scene.
+class Scene : public detail::Owner<touch_scene, touch_scene_destroy> {
+public:
+    using Owner::Owner;
+    explicit Scene(const touch_camera& camera) {
+        touch_error error = detail::no_error();
+        touch_scene made{};
+        detail::check(touch_scene_from_camera(&camera, &made, &error), error);
+        *this = Scene(made);
+    }
+    explicit Scene(std::string_view text) {
+        touch_error error = detail::no_error();
+        touch_scene made{};
+        detail::check(touch_scene_from_text(text.data(), text.size(), &made, &error), error);
+        *this = Scene(made);
+    }
+    touch_scene_facts facts() const {
+        touch_scene_facts facts{};
+        facts.struct_size = sizeof facts;
+        detail::check(touch_scene_describe(get(), &facts));
+        return facts;
+    }
+    std::string text() const {
+        std::size_t length = 0;
+        detail::check(touch_scene_text(get(), nullptr, 0, &length));
+        std::string text(length, '\0');
+        detail::check(touch_scene_text(get(), text.data(), text.size(), &length));
+        return text;
+    }
+    /// touch_scene_with_filters.
+    Scene with_filters(const std::vector<touch_frame>& frames) const {
+        touch_error error = detail::no_error();
+        touch_scene made{};
+        detail::check(
+            touch_scene_with_filters(get(), frames.data(), sizeof(touch_frame), frames.size(), &made, &error),
+            error);
+        return Scene(made);
+    }
+};
+
+/// touch_surface.
+class Surface : public detail::Owner<touch_surface, touch_surface_destroy> {
+public:
+    using Owner::Owner;
+    explicit Surface(const Scene& scene, const touch_surface_settings& settings = surface_settings()) {
+        touch_error error = detail::no_error();
+        touch_surface made{};
+        detail::check(touch_surface_create(scene.get(), &settings, &made, &error), error);
+        *this = Surface(made);
+    }
+    /// False where there is no room yet (TOUCH_FULL).
+    bool push(const touch_frame& frame) {
+        touch_error error = detail::no_error();
+        return detail::check(touch_surface_push(get(), &frame, &error), error) == TOUCH_OK;
+    }
+    void begin_epoch(std::uint64_t epoch) {
+        touch_error error = detail::no_error();
+        detail::check(touch_surface_begin_epoch(get(), epoch, &error), error);
+    }
+    void end_epoch() { detail::check(touch_surface_end_epoch(get())); }
+    /// Before the first frame the least number there is.
+    std::int64_t newest_ns() const noexcept {
+        std::int64_t newest = std::numeric_limits<std::int64_t>::min();
+        touch_surface_newest_ns(get(), &newest);
+        return newest;
+    }
+    double hand_scale() const {
+        touch_error error = detail::no_error();
+        double scale = 0;
+        detail::check(touch_surface_hand_scale(get(), &scale, &error), error);
+        return scale;
+    }
+};
+
+/// touch_solver. Ends before its surface does.
+class Solver : public detail::Owner<touch_solver, touch_solver_destroy> {
+public:
+    using Owner::Owner;
+    explicit Solver(const Surface& surface, const touch_solver_settings& settings = solver_settings()) {
+        touch_error error = detail::no_error();
+        touch_solver made{};
+        detail::check(touch_solver_create(surface.get(), &settings, &made, &error), error);
+        *this = Solver(made);
+    }
+    /// An element per finger in both. Real-time: it does not throw.
+    touch_status tick(const touch_tick& tick, const touch_vec3* goals, touch_contact* contacts) noexcept {
+        return touch_solver_tick(get(), &tick, goals, contacts, sizeof(touch_contact));
+    }
+    /// touch_solver_run.
+    touch_status run(const touch_tick& first, std::size_t count, const touch_vec3* goals,
+                     touch_contact* contacts) noexcept {
+        return touch_solver_run(get(), &first, count, goals, contacts, sizeof(touch_contact));
+    }
+    touch_status come_back() noexcept { return touch_solver_come_back(get()); }
+    std::uint64_t force_hash() const {
+        std::uint64_t hash = 0;
+        detail::check(touch_solver_force_hash(get(), &hash));
+        return hash;
+    }
+};
+
+}  // namespace touch
+
+#endif
