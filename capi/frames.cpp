@@ -143,4 +143,20 @@ Result<RawFrame> raw_frame(const touch_frame& given, const Scene& scene, FrameSc
     return raw;
 }
 
+Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, FrameScratch& scratch) {
+    touch_frame frame{};
+    frame.struct_size = sizeof frame;
+    frame.depth = depth;
+    if (depth.sample == TOUCH_F32)
+        return plane_error("depth", "is of floats, which are metres already; right would be codes");
+    auto raw = raw_frame(frame, scene, scratch);
+    if (!raw) return raw.error();
+    return raw->depth;
+}
+
+touch_plane plane_for_program(const PlaneView& view) {
+    if (view.empty()) return {};
+    return {view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels};
+}
+
 }  // namespace touchable::capi

@@ -21,5 +21,9 @@ struct FrameScratch {
 /// `scratch`. Refused: a struct of an unknown size, planes that cannot be, floats where depth has no code for
 /// "no surface".
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch);
+/// Likewise of its depth alone, which is of codes.
+Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, FrameScratch& scratch);
+/// A plane of a room as a program reads it.
+touch_plane plane_for_program(const PlaneView& view);
 
 }  // namespace touchable::capi

@@ -17,12 +17,12 @@ enum class Removal { removed, stale, busy };
 
 /// Objects by number: kind, generation and place. A number of another kind, or of an object that is gone,
 /// finds nothing. Finding is wait-free, from any thread; an object that somebody is using is not removed.
-template <class T>
+template <class T, std::size_t most = 1024>
 class HandleTable {
     struct Slot;
 
 public:
-    static constexpr std::size_t capacity = 1024;
+    static constexpr std::size_t capacity = most;
 
     /// `kind`: 1 to 15, another one for each table.
     explicit HandleTable(std::uint64_t kind) : kind_(kind << 60) {}
@@ -49,7 +49,9 @@ public:
     /// Nothing where the table is full.
     std::optional<std::uint64_t> insert(std::shared_ptr<T> object) {
         const std::lock_guard lock(mutex_);
-        for (std::size_t k = 0; k < capacity; ++k) {
+        for (std::size_t tried = 0; tried < capacity; ++tried) {
+            const std::size_t k = next_;
+            next_ = (next_ + 1) % capacity;
             Slot& slot = slots_[k];
             if (slot.object) continue;
             slot.object = std::move(object);
@@ -93,6 +95,13 @@ public:
         return free ? Removal::removed : Removal::busy;
     }
 
+    /// Looks at all of them, of which none is removed meanwhile.
+    void for_each(const std::function<void(const T&)>& look) {
+        const std::lock_guard lock(mutex_);
+        for (const Slot& slot : slots_)
+            if (slot.object) look(*slot.object);
+    }
+
 private:
     static constexpr int gone = -(1 << 30);
     struct Slot {
@@ -104,6 +113,7 @@ private:
 
     const std::uint64_t kind_;
     std::mutex mutex_;
+    std::size_t next_ = 0;  // where a free place is looked for first: of many none is looked at twice
     std::array<Slot, capacity> slots_;
 };
 

@@ -66,36 +66,3 @@ touch_status fail_stale(touch_error* error, std::string_view kind) noexcept {
 }
 
 }  // namespace touchable::capi
-
-using namespace touchable::capi;
-
-uint32_t touch_version(void) {
-    return TOUCH_VERSION;
-}
-
-const char* touch_status_name(touch_status status) {
-    switch (status) {
-        case TOUCH_OK:
-            return "done";
-        case TOUCH_INTERNAL:
-            return "internal fault";
-        case TOUCH_USAGE:
-            return "bad argument";
-        case TOUCH_INPUT:
-            return "bad input";
-        case TOUCH_INTERRUPTED:
-            return "interrupted";
-        case TOUCH_STALE:
-            return "stale handle";
-        case TOUCH_BUSY:
-            return "busy";
-        case TOUCH_FULL:
-            return "full";
-        case TOUCH_END:
-            return "no more frames";
-        case TOUCH_NO_MEMORY:
-            return "not enough memory";
-        default:
-            return "unknown status";
-    }
-}

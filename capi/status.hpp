@@ -1,12 +1,16 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <new>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "capi/handle_table.hpp"
 #include "capi/touchable.h"
@@ -45,6 +49,14 @@ void hand_out(const T& from, T& to) {
     to.struct_size = size;
 }
 
+/// At most `capacity` bytes of a text, with a zero at the end where there is room; the length of all of it.
+inline void write_text(std::string_view from, char* text, std::size_t capacity, std::size_t& length) {
+    length = from.size();
+    if (capacity == 0) return;
+    std::memcpy(text, from.data(), std::min(capacity, from.size()));
+    if (capacity > from.size()) text[from.size()] = 0;
+}
+
 /// Nothing that is thrown comes out: memory that is missing is a status, anything else an internal fault.
 template <class Function>
 touch_status without_exceptions(touch_error* error, Function&& function) noexcept {
@@ -59,6 +71,18 @@ touch_status without_exceptions(touch_error* error, Function&& function) noexcep
     } catch (...) {
         return fail(error, TOUCH_INTERNAL, "an unknown fault inside the library");
     }
+}
+
+/// Puts an object into its table, and its number where the caller wants it.
+template <class Object, std::size_t most, class Handle>
+touch_status give_handle(HandleTable<Object, most>& table, std::shared_ptr<Object> object, Handle& handle,
+                         touch_error* error) {
+    const auto id = table.insert(std::move(object));
+    if (!id)
+        return fail(error, TOUCH_NO_MEMORY,
+                    "there are " + std::to_string(most) + " of these already; end one first");
+    handle.id = *id;
+    return TOUCH_OK;
 }
 
 }  // namespace touchable::capi

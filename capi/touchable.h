@@ -160,6 +160,12 @@ typedef struct touch_frame {
 /* Fills in an empty frame: number 0, time 0, no picture. `struct_size`: sizeof(touch_frame) of your program. */
 TOUCH_API touch_status touch_frame_defaults(touch_frame *frame, uint32_t struct_size);
 
+/* Depth of a picture of codes in metres, row after row, as floats; NaN where there is no surface. As the codes say
+ * it: along -Z, or along the pixel's ray where the scene's depth_kind is TOUCH_RANGE. `metres` has the scene's width
+ * and height, and rows of `stride_bytes`, at least 4 * width. */
+TOUCH_API touch_status touch_scene_metres(touch_scene scene, const touch_plane *depth, float *metres,
+                                          int64_t stride_bytes, touch_error *error);
+
 /* Gives the scene with the filters that the program `touchable` would choose by these frames (`frames` of a
  * recording from the first one on; 16 are enough, more are not looked at). Filters that the scene states stay as
  * they are; of a scene made from a camera all are chosen. With no frames they stay off. A frame whose depth has no
@@ -293,6 +299,105 @@ TOUCH_API touch_status touch_solver_come_back(touch_solver solver);
  * equal forces to the last bit. Real-time. */
 TOUCH_API touch_status touch_solver_force_hash(touch_solver solver, uint64_t *hash);
 TOUCH_API touch_status touch_solver_destroy(touch_solver solver);
+
+/* ---- Clips: libtouchable-media ------------------------------------------------------------------------------- */
+
+/* A file of any kind that the program `touchable` opens, a folder of pictures, or the address of a stream. While one
+ * is open its decoders may run threads of their own. Not real-time, none of it. */
+typedef struct touch_clip {
+    uint64_t id; /* 0 is never a clip */
+} touch_clip;
+
+/* What is known of a clip that does not say it itself; docs/formats.md. */
+typedef struct touch_clip_settings {
+    uint32_t struct_size;
+    int32_t colour;          /* 1, the default; 0: frames may come without it, which saves decoding */
+    const char *scene_file;  /* a scene file that describes the clip instead of its own; NULL, the default: its own */
+    const char *preset;      /* what is known of a camera by name, such as "kinect"; NULL, the default: nothing */
+    double fx_px, fy_px;     /* focal lengths, pixels; 0, the default: as the clip says, or a guess */
+    double cx_px, cy_px;     /* principal point, where focal lengths are given; NaN, the default: the middle */
+    double fov_degrees;      /* from left to right, where focal lengths are not given; 0, the default: a guess */
+    double metres_per_code;  /* of a stored 1; 0, the default: as the clip says, or a guess */
+} touch_clip_settings;
+
+TOUCH_API touch_status touch_clip_settings_defaults(touch_clip_settings *settings, uint32_t struct_size);
+/* `path`: UTF-8. `settings` may be NULL: defaults. TOUCH_INPUT: the file is not there, or none that can be read. A
+ * stream that does not answer is given up after 20 s. */
+TOUCH_API touch_status touch_clip_open(const char *path, const touch_clip_settings *settings, touch_clip *clip,
+                                       touch_error *error);
+
+/* A clip in figures. */
+typedef struct touch_clip_facts {
+    uint32_t struct_size;
+    int32_t width, height;               /* pixels, of every picture */
+    int32_t depth_sample, depth_channels; /* of touch_plane, as frames have them */
+    int32_t has_colour, has_haptic, has_height; /* 1 where frames have such a picture */
+    int32_t depth_is_lossless;           /* 1 where the codec keeps every value, 0 where it may not */
+    int32_t notes;                       /* how many touch_clip_note gives */
+    int64_t frames;                      /* -1: only reading would tell */
+    double frames_per_second;            /* their mean where frames have times of their own */
+} touch_clip_facts;
+
+TOUCH_API touch_status touch_clip_describe(touch_clip clip, touch_clip_facts *facts);
+/* What a person should know of a clip, such as what was guessed of it: note `index`, from 0, in a line of UTF-8.
+ * Writes as touch_scene_text does. TOUCH_END: there is no such note. */
+TOUCH_API touch_status touch_clip_note(touch_clip clip, int32_t index, char *text, size_t capacity, size_t *length);
+
+#define TOUCH_FILTERS_STATED 0 /* those that the clip states; what it leaves open stays open, and off */
+#define TOUCH_FILTERS_CHOSEN 1 /* what it leaves open is chosen by its first frames, as the program does it */
+
+/* What the clip's pictures mean, a new scene that is yours to end. TOUCH_FILTERS_CHOSEN reads up to 16 frames for
+ * it, and goes back to where the clip was. */
+TOUCH_API touch_status touch_clip_scene(touch_clip clip, int32_t filters, touch_scene *scene, touch_error *error);
+
+/* The pictures of one moment of a clip. They stay as they are, at their place in memory, until they are released,
+ * also where the clip has been closed. At most 65536 are held at a time. */
+typedef struct touch_frameset {
+    uint64_t id; /* 0 is never a frameset */
+} touch_frameset;
+
+/* The next one, which is yours to release. TOUCH_END: there are no more. TOUCH_INPUT: the error names file, track
+ * and frame; what comes after may be read where touch_clip_seek goes past it. */
+TOUCH_API touch_status touch_clip_next(touch_clip clip, touch_frameset *frameset, touch_error *error);
+/* `touch_clip_next` gives this frame next: 0 to the number of frames. */
+TOUCH_API touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error *error);
+/* Whoever waits in touch_clip_next, as for a stream, gets TOUCH_INTERRUPTED soon, and so does every later one. Threads:
+ * any. */
+TOUCH_API touch_status touch_clip_interrupt(touch_clip clip);
+/* TOUCH_BUSY while another thread reads it: interrupt that first. */
+TOUCH_API touch_status touch_clip_close(touch_clip clip);
+
+/* Fills in `frame`, whose struct_size you set: number, time and pictures as they are stored (codes, not metres). */
+TOUCH_API touch_status touch_frameset_frame(touch_frameset frameset, touch_frame *frame);
+TOUCH_API touch_status touch_frameset_release(touch_frameset frameset);
+
+/* A clip that is being written. It has its name only once it is whole. */
+typedef struct touch_writer {
+    uint64_t id; /* 0 is never a writer */
+} touch_writer;
+
+typedef struct touch_writer_settings {
+    uint32_t struct_size;
+    int32_t overwrite;       /* 1: a file that is there already is replaced once this one is whole; 0, the default */
+    int32_t small;           /* 1: few bytes rather than quick to decode; 0, the default */
+    int32_t exact_colour;    /* 1: colour keeps every value; 0, the default: as good as the eye can tell */
+    const int64_t *times_ns; /* of frames at a variable rate: when each is shown, the first at 0, each at least 1 ms
+                                after the one before; NULL, the default: at the scene's rate */
+    size_t times;            /* how many */
+} touch_writer_settings;
+
+TOUCH_API touch_status touch_writer_settings_defaults(touch_writer_settings *settings, uint32_t struct_size);
+/* By its name `path` (UTF-8) becomes NAME.mkv, NAME.mp4, or a folder of PNG pictures (without any dot). Depth, haptic
+ * and height pictures keep every value. `settings` may be NULL: defaults. TOUCH_USAGE: it is there already. */
+TOUCH_API touch_status touch_writer_create(const char *path, touch_scene scene, const touch_writer_settings *settings,
+                                           touch_writer *writer, touch_error *error);
+/* Every frame has the pictures of the first one, of the scene's size. Its number and time do not count: frames are
+ * numbered as they come. Depth may be TOUCH_F32. */
+TOUCH_API touch_status touch_writer_write(touch_writer writer, const touch_frame *frame, touch_error *error);
+/* Completes the clip, gives it its name, and ends the writer, whatever comes of it. */
+TOUCH_API touch_status touch_writer_finish(touch_writer writer, touch_error *error);
+/* Ends a writer whose clip is not to be; nothing is left of it. */
+TOUCH_API touch_status touch_writer_abandon(touch_writer writer);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -183,6 +184,97 @@ public:
         std::uint64_t hash = 0;
         detail::check(touch_solver_force_hash(get(), &hash));
         return hash;
+    }
+};
+
+// The rest needs libtouchable-media.
+
+inline touch_clip_settings clip_settings() {
+    return detail::made<touch_clip_settings, touch_clip_settings_defaults>();
+}
+inline touch_writer_settings writer_settings() {
+    return detail::made<touch_writer_settings, touch_writer_settings_defaults>();
+}
+
+/// touch_frameset: its pictures stay at their place until it ends.
+class Frameset : public detail::Owner<touch_frameset, touch_frameset_release> {
+public:
+    using Owner::Owner;
+    touch_frame frame() const {
+        touch_frame frame = touch::frame();
+        detail::check(touch_frameset_frame(get(), &frame));
+        return frame;
+    }
+};
+
+/// touch_clip.
+class Clip : public detail::Owner<touch_clip, touch_clip_close> {
+public:
+    using Owner::Owner;
+    explicit Clip(const std::string& path, const touch_clip_settings& settings = clip_settings()) {
+        touch_error error = detail::no_error();
+        touch_clip made{};
+        detail::check(touch_clip_open(path.c_str(), &settings, &made, &error), error);
+        *this = Clip(made);
+    }
+    touch_clip_facts facts() const {
+        touch_clip_facts facts{};
+        facts.struct_size = sizeof facts;
+        detail::check(touch_clip_describe(get(), &facts));
+        return facts;
+    }
+    /// All that touch_clip_note gives.
+    std::vector<std::string> notes() const {
+        std::vector<std::string> notes;
+        std::size_t length = 0;
+        for (std::int32_t index = 0; touch_clip_note(get(), index, nullptr, 0, &length) == TOUCH_OK;
+             ++index) {
+            notes.emplace_back(length, '\0');
+            detail::check(touch_clip_note(get(), index, notes.back().data(), length, &length));
+        }
+        return notes;
+    }
+    /// `filters`: TOUCH_FILTERS_STATED or TOUCH_FILTERS_CHOSEN.
+    Scene scene(std::int32_t filters = TOUCH_FILTERS_CHOSEN) {
+        touch_error error = detail::no_error();
+        touch_scene made{};
+        detail::check(touch_clip_scene(get(), filters, &made, &error), error);
+        return Scene(made);
+    }
+    /// Nothing where there are no more.
+    std::optional<Frameset> next() {
+        touch_error error = detail::no_error();
+        touch_frameset next{};
+        if (detail::check(touch_clip_next(get(), &next, &error), error) == TOUCH_END) return std::nullopt;
+        return Frameset(next);
+    }
+    void seek(std::int64_t frame) {
+        touch_error error = detail::no_error();
+        detail::check(touch_clip_seek(get(), frame, &error), error);
+    }
+    /// From any thread.
+    void interrupt() noexcept { touch_clip_interrupt(get()); }
+};
+
+/// touch_writer: without `finish` nothing is left of it.
+class Writer : public detail::Owner<touch_writer, touch_writer_abandon> {
+public:
+    using Owner::Owner;
+    Writer(const std::string& path, const Scene& scene,
+           const touch_writer_settings& settings = writer_settings()) {
+        touch_error error = detail::no_error();
+        touch_writer made{};
+        detail::check(touch_writer_create(path.c_str(), scene.get(), &settings, &made, &error), error);
+        *this = Writer(made);
+    }
+    void write(const touch_frame& frame) {
+        touch_error error = detail::no_error();
+        detail::check(touch_writer_write(get(), &frame, &error), error);
+    }
+    /// Once, after the last frame.
+    void finish() {
+        touch_error error = detail::no_error();
+        detail::check(touch_writer_finish(get(), &error), error);
     }
 };
 

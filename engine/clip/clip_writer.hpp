@@ -12,6 +12,7 @@ class ClipWriter {
 public:
     virtual ~ClipWriter() = default;
     /// Every frame has the planes of the first one, and the next number. Times come from the scene's rate.
+    /// Its planes need last no longer than the call.
     virtual Result<void> write(const RawFrame& frame) = 0;
     /// The colour of the frame that was written last as readers will be given it, where its coding changes
     /// values and ClipStorage::gives_colour asked for it; empty otherwise. Until the next `write`.

@@ -124,7 +124,7 @@ public:
 
 private:
     Result<void> write_frame(const RawFrame& frame) override {
-        if (frames_ == 0) first_ = frame;
+        if (frames_ == 0) first_ = kept_frame(frame);
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty() != plane_of(first_, role).empty())

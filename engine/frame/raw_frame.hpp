@@ -26,6 +26,10 @@ struct RawFrame {
     std::shared_ptr<const std::vector<std::uint32_t>> filled;
 };
 
+/// The same for whoever keeps it beyond the call that gave it: itself where its storage keeps its planes,
+/// otherwise a copy of them.
+RawFrame kept_frame(const RawFrame& frame);
+
 /// Which frame it was, for whoever remembers one. Between two of an epoch frames may have been left out.
 struct FramePlace {
     std::uint64_t epoch = 0;

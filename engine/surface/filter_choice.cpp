@@ -88,4 +88,23 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
         filter.temporal_noise = stated_noise(measured->noise, filter.median);
 }
 
+bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene) {
+    const FilterSettings& filter = scene.filter;
+    return unstated.any() || filter.terraces == TerraceRemoval::automatic ||
+           (filter.terraces != TerraceRemoval::off && filter.levels == DepthLength{}) ||
+           (filter.temporal && filter.temporal_noise == DepthLength{});
+}
+
+Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
+                            Scene& scene) {
+    choose_filters(measured, unstated, scene);
+    if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
+        return usage_error(
+            "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
+            "first frames show no noise; right would be that noise in scene units",
+            {{Setting::temporal, "1.5"}});
+    if (auto valid = validate(scene); !valid) return usage_error(valid.error().message);
+    return {};
+}
+
 }  // namespace touchable

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
@@ -16,5 +17,12 @@ bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
 /// has the measurements behind each rule.
 void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
                     Scene& scene);
+
+/// Whether frames have to be measured for `settle_filters`.
+bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene);
+/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered so: by the temporal filter
+/// where neither scene nor frames say how noisy depth is.
+Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
+                            Scene& scene);
 
 }  // namespace touchable

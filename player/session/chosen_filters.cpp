@@ -31,23 +31,14 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
                                                     const UnstatedFilters& unstated, Scene& scene,
                                                     const std::optional<MeasuredFrames>& known,
                                                     const std::stop_token& given_up) {
-    const bool needs_levels =
-        scene.filter.terraces != TerraceRemoval::off && scene.filter.levels == DepthLength{};
-    const bool needs_noise = scene.filter.temporal && scene.filter.temporal_noise == DepthLength{};
+    if (!needs_measuring(unstated, scene)) return std::optional<ChosenFilters>();
     const bool automatic = scene.filter.terraces == TerraceRemoval::automatic;
     ChosenFilters chosen{unstated, {}};
     chosen.chosen.terraces = chosen.chosen.terraces || automatic;
-    if (!chosen.chosen.any() && !needs_levels && !needs_noise) return std::optional<ChosenFilters>();
     auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up);
     if (!measured.ok()) return measured.error();
-    choose_filters(measured->depth, unstated, scene);
-    if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
-        return usage_error(
-            "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
-            "first frames show no "
-            "noise; right would be that noise in scene units",
-            {{Setting::temporal, "1.5"}});
-    if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
+    if (auto settled = settle_filters(measured->depth, unstated, scene); !settled.ok())
+        return settled.error();
     chosen.measured = measured->depth;
     chosen.damage = measured->damage;
     return std::optional(chosen);

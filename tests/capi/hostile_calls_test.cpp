@@ -3,18 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <limits>
-#include <random>
 
 #include "tests/capi/hill.hpp"
+#include "tests/capi/spoiled_values.hpp"
 
 namespace touchable::test {
 namespace {
 
 /// A program that does everything wrong, sometimes.
-class Hostile {
+class Hostile : SpoiledValues {
 public:
-    explicit Hostile(unsigned seed) : random_(seed) {}
+    explicit Hostile(unsigned seed) : SpoiledValues(seed) {}
     ~Hostile() {
         for (const touch_solver solver : solvers_) touch_solver_destroy(solver);
         for (const touch_surface surface : surfaces_) touch_surface_destroy(surface);
@@ -41,36 +40,6 @@ public:
     }
 
 private:
-    std::size_t upto(std::size_t count) { return random_() % count; }
-    bool rarely() { return upto(8) == 0; }
-    template <class Number>
-    Number spoilt(Number number) {
-        if (!rarely()) return number;
-        using Limits = std::numeric_limits<Number>;
-        const Number spoils[] = {Number{},
-                                 Limits::max(),
-                                 Limits::lowest(),
-                                 Number(-1),
-                                 Limits::quiet_NaN(),
-                                 Limits::infinity(),
-                                 Limits::min(),
-                                 static_cast<Number>(random_())};
-        return spoils[upto(std::size(spoils))];
-    }
-    template <class T>
-    T* or_null(T* pointer) {
-        return rarely() ? nullptr : pointer;
-    }
-    touch_error* error() {
-        error_ = {static_cast<std::uint32_t>(upto(sizeof error_ + 1)), 0, {}};
-        return or_null(&error_);
-    }
-    template <class Handle>
-    Handle one_of(const std::vector<Handle>& handles) {
-        if (handles.empty() || rarely()) return {spoilt(random_())};
-        return handles[upto(handles.size())];
-    }
-
     touch_status scene_from_camera() {
         touch_camera camera = Hill::camera();
         camera.struct_size = spoilt(camera.struct_size);
@@ -214,9 +183,7 @@ private:
     }
 
     static constexpr std::size_t most_fingers_ = 4;
-    std::mt19937_64 random_;
     const Hill hill_;
-    touch_error error_{};
     std::int64_t number_ = 0, tick_ = 0;
     std::uint64_t epoch_ = 0;
     std::vector<touch_scene> scenes_;

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <string>
 
-#include "capi/objects.hpp"
 #include "capi/status.hpp"
+#include "capi/touch/objects.hpp"
+#include "engine/frame/stored_code.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/filter_choice.hpp"
@@ -91,6 +93,30 @@ Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned 
     return estimator.measured();
 }
 
+const std::vector<float>& metres_of_codes(const SceneObject& object) {
+    MetresOfCodes& table = *object.metres_of_codes;
+    std::call_once(table.once, [&] {
+        const DepthCoding& coding = object.scene().depth;
+        std::vector<float> metres(std::size_t{1} << 16, std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t code = 0; code < metres.size(); ++code)
+            if (const auto stored = static_cast<std::uint16_t>(code); coding.is_valid(stored))
+                metres[code] = static_cast<float>(coding.depth(stored) * object.scene().metres_per_unit);
+        table.metres = std::move(metres);
+    });
+    return table.metres;
+}
+
+void write_metres(const PlaneView& depth, const DepthCoding& coding, const std::vector<float>& metres,
+                  unsigned char* rows, std::int64_t stride) {
+    const bool is_wide = coding.kind != DepthCodingKind::hue && depth.bytes_per_sample == 2;
+    for (int y = 0; y < depth.height; ++y) {
+        unsigned char* to = rows + y * stride;
+        const auto* samples = reinterpret_cast<const std::uint16_t*>(depth.row(y));
+        for (int x = 0; x < depth.width; ++x, to += sizeof(float))
+            std::memcpy(to, &metres[is_wide ? samples[x] : stored_code(depth, coding, x, y)], sizeof(float));
+    }
+}
+
 }  // namespace
 }  // namespace touchable::capi
 
@@ -135,10 +161,7 @@ touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, si
         if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
         const auto use = scenes().find(scene.id);
         if (!use) return TOUCH_STALE;
-        const std::string json = scene_to_json(use->described);
-        *length = json.size();
-        std::memcpy(text, json.data(), std::min(capacity, json.size()));
-        if (capacity > json.size()) text[json.size()] = 0;
+        write_text(scene_to_json(use->described), text, capacity, *length);
         return TOUCH_OK;
     });
 }
@@ -156,6 +179,28 @@ touch_status touch_scene_destroy(touch_scene scene) {
                               [&]() -> touch_status { return status_of(scenes().remove(scene.id)); });
 }
 
+touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, float* metres,
+                                int64_t stride_bytes, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        constexpr std::int64_t longest = std::int64_t{1} << 40;
+        if (!depth || !depth->data || !metres)
+            return fail(error, TOUCH_USAGE, "depth, its data or metres is NULL");
+        const auto use = scenes().find(scene.id);
+        if (!use) return fail_stale(error, "scene");
+        const std::int64_t row = std::int64_t{use->scene().width} * std::int64_t{sizeof(float)};
+        if (stride_bytes < -longest || stride_bytes > longest || std::abs(stride_bytes) < row)
+            return fail(error, TOUCH_USAGE,
+                        "stride_bytes is " + std::to_string(stride_bytes) + "; right would be at least " +
+                            std::to_string(row));
+        FrameScratch scratch;
+        const auto codes = depth_codes(*depth, use->scene(), scratch);
+        if (!codes) return fail(error, codes.error());
+        write_metres(*codes, use->scene().depth, metres_of_codes(*use),
+                     reinterpret_cast<unsigned char*>(metres), stride_bytes);
+        return TOUCH_OK;
+    });
+}
+
 touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* frames, size_t frame_stride_bytes,
                                       size_t count, touch_scene* filtered, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
@@ -167,12 +212,8 @@ touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* fram
         auto measured =
             measure(chosen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count);
         if (!measured) return fail(error, measured.error());
-        choose_filters(*measured, use->described.unstated.filters, chosen);
-        if (chosen.filter.temporal && chosen.filter.temporal_noise == DepthLength{})
-            return fail(error, TOUCH_USAGE,
-                        "the scene wants the temporal filter, but neither it nor these frames say how noisy "
-                        "depth is");
-        if (auto valid = validate(chosen); !valid) return fail(error, TOUCH_USAGE, valid.error().message);
+        if (auto settled = settle_filters(*measured, use->described.unstated.filters, chosen); !settled)
+            return fail(error, settled.error());
         return give_handle(scenes(), std::make_shared<SceneObject>(SceneObject{std::move(chosen)}), *filtered,
                            error);
     });

@@ -1,8 +1,8 @@
 // touch_surface_*: frames in, a surface in time.
 #include <limits>
 
-#include "capi/objects.hpp"
 #include "capi/status.hpp"
+#include "capi/touch/objects.hpp"
 #include "device/workspace.hpp"
 #include "engine/surface/depth_quantile.hpp"
 

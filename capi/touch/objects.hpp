@@ -18,9 +18,16 @@
 
 namespace touchable::capi {
 
+/// Metres of each code, NaN of invalid ones; made when it is first asked for.
+struct MetresOfCodes {
+    std::once_flag once;
+    std::vector<float> metres;
+};
+
 /// Behind a touch_scene. It does not change.
 struct SceneObject {
     SceneDescription described;  ///< its scene is settled; what is unstated stays said
+    std::shared_ptr<MetresOfCodes> metres_of_codes = std::make_shared<MetresOfCodes>();
     const Scene& scene() const { return described.scene; }
 };
 
@@ -65,15 +72,5 @@ struct SolverObject {
 HandleTable<SceneObject>& scenes();
 HandleTable<SurfaceObject>& surfaces();
 HandleTable<SolverObject>& solvers();
-
-/// Puts an object into its table, and its number where the caller wants it.
-template <class Object, class Handle>
-touch_status give_handle(HandleTable<Object>& table, std::shared_ptr<Object> object, Handle& handle,
-                         touch_error* error) {
-    const auto id = table.insert(std::move(object));
-    if (!id) return fail(error, TOUCH_NO_MEMORY, "there are 1024 of these already; destroy one first");
-    handle.id = *id;
-    return TOUCH_OK;
-}
 
 }  // namespace touchable::capi

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "capi/objects.hpp"
 #include "capi/status.hpp"
+#include "capi/touch/objects.hpp"
 
 using namespace touchable;
 using namespace touchable::capi;

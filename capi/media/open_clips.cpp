@@ -1,0 +1,50 @@
+#include "capi/media/open_clips.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "capi/media/clip_words.hpp"
+
+namespace touchable::capi {
+namespace {
+
+std::vector<std::string> notes_of(const ClipReader& reader) {
+    std::vector<std::string> notes;
+    for (const Remark& remark : remarks_of(reader)) notes.push_back(note_with_members(remark));
+    return notes;
+}
+
+}  // namespace
+
+HandleTable<ClipObject>& clips() {
+    static auto& table = *new HandleTable<ClipObject>(4);
+    return table;
+}
+
+ClipObject::ClipObject(std::unique_ptr<ClipReader> opened)
+    : described(opened->described()),
+      tracks(opened->tracks()),
+      notes(notes_of(*opened)),
+      frames(opened->frame_count()),
+      inputs(opened->inputs()),
+      reader(std::move(opened)) {}
+
+bool ClipObject::has(const char* role) const {
+    return std::any_of(tracks.begin(), tracks.end(),
+                       [&](const TrackInfo& track) { return track.role == role; });
+}
+
+bool is_read_by_an_open_clip(const std::filesystem::path& path) {
+    bool is_read = false;
+    clips().for_each([&](const ClipObject& clip) {
+        for (const std::filesystem::path& input : clip.inputs) {
+            std::error_code absent;
+            is_read = is_read || std::filesystem::equivalent(input, path, absent) ||
+                      std::filesystem::equivalent(input.parent_path(), path, absent);
+        }
+    });
+    return is_read;
+}
+
+}  // namespace touchable::capi

@@ -1,0 +1,350 @@
+// Clips by the C API: what is read is what lies in them, what is written is read again, and nothing is
+// replaced that nobody said may be.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "capi/touchable.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/import/open_clip.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/surface/filter_choice.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "tests/capi/hill.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+
+/// A globe with all planes, as a clip of the program's.
+fs::path make_globe(const fs::path& file, int frames = 5, int bits = 16) {
+    SceneOptions options;
+    options.width = 64;
+    options.height = 48;
+    options.bits = bits;
+    options.properties = true;
+    auto made = make_scene("globe", options);
+    EXPECT_TRUE(made.ok());
+    auto writer = create_clip(file, (*made)->scene());
+    EXPECT_TRUE(writer.ok());
+    for (int n = 0; n < frames; ++n) EXPECT_TRUE((*writer)->write((*made)->frame(n)).ok());
+    EXPECT_TRUE((*writer)->complete().ok());
+    EXPECT_TRUE((*writer)->finish().ok());
+    return file;
+}
+
+std::vector<std::uint8_t> bytes_of(const touch_plane& plane) {
+    std::vector<std::uint8_t> bytes;
+    const auto row = static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
+                     static_cast<std::size_t>(plane.sample);
+    for (std::int64_t y = 0; plane.data && y < plane.height; ++y) {
+        const auto* from = static_cast<const std::uint8_t*>(plane.data) + y * plane.stride_bytes;
+        bytes.insert(bytes.end(), from, from + row);
+    }
+    return bytes;
+}
+
+std::vector<std::uint8_t> bytes_of(const PlaneView& view) {
+    if (view.empty()) return {};
+    return bytes_of(
+        touch_plane{view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels});
+}
+
+touch_status status_of_open(const std::string& path, std::string* line = nullptr,
+                            const touch_clip_settings* settings = nullptr) {
+    touch_error error{sizeof error, 0, {}};
+    touch_clip clip{};
+    const touch_status status = touch_clip_open(path.c_str(), settings, &clip, &error);
+    if (line) *line = error.line;
+    if (status == TOUCH_OK) touch_clip_close(clip);
+    return status;
+}
+
+TEST(Clips, AreReadAsTheProgramReadsThem) {
+    const TemporaryFolder folder;
+    const fs::path file = make_globe(folder / "globe.mkv");
+    auto expected = open_clip(file);
+    ASSERT_TRUE(expected.ok());
+    touch::Clip clip(file.string());
+    const touch_clip_facts facts = clip.facts();
+    EXPECT_EQ(facts.width, 64);
+    EXPECT_EQ(facts.height, 48);
+    EXPECT_EQ(facts.frames, 5);
+    EXPECT_EQ(facts.depth_sample, TOUCH_U16);
+    EXPECT_EQ(facts.depth_channels, 1);
+    EXPECT_EQ(facts.has_colour, 1);
+    EXPECT_EQ(facts.has_haptic, 1);
+    EXPECT_EQ(facts.depth_is_lossless, 1);
+    std::vector<touch::Frameset> held;
+    for (int n = 0; n < 5; ++n) {
+        auto next = clip.next();
+        ASSERT_TRUE(next);
+        held.push_back(std::move(*next));
+    }
+    EXPECT_FALSE(clip.next());
+    for (const touch::Frameset& frameset : held) {  // long after they were read
+        const touch_frame frame = frameset.frame();
+        const auto raw = (*expected)->next();
+        ASSERT_TRUE(raw.ok() && *raw);
+        EXPECT_EQ(frame.number, (*raw)->number);
+        EXPECT_EQ(frame.time_ns, (*raw)->time_ns);
+        EXPECT_EQ(bytes_of(frame.depth), bytes_of((*raw)->depth));
+        EXPECT_EQ(bytes_of(frame.colour), bytes_of((*raw)->colour));
+        EXPECT_EQ(bytes_of(frame.haptic), bytes_of((*raw)->haptic));
+        EXPECT_EQ(bytes_of(frame.height), bytes_of((*raw)->height));
+    }
+}
+
+TEST(Clips, SeekAndOutliveTheirClip) {
+    const TemporaryFolder folder;
+    const fs::path file = make_globe(folder / "globe.mkv");
+    std::optional<touch::Frameset> last;
+    std::vector<std::uint8_t> once;
+    {
+        touch::Clip clip(file.string());
+        clip.seek(4);
+        last = clip.next();
+        ASSERT_TRUE(last);
+        EXPECT_EQ(last->frame().number, 4);
+        once = bytes_of(last->frame().depth);
+        clip.seek(5);
+        EXPECT_FALSE(clip.next());
+        EXPECT_THROW(clip.seek(6), touch::Error);
+        EXPECT_THROW(clip.seek(-1), touch::Error);
+        clip.seek(0);
+        EXPECT_EQ(clip.next()->frame().number, 0);
+    }
+    EXPECT_EQ(bytes_of(last->frame().depth), once);
+    touch_frame none = touch::frame();
+    EXPECT_EQ(touch_frameset_frame({1}, &none), TOUCH_STALE);
+}
+
+TEST(Clips, ChooseTheFiltersOfTheProgramAndStayWhereTheyAre) {
+    const TemporaryFolder folder;
+    const fs::path file = make_globe(folder / "globe.mkv", 6, 8);
+    // Written anew with filters that nobody states.
+    auto reader = open_clip(file);
+    ASSERT_TRUE(reader.ok());
+    SceneDescription open((*reader)->scene());
+    open.unstated.filters = all_unstated;
+    auto writer = create_clip(folder / "open.mkv", open);
+    ASSERT_TRUE(writer.ok());
+    DepthEstimator estimator(open.scene);
+    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) {
+        if (!estimator.enough()) estimator.add(**frame);
+        ASSERT_TRUE((*writer)->write(**frame).ok());
+    }
+    ASSERT_TRUE((*writer)->complete().ok());
+    ASSERT_TRUE((*writer)->finish().ok());
+    Scene expected = open.scene;
+    ASSERT_TRUE(settle_filters(estimator.measured(), all_unstated, expected).ok());
+    ASSERT_NE(expected.filter, open.scene.filter) << "nothing was chosen";
+
+    touch::Clip clip((folder / "open.mkv").string());
+    ASSERT_TRUE(clip.next());
+    ASSERT_TRUE(clip.next());
+    const touch::Scene stated = clip.scene(TOUCH_FILTERS_STATED), chosen = clip.scene(TOUCH_FILTERS_CHOSEN);
+    EXPECT_EQ(stated.facts().unstated_filters, 1);
+    EXPECT_EQ(chosen.facts().unstated_filters, 0);
+    EXPECT_EQ(chosen.text(), touch::Scene(scene_to_json(expected)).text());
+    EXPECT_EQ(clip.next()->frame().number, 2) << "it went on from elsewhere";
+}
+
+TEST(Clips, MetresAreDepthOfCodesAndNanWhereThereIsNoSurface) {
+    const touch_camera camera = Hill::camera();
+    const touch::Scene scene(camera);
+    const Hill hill;
+    std::vector<std::uint16_t> codes = hill.codes();
+    codes[0] = 0;     // no surface
+    codes[1] = 1001;  // beyond far_m
+    touch_plane plane = hill.frame().depth;
+    plane.data = codes.data();
+    constexpr int wide = Hill::width + 3;
+    std::vector<float> metres(wide * Hill::height, -1);
+    touch_error error{sizeof error, 0, {}};
+    ASSERT_EQ(touch_scene_metres(scene.get(), &plane, metres.data(), 4 * wide, &error), TOUCH_OK)
+        << error.line;
+    EXPECT_TRUE(std::isnan(metres[0]));
+    EXPECT_TRUE(std::isnan(metres[1]));
+    for (std::size_t y = 0; y < Hill::height; ++y)
+        for (std::size_t x = y == 0 ? 2 : 0; x < Hill::width; ++x)
+            ASSERT_FLOAT_EQ(metres[y * wide + x], static_cast<float>(codes[y * Hill::width + x]) / 1000);
+    EXPECT_EQ(metres[Hill::width], -1) << "wrote between the rows";
+    EXPECT_EQ(touch_scene_metres(scene.get(), &plane, metres.data(), 4 * Hill::width - 1, &error),
+              TOUCH_USAGE);
+    plane.width = 5;
+    EXPECT_EQ(touch_scene_metres(scene.get(), &plane, metres.data(), 4 * wide, &error), TOUCH_USAGE);
+}
+
+class Written : public testing::TestWithParam<const char*> {};
+
+TEST_P(Written, ClipsHaveTheSameCodes) {
+    const TemporaryFolder folder;
+    touch::Clip source(make_globe(folder / "globe.mkv").string());
+    const touch::Scene scene = source.scene(TOUCH_FILTERS_STATED);
+    const fs::path out = folder / GetParam();
+    {
+        touch::Writer writer(out.string(), scene);
+        while (const auto frameset = source.next()) writer.write(frameset->frame());
+        EXPECT_FALSE(fs::exists(out)) << "it has its name before it is whole";
+        writer.finish();
+        EXPECT_THROW(writer.finish(), touch::Error);
+    }
+    touch::Clip again(out.string());
+    EXPECT_EQ(again.scene(TOUCH_FILTERS_STATED).facts().far_units, scene.facts().far_units);
+    source.seek(0);
+    int frames = 0;
+    while (const auto frameset = again.next()) {
+        const auto original = source.next();
+        ASSERT_TRUE(original);
+        EXPECT_EQ(frameset->frame().time_ns, original->frame().time_ns);
+        EXPECT_EQ(bytes_of(frameset->frame().depth), bytes_of(original->frame().depth));
+        EXPECT_EQ(bytes_of(frameset->frame().haptic), bytes_of(original->frame().haptic));
+        ++frames;
+    }
+    EXPECT_EQ(frames, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Clips, Written, testing::Values("copy.mkv", "copy.MP4", "copy"));
+
+TEST(Writers, KeepTimesOfTheirOwnAndDepthInMetres) {
+    const TemporaryFolder folder;
+    const touch_camera camera = Hill::camera();
+    const touch::Scene scene(camera);
+    touch_writer_settings settings = touch::writer_settings();
+    const std::int64_t times[] = {0, 40'000'000, 50'000'000};
+    settings.times_ns = times;
+    settings.times = 3;
+    const Hill hill;
+    std::vector<float> metres;
+    for (const std::uint16_t code : hill.codes()) metres.push_back(static_cast<float>(code) * 0.001F);
+    metres[7] = std::nanf("");
+    touch_frame frame = hill.frame();
+    frame.depth = {metres.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1};
+    const std::string out = (folder / "timed.mkv").string();
+    touch::Writer writer(out, scene, settings);
+    for (int n = 0; n < 3; ++n) writer.write(frame);
+    writer.finish();
+    touch::Clip clip(out);
+    std::vector<std::uint16_t> expected = hill.codes();
+    expected[7] = 0;
+    for (const std::int64_t time : times) {
+        const auto next = clip.next();
+        ASSERT_TRUE(next);
+        EXPECT_EQ(next->frame().time_ns, time);
+        const auto bytes = bytes_of(next->frame().depth);
+        EXPECT_EQ(std::memcmp(bytes.data(), expected.data(), bytes.size()), 0);
+    }
+}
+
+TEST(Writers, LeaveNothingThatWasNotFinished) {
+    const TemporaryFolder folder;
+    const touch::Scene scene(Hill::camera());
+    const Hill hill;
+    for (const char* name : {"never.mkv", "never.mp4", "never"}) {
+        touch::Writer writer((folder / name).string(), scene);
+        writer.write(hill.frame());
+    }
+    {
+        touch::Writer empty((folder / "empty.mkv").string(), scene);
+        EXPECT_THROW(empty.finish(), touch::Error);
+    }
+    const touch_writer_settings defaults = touch::writer_settings();
+    touch_writer_settings timed = defaults;
+    const std::int64_t times[] = {0, 40'000'000, 50'000'000};
+    timed.times_ns = times;
+    timed.times = 3;
+    touch::Writer few((folder / "few.mkv").string(), scene, timed);
+    few.write(hill.frame());
+    EXPECT_THROW(few.finish(), touch::Error) << "fewer frames than times";
+    EXPECT_TRUE(fs::is_empty(folder.path())) << "something is left";
+}
+
+TEST(Writers, ReplaceOnlyWhatTheyMay) {
+    const TemporaryFolder folder;
+    const fs::path file = make_globe(folder / "globe.mkv");
+    const touch::Scene scene(Hill::camera());
+    EXPECT_THROW(touch::Writer(file.string(), scene), touch::Error) << "it is there already";
+    touch_writer_settings replaces = touch::writer_settings();
+    replaces.overwrite = 1;
+    {
+        const touch::Clip open(file.string());
+        EXPECT_THROW(touch::Writer(file.string(), scene, replaces), touch::Error);
+        fs::create_symlink(file, folder / "link.mkv");
+        EXPECT_THROW(touch::Writer((folder / "link.mkv").string(), scene, replaces), touch::Error)
+            << "the same file by another name";
+    }
+    touch::Writer writer(file.string(), scene, replaces);
+    writer.write(Hill().frame());
+    writer.finish();
+    EXPECT_EQ(touch::Clip(file.string()).facts().frames, 1);
+    fs::create_directory(folder / "photos");
+    std::ofstream(folder / "photos/holiday.jpg") << "sun";
+    EXPECT_THROW(touch::Writer((folder / "photos").string(), scene, replaces), touch::Error);
+    EXPECT_TRUE(fs::exists(folder / "photos/holiday.jpg"));
+    EXPECT_THROW(touch::Writer((folder / "out.avi").string(), scene), touch::Error);
+    EXPECT_THROW(touch::Writer((folder / "no/such/out.mkv").string(), scene), touch::Error);
+}
+
+TEST(Clips, ThatCannotBeOpenedSayWhy) {
+    const TemporaryFolder folder;
+    std::string line;
+    EXPECT_EQ(status_of_open((folder / "none.mkv").string(), &line), TOUCH_INPUT);
+    EXPECT_NE(line.find("none.mkv"), std::string::npos) << line;
+    std::ofstream(folder / "text.mkv") << "no clip";
+    EXPECT_EQ(status_of_open((folder / "text.mkv").string(), &line), TOUCH_INPUT);
+    EXPECT_EQ(status_of_open("", &line), TOUCH_USAGE);
+    touch_clip_settings settings = touch::clip_settings();
+    settings.fov_degrees = 200;
+    EXPECT_EQ(status_of_open("any.png", &line, &settings), TOUCH_USAGE);
+    EXPECT_NE(line.find("fov_degrees"), std::string::npos) << line;
+    settings = touch::clip_settings();
+    settings.fx_px = std::nan("");
+    EXPECT_EQ(status_of_open("any.png", &line, &settings), TOUCH_USAGE);
+    settings = touch::clip_settings();
+    settings.preset = "no such camera";
+    EXPECT_EQ(status_of_open("any.png", &line, &settings), TOUCH_INPUT) << "the file is looked for first";
+}
+
+TEST(Clips, GuessesAreNotesThatNameTheMember) {
+    const TemporaryFolder folder;
+    const touch::Scene scene(Hill::camera());
+    {
+        touch::Writer writer((folder / "frames").string(), scene);
+        writer.write(Hill().frame());
+        writer.finish();
+    }
+    const std::string picture = (folder / "bare.png").string();
+    fs::copy_file(folder / "frames/depth_000000.png", picture);
+    touch::Clip guessed(picture);
+    std::string all;
+    for (const std::string& note : guessed.notes()) all += note + '\n';
+    EXPECT_NE(all.find("fov_degrees"), std::string::npos) << all;
+    touch_clip_settings settings = touch::clip_settings();
+    settings.fx_px = settings.fy_px = 60;
+    settings.metres_per_code = 0.001;
+    settings.preset = "no such camera";
+    std::string line;
+    EXPECT_EQ(status_of_open(picture, &line, &settings), TOUCH_USAGE) << line;
+    settings.preset = nullptr;
+    const touch_scene_facts facts = touch::Clip(picture, settings).scene(TOUCH_FILTERS_STATED).facts();
+    EXPECT_DOUBLE_EQ(facts.fx_px, 60);
+    EXPECT_DOUBLE_EQ(facts.cx_px, (Hill::width - 1) / 2.0);
+}
+
+TEST(Clips, ThatAreInterruptedStayInterrupted) {
+    const TemporaryFolder folder;
+    touch::Clip clip(make_globe(folder / "globe.mkv").string());
+    ASSERT_TRUE(clip.next());
+    clip.interrupt();
+    touch_frameset none{};
+    EXPECT_EQ(touch_clip_next(clip.get(), &none, nullptr), TOUCH_INTERRUPTED);
+    EXPECT_EQ(touch_clip_seek(clip.get(), 0, nullptr), TOUCH_INTERRUPTED);
+}
+
+}  // namespace
+}  // namespace touchable::test
