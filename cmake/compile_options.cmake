@@ -7,7 +7,8 @@ add_compile_options(-ffp-contract=off)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
-add_compile_options(-Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Wold-style-cast -Wfloat-conversion)
+add_compile_options(-Wall -Wextra -Wpedantic
+    $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast> -Wfloat-conversion)
 # Where a room is one translation unit, a file's globals would be shadowed by another's locals.
 if(NOT CMAKE_UNITY_BUILD)
   add_compile_options(-Wshadow)
