@@ -232,6 +232,9 @@ touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_er
 
 touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
+        constexpr std::int64_t most = std::int64_t{1} << 40;  // whose time can be told (FrameRate)
+        if (frame < 0 || frame > most)
+            return fail(error, TOUCH_USAGE, "the clip has no frame " + std::to_string(frame));
         return with_reader(clip, error, [&](ClipObject& object) -> touch_status {
             if (auto there = object.reader->seek(frame); !there) return fail(error, there.error());
             object.next_frame = frame;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/given_file.hpp"
 
 namespace touchable {
 
