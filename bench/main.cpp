@@ -35,6 +35,8 @@ constexpr std::array suites{
                conclude_play},
     BenchSuite{"stream", "streams over a network: framesets that come, delay, forces, cost of both ends",
                stream_cases},
+    BenchSuite{"capi", "touchable.h against what stands behind it: ticks, batches, reading of clips",
+               capi_cases},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

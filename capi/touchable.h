@@ -374,12 +374,17 @@ typedef struct touch_clip_facts {
     int32_t has_height;        /**< likewise */
     int32_t depth_is_lossless; /**< 1 where the codec keeps every value, 0 where it may not */
     int32_t notes;             /**< how many touch_clip_note gives */
+    int32_t has_own_times;     /**< 1 where frames come at a variable rate; 0 where evenly */
+    int32_t reserved;          /**< 0 */
     int64_t frames;            /**< -1: only reading would tell */
     double frames_per_second;  /**< their mean where frames have times of their own */
 } touch_clip_facts;
 
 /** Fills in `facts`, whose struct_size you set. */
 TOUCH_API touch_status touch_clip_describe(touch_clip clip, touch_clip_facts *facts);
+/** When a frame of the clip is shown, from 0, ns of its own clock, without reading it. TOUCH_USAGE: `frame` is below 0
+ * or above 2^40, or `time_ns` is NULL. */
+TOUCH_API touch_status touch_clip_time(touch_clip clip, int64_t frame, int64_t *time_ns);
 /** What a person should know of a clip, such as what was guessed of it: note `index`, from 0, in a line of UTF-8.
  * Writes as touch_scene_text does. TOUCH_END: there is no such note. Not yet stable. */
 TOUCH_API touch_status touch_clip_note(touch_clip clip, int32_t index, char *text, size_t capacity, size_t *length);
@@ -387,7 +392,8 @@ TOUCH_API touch_status touch_clip_note(touch_clip clip, int32_t index, char *tex
 #define TOUCH_FILTERS_STATED 0 /**< those that the clip states; what it leaves open stays open, and off */
 #define TOUCH_FILTERS_CHOSEN 1 /**< what it leaves open is chosen by its first frames, as the program does it */
 
-/** What the clip's pictures mean, a new scene that is yours to end. TOUCH_FILTERS_CHOSEN reads up to 16 frames for
+/** What the clip's pictures mean, a new scene that is yours to end. Its rate is the mean where frames have times of
+ * their own. TOUCH_FILTERS_CHOSEN reads up to 16 frames for
  * it, and goes back to where the clip was. TOUCH_INPUT: the first one cannot be read. Not yet stable. */
 TOUCH_API touch_status touch_clip_scene(touch_clip clip, int32_t filters, touch_scene *scene, touch_error *error);
 

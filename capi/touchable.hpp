@@ -223,6 +223,11 @@ public:
         detail::check(touch_clip_describe(get(), &facts));
         return facts;
     }
+    std::int64_t time_ns(std::int64_t frame) const {
+        std::int64_t time = 0;
+        detail::check(touch_clip_time(get(), frame, &time));
+        return time;
+    }
     /// All that touch_clip_note gives.
     std::vector<std::string> notes() const {
         std::vector<std::string> notes;

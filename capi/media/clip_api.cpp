@@ -30,6 +30,8 @@ HandleTable<FramesetObject, most_framesets>& framesets() {
     return table;
 }
 
+constexpr std::int64_t last_with_a_time = std::int64_t{1} << 40;  // FrameRate
+
 /// A number that a program set, or 0 for "not said".
 bool is_said(double value) {
     return value != 0;
@@ -92,6 +94,7 @@ touch_clip_facts facts_of(const ClipObject& clip) {
         return track.role != "depth" || track.lossless;
     });
     facts.notes = static_cast<std::int32_t>(clip.notes.size());
+    facts.has_own_times = scene.rate.own_times != nullptr;
     facts.frames = clip.frames.value_or(-1);
     facts.frames_per_second = scene.rate.per_second();
     return facts;
@@ -119,7 +122,8 @@ Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
 }
 
 /// A scene of the other library, by the text that says all of it.
-touch_status hand_out_scene(const SceneDescription& described, touch_scene& scene, touch_error* error) {
+touch_status hand_out_scene(SceneDescription described, touch_scene& scene, touch_error* error) {
+    described.scene.rate.own_times.reset();  // which no text says
     const std::string text = scene_to_json(described);
     return touch_scene_from_text(text.data(), text.size(), &scene, error);
 }
@@ -192,6 +196,14 @@ touch_status touch_clip_describe(touch_clip clip, touch_clip_facts* facts) {
     return TOUCH_OK;
 }
 
+touch_status touch_clip_time(touch_clip clip, int64_t frame, int64_t* time_ns) {
+    if (!time_ns || frame < 0 || frame > last_with_a_time) return TOUCH_USAGE;
+    const auto use = clips().find(clip.id);
+    if (!use) return TOUCH_STALE;
+    *time_ns = use->described.scene.rate.time_ns(frame);
+    return TOUCH_OK;
+}
+
 touch_status touch_clip_note(touch_clip clip, int32_t index, char* text, size_t capacity, size_t* length) {
     if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
     const auto use = clips().find(clip.id);
@@ -232,8 +244,7 @@ touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_er
 
 touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
-        constexpr std::int64_t most = std::int64_t{1} << 40;  // whose time can be told (FrameRate)
-        if (frame < 0 || frame > most)
+        if (frame < 0 || frame > last_with_a_time)
             return fail(error, TOUCH_USAGE, "the clip has no frame " + std::to_string(frame));
         return with_reader(clip, error, [&](ClipObject& object) -> touch_status {
             if (auto there = object.reader->seek(frame); !there) return fail(error, there.error());

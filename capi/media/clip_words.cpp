@@ -43,8 +43,8 @@ std::string note_with_members(const Remark& remark) {
     const std::string members = members_of(remark.hints);
     if (!remark.is_guess || members.empty()) return remark_in_words(remark);
     Remark with = remark;
-    with.otherwise = remark.otherwise.empty() ? members + " of touch_clip_settings says otherwise"
-                                              : remark.otherwise + ": " + members;
+    with.otherwise =
+        remark.otherwise.empty() ? members + " says otherwise" : remark.otherwise + ": " + members;
     return remark_in_words(with);
 }
 

@@ -230,6 +230,11 @@ TEST(Writers, KeepTimesOfTheirOwnAndDepthInMetres) {
     for (int n = 0; n < 3; ++n) writer.write(frame);
     writer.finish();
     touch::Clip clip(out);
+    EXPECT_EQ(clip.facts().has_own_times, 1);
+    EXPECT_EQ(clip.time_ns(2), times[2]);
+    EXPECT_EQ(clip.scene(TOUCH_FILTERS_STATED).facts().frames_per_second, clip.facts().frames_per_second);
+    std::int64_t none = 0;
+    EXPECT_EQ(touch_clip_time(clip.get(), -1, &none), TOUCH_USAGE);
     std::vector<std::uint16_t> expected = hill.codes();
     expected[7] = 0;
     for (const std::int64_t time : times) {

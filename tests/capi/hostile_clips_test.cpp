@@ -73,6 +73,8 @@ private:
     touch_status describe() {
         touch_clip_facts facts;
         facts.struct_size = spoilt(std::uint32_t{sizeof facts});
+        std::int64_t time;
+        if (rarely()) return touch_clip_time(one_of(clips_), spoilt(std::int64_t{2}), or_null(&time));
         return touch_clip_describe(one_of(clips_), or_null(&facts));
     }
     touch_status note() {
