@@ -31,19 +31,20 @@ foreach(room IN LISTS touchable_rooms)
 endforeach()
 list(REMOVE_DUPLICATES touchable_objects)
 add_library(touchable_static STATIC ${touchable_objects})
-set_target_properties(touchable_static PROPERTIES OUTPUT_NAME touchable LINKER_LANGUAGE CXX)
+set_target_properties(touchable_static PROPERTIES OUTPUT_NAME touchable LINKER_LANGUAGE CXX
+    ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/capi)
 target_link_libraries(touchable_static INTERFACE $<INSTALL_INTERFACE:stdc++> $<INSTALL_INTERFACE:m>)  # also where a project has C alone
 
-set(touchable_libraries touchable_shared touchable_static)
-if(TARGET touchable_media_shared)
-  list(APPEND touchable_libraries touchable_media_shared)
-  set_target_properties(touchable_media_shared PROPERTIES EXPORT_NAME media)
-endif()
+set_target_properties(touchable_shared PROPERTIES EXPORT_NAME touchable)
+set_target_properties(touchable_media_shared PROPERTIES EXPORT_NAME media)
+target_link_libraries(touchable_media_shared INTERFACE touchable_shared)  # who opens clips has scenes of that, too
+set(touchable_libraries touchable_shared touchable_static touchable_media_shared)
 foreach(library IN LISTS touchable_libraries)
   target_include_directories(${library} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/capi> $<INSTALL_INTERFACE:include>)
 endforeach()
 add_library(touchable::touchable ALIAS touchable_shared)
 add_library(touchable::touchable_static ALIAS touchable_static)
+add_library(touchable::media ALIAS touchable_media_shared)
 
 install(TARGETS ${touchable_libraries} EXPORT touchable_libraries
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -60,8 +61,5 @@ file(RELATIVE_PATH touchable_prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconf
 string(REGEX REPLACE "/$" "" touchable_prefix_from_pc "${touchable_prefix_from_pc}")
 foreach(name IN ITEMS touchable touchable-media)
   configure_file(cmake/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
-install(FILES ${PROJECT_BINARY_DIR}/touchable.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-if(TARGET touchable_media_shared)
-  install(FILES ${PROJECT_BINARY_DIR}/touchable-media.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-endif()
