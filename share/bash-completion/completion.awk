@@ -1,4 +1,4 @@
-# Of what `touchable help COMMAND` prints: three entries of Bash's tables.
+# Of what help_entries.awk makes of `touchable help COMMAND`: three entries of Bash's tables.
 #   _touchable_options[COMMAND]            all options
 #   _touchable_values[COMMAND --option]    what its value is: FILE, FOLDER, {word,word}, or anything
 #   _touchable_words[COMMAND]              words that stand in the place of its first argument
@@ -6,14 +6,14 @@
     positional = $0 == "Positionals:"
     next
 }
-positional && match($0, /  one of [a-z, ]+/) {
-    words = substr($0, RSTART + 9, RLENGTH - 9)
+positional && match($0, /\tone of [a-z, ]+/) {
+    words = substr($0, RSTART + 8, RLENGTH - 8)
     gsub(/,/, "", words)
     print "_touchable_words[" command "]='" words "'"
 }
 /^  -/ {
     head = substr($0, 3)
-    if (substr($0, 29, 2) == "  ") head = substr($0, 3, 26)
+    sub(/\t.*/, "", head)
     sub(/ (Excludes|Needs): .*/, "", head)
     count = split(head, part, " ")
     names = split(part[1], name, ",")

@@ -1,5 +1,5 @@
-# A manual page (roff) of what `touchable help COMMAND` prints, or, without `command`, of what `touchable -h` prints.
-#   awk -v command=touch -v version=0.1.0 -f man_page.awk help.txt > touchable-touch.1
+# A manual page (roff) of what help_entries.awk makes of `touchable help COMMAND`, or, without `command`, of `touchable -h`.
+#   awk -v command=touch -v version=0.1.0 -f man_page.awk entries > touchable-touch.1
 
 function plain(text) {  # as roff takes it: no dash that becomes a hyphen, no dot or quote that begins a request
     gsub(/\\/, "\\e", text)
@@ -91,20 +91,8 @@ NR == 1 {
     next
 }
 /^  [^ ]/ {
-    head = substr($0, 3)
-    if (substr($0, 29, 2) == "  ") {
-        head = substr($0, 3, 26)
-        sub(/ +$/, "", head)
-        entry(head, substr($0, 31))
-        head = ""
-    }
-    next
-}
-/^                              [^ ]/ {
-    if (head != "") entry(head, substr($0, 31))
-    else print plain(substr($0, 31))
-    head = ""
-    next
+    split(substr($0, 3), part, "\t")
+    entry(part[1], part[2])
 }
 END {
     if (command != "") {
