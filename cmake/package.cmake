@@ -1,15 +1,18 @@
-# What another project links: `find_package(touchable)` gives touchable::haptics, and with it frames and scenes
-# (docs/linking.md).
+# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's rooms in C++ (docs/linking.md), and
+# where all parts are built the C libraries (cmake/libraries.cmake). These have targets of their own, which need nothing else.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-foreach(room IN ITEMS base scene frame haptics)
+add_library(touchable_solver INTERFACE)
+add_library(touchable::solver ALIAS touchable_solver)
+target_link_libraries(touchable_solver INTERFACE touchable_haptics)
+foreach(room IN ITEMS base scene frame haptics solver)
   set_target_properties(touchable_${room} PROPERTIES EXPORT_NAME ${room})
 endforeach()
 # Headers have arithmetic that reaches a force, too (docs/architecture.md, decision 3).
 target_compile_options(touchable_base INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
-install(TARGETS touchable_base touchable_scene touchable_frame touchable_haptics EXPORT touchable
+install(TARGETS touchable_base touchable_scene touchable_frame touchable_haptics touchable_solver EXPORT touchable_solver
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY engine/scene engine/frame DESTINATION include/touchable/engine FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY haptics_cpu DESTINATION include/touchable FILES_MATCHING PATTERN "*.hpp")
@@ -18,7 +21,7 @@ install(FILES ${touchable_base_headers} DESTINATION include/touchable/engine)
 install(FILES shaders/hue_code.h DESTINATION include/touchable/shaders)
 
 set(touchable_package ${CMAKE_INSTALL_LIBDIR}/cmake/touchable)
-install(EXPORT touchable NAMESPACE touchable:: FILE touchable-targets.cmake DESTINATION ${touchable_package})
+install(EXPORT touchable_solver NAMESPACE touchable:: FILE touchable-solver-targets.cmake DESTINATION ${touchable_package})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/touchable-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/touchable-config.cmake ${PROJECT_BINARY_DIR}/touchable-config-version.cmake
     DESTINATION ${touchable_package})

@@ -265,7 +265,8 @@ Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
 void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     auto* device = add_file_option(check, "--device", options.device,
                                    "a haptic device instead, NAME[:key=value,...] (touchable devices): its "
-                                   "reports, their age and noise, the stiffness that it bears");
+                                   "reports, their age and noise, the stiffness that it bears")
+                       ->type_name("NAME[:key=value,...]");
     add_whole_option(check, "--seconds", options.seconds, "with --device: its reports are watched", 1, 600)
         ->capture_default_str()
         ->needs(device);

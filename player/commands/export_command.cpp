@@ -347,7 +347,8 @@ void add_export_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<FramesTyped>();
     auto mesh = std::make_shared<bool>(false);
     add_clip_options(*sub, *clip)->required();
-    add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
+    add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture")
+        ->type_name("FOLDER");
     add_overwrite_option(*sub, options->existing);
     auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
     auto* many = sub->add_option("--frames", typed->many,

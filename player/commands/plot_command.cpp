@@ -67,14 +67,21 @@ int start(const std::vector<std::string>& command, const fs::path& to, int error
     return why;
 }
 
+/// plot.py where the build and the installation put it: beside this program's folder.
+fs::path plot_script() {
+    std::error_code fault;
+    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+    return (program.parent_path() / TOUCHABLE_PLOT_FROM_PROGRAM / "plot.py").lexically_normal();
+}
+
 /// Runs player/plot/plot.py, which needs Python and matplotlib, with these words. Its picture goes to the
 /// open or new file `to`. What it says against its input is an input error.
 Result<void> run_plot_script(const std::vector<std::string>& words, const fs::path& to) {
-    const fs::path script = fs::path(TOUCHABLE_PLOT_FOLDER) / "plot.py";
+    const fs::path script = plot_script();
     if (access(script.c_str(), R_OK) != 0)
         return input_error(script.string() +
-                           " is not there; `plot` needs the folder that touchable was built from");
-    std::vector<std::string> command{python(), script.string()};
+                           " is not there; `plot` needs it where touchable is installed or was built");
+    std::vector<std::string> command{python(), "-B", script.string()};  // -B: leaves nothing beside it
     command.insert(command.end(), words.begin(), words.end());
     std::array<int, 2> errors;
     if (pipe2(errors.data(), O_CLOEXEC) != 0)
@@ -144,7 +151,8 @@ void add_plot_command(CLI::App& app, Command& command) {
     add_file_option(*sub, "PICTURE", options->picture, "PNG file to write")->required()->check(ends_in_png());
     add_file_option(
         *sub, "--over", options->over,
-        "instead: where the fingers went over the depth of the frame in this folder (export --out)");
+        "instead: where the fingers went over the depth of the frame in this folder (export --out)")
+        ->type_name("FOLDER");
     add_overwrite_option(*sub, options->existing);
     sub->callback([options, &command] { command = [options] { return plot(*options); }; });
 }

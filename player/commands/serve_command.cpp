@@ -140,7 +140,8 @@ void add_serve_command(CLI::App& app, Command& command) {
     add_file_option(
         *sub, "--hls", typed->hls,
         "a folder, new or of a stream before, for any web server: segments and playlists (HLS), in "
-        "which ordinary players find the colour; a whole clip as fast as it can be encoded");
+        "which ordinary players find the colour; a whole clip as fast as it can be encoded")
+        ->type_name("FOLDER");
     add_number_option(*sub, "--hls-segment", typed->hls_segment, "length of a segment, 0.5 to 10 (default 1)",
                       0.5, 10)
         ->type_name("S");

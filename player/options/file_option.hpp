@@ -10,7 +10,7 @@ namespace touchable {
 template <class Path>
 CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file, const std::string& what) {
     const CLI::Validator named([](std::string& text) { return text.empty() ? "names no file" : ""; }, "");
-    return sub.add_option(name, file, what)->check(named);
+    return sub.add_option(name, file, what)->check(named)->type_name("FILE");
 }
 
 }  // namespace touchable

@@ -1,0 +1,32 @@
+# A Debian package of all that is installed: `cmake --build build/release --target deb` (docs/install.md).
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME touchable)
+set(CPACK_PACKAGE_VENDOR "touchable developers")
+set(CPACK_PACKAGE_CONTACT "touchable developers <touchable@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "touch depth video and feel its forces")
+set(CPACK_PACKAGE_DESCRIPTION "\
+touchable makes a surface of every frame of a depth video, and computes
+the force on each fingertip there a thousand times a second. A mouse is
+enough to try it; haptic devices push back.
+.
+The package has the program, its libraries for C and C++ (libtouchable and
+libtouchable-media), and what is needed to build programs that link these.")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION video)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/capi)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "mesa-vulkan-drivers, fonts-dejavu-core, python3, python3-matplotlib")
+# Blender's exporter; what programs need that link the solver's rooms.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "blender, libglm-dev, nlohmann-json3-dev")
+include(CPack)
+
+add_custom_target(deb
+    COMMAND ${CMAKE_CPACK_COMMAND} -G DEB
+    WORKING_DIRECTORY ${PROJECT_BINARY_DIR} COMMENT "Making the Debian package" VERBATIM)
+add_dependencies(deb installed_files)

@@ -1,0 +1,65 @@
+# The C libraries as other software has them: shared with their soname, one of them static too, headers, targets of the
+# CMake package, pkg-config.
+
+# The static rooms that a target links, and that these link.
+function(touchable_rooms_of target into)
+  set(rooms ${${into}})
+  get_target_property(linked ${target} LINK_LIBRARIES)
+  foreach(room IN LISTS linked)
+    if(TARGET "${room}")
+      get_target_property(type ${room} TYPE)
+      get_target_property(imported ${room} IMPORTED)
+      get_target_property(aliased ${room} ALIASED_TARGET)
+      if(aliased)
+        set(room ${aliased})
+      endif()
+      if(type STREQUAL "STATIC_LIBRARY" AND NOT imported AND NOT room IN_LIST rooms)
+        list(APPEND rooms ${room})
+        touchable_rooms_of(${room} rooms)
+      endif()
+    endif()
+  endforeach()
+  set(${into} ${rooms} PARENT_SCOPE)
+endfunction()
+
+# One archive of what libtouchable.so is made of.
+get_target_property(touchable_objects touchable_shared SOURCES)
+set(touchable_rooms "")
+touchable_rooms_of(touchable_shared touchable_rooms)
+foreach(room IN LISTS touchable_rooms)
+  list(APPEND touchable_objects $<TARGET_OBJECTS:${room}>)
+endforeach()
+list(REMOVE_DUPLICATES touchable_objects)
+add_library(touchable_static STATIC ${touchable_objects})
+set_target_properties(touchable_static PROPERTIES OUTPUT_NAME touchable LINKER_LANGUAGE CXX
+    ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/capi)
+target_link_libraries(touchable_static INTERFACE $<INSTALL_INTERFACE:stdc++> $<INSTALL_INTERFACE:m>)  # also where a project has C alone
+
+set_target_properties(touchable_shared PROPERTIES EXPORT_NAME touchable)
+set_target_properties(touchable_media_shared PROPERTIES EXPORT_NAME media)
+target_link_libraries(touchable_media_shared INTERFACE touchable_shared)  # who opens clips has scenes of that, too
+set(touchable_libraries touchable_shared touchable_static touchable_media_shared)
+foreach(library IN LISTS touchable_libraries)
+  target_include_directories(${library} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/capi> $<INSTALL_INTERFACE:include>)
+endforeach()
+add_library(touchable::touchable ALIAS touchable_shared)
+add_library(touchable::touchable_static ALIAS touchable_static)
+add_library(touchable::media ALIAS touchable_media_shared)
+
+install(TARGETS ${touchable_libraries} EXPORT touchable_libraries
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT touchable_libraries NAMESPACE touchable:: FILE touchable-targets.cmake DESTINATION ${touchable_package})
+install(FILES capi/touchable.h capi/touchable.hpp DESTINATION include)
+
+file(STRINGS capi/touchable.h touchable_header_version REGEX "^#define TOUCH_VERSION ")
+math(EXPR touchable_version_number "${PROJECT_VERSION_MAJOR} * 10000 + ${PROJECT_VERSION_MINOR} * 100 + ${PROJECT_VERSION_PATCH}")
+if(NOT touchable_header_version STREQUAL "#define TOUCH_VERSION ${touchable_version_number}")
+  message(FATAL_ERROR "capi/touchable.h has \"${touchable_header_version}\"; of version ${PROJECT_VERSION} right would be ${touchable_version_number}")
+endif()
+
+file(RELATIVE_PATH touchable_prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" touchable_prefix_from_pc "${touchable_prefix_from_pc}")
+foreach(name IN ITEMS touchable touchable-media)
+  configure_file(cmake/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
