@@ -30,11 +30,13 @@ class Frame:
     long as an array refers to it. picture.copy() gives an array of your own. At most 65536 frames are kept at a time.
     """
 
-    def __init__(self, handle: Handle, scene: Scene) -> None:
+    def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
         """Of a handle of the C API; programs get frames from a Clip."""
         self._handle = handle
         self._struct = FrameStruct()
         call("frameset_frame", handle.number, self._struct)
+        if not colour:  # some formats have it all the same
+            self._struct.colour = _library.Plane()
         self.scene = scene  #: the Scene that says what the pictures mean
         self.number: int = self._struct.number  #: from 0
         self.time_ns: int = self._struct.time_ns  #: when it is shown, nanoseconds of the clip's clock
@@ -68,17 +70,12 @@ class Frame:
     def metres(self) -> NDArray[numpy.float32]:
         """Depth in metres, (height, width) float32, NaN where there is no surface. As the codes say it: along -Z, or
         along the pixel's ray where scene.depth_kind is "range"."""
-        self._check_open()
         return self.scene._metres(self._struct.depth)
 
     @functools.cached_property
     def valid(self) -> NDArray[numpy.bool_]:
         """Where there is a surface, (height, width) bool."""
         return numpy.isfinite(self.metres)
-
-    def _check_open(self) -> None:
-        if self._handle.closed:
-            raise ClosedError(Status.STALE, "the frame was released")
 
     def __repr__(self) -> str:
         have = ", ".join(role for role in _planes.roles if getattr(self._struct, role).data)
@@ -122,6 +119,7 @@ class Clip:
         name = encoded(path)
         self._is_stream = b"://" in name or name == b"-"
         self._position: int | None = 0
+        self._with_colour = bool(settings.colour)
         opening = functools.partial(made, "clip_open", "clip_close", name, settings)
         try:
             self._handle = _interruptibly(opening, lambda: None) if self._is_stream else opening()
@@ -133,7 +131,7 @@ class Clip:
         call("clip_describe", self._handle.number, facts)
         self.width: int = facts.width  #: of every picture, pixels
         self.height: int = facts.height  #: of every picture, pixels
-        self.has_colour: bool = bool(facts.has_colour)  #: whether frames have colour
+        self.has_colour: bool = self._with_colour and bool(facts.has_colour)  #: whether frames have colour
         self.has_haptic: bool = bool(facts.has_haptic)  #: whether frames have pictures of stiffness and friction
         self.has_height: bool = bool(facts.has_height)  #: whether frames have pictures of heights
         self.depth_is_lossless: bool = bool(facts.depth_is_lossless)  #: whether its codec keeps every value
@@ -175,7 +173,7 @@ class Clip:
         if handle is None:
             return None
         self._position = index + 1
-        return Frame(handle, self.scene)
+        return Frame(handle, self.scene, self._with_colour)
 
     def _next(self) -> Handle | None:
         number, frameset = self._handle.number, _library.c_uint64()
@@ -255,7 +253,7 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     depth, the address of a stream. docs/formats.md lists them.
 
     What a file does not say of its camera is guessed, which clip.notes tell, unless it is said here:
-    colour: False: frames may come without colour, which saves decoding.
+    colour: False: frames come without colour, which saves decoding.
     scene_file: a scene file that describes the clip instead of its own.
     preset: what is known of a camera by name, such as "realsense" or "tum".
     fx_px, fy_px: focal lengths, pixels (fy_px: as fx_px). cx_px, cy_px: principal point, pixels (the middle).

@@ -34,7 +34,8 @@ def _as_stored(given: ArrayLike, role: str) -> NDArray[Any]:
         raise refuse(f"the {role} picture has the shape {array.shape}; right would be {right}")
     array = array.astype(kind, copy=False)
     pixel = array.itemsize * (array.shape[2] if array.ndim == 3 else 1)
-    side_by_side = array.strides[1] == pixel and (array.ndim == 2 or array.strides[2] == array.itemsize)
+    side_by_side = (array.strides[1] == pixel and (array.ndim == 2 or array.strides[2] == array.itemsize)
+                    and abs(array.strides[0]) >= pixel * array.shape[1])
     return array if side_by_side else numpy.ascontiguousarray(array)
 
 
@@ -56,7 +57,6 @@ def frame_struct(frame: Any, number: int, time_ns: int) -> FrameStruct:
     It is good for as long as the frame is."""
     stored = getattr(frame, "_struct", None)
     if isinstance(stored, FrameStruct):
-        frame._check_open()
         return FrameStruct(number=number, time_ns=time_ns, **{role: getattr(stored, role) for role in roles})
     if isinstance(frame, tuple):
         if not 1 <= len(frame) <= len(roles):

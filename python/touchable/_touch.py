@@ -76,7 +76,7 @@ class Touched:
     """What fingers met, tick by tick: arrays whose first axes are (ticks, fingers). They share memory with `contacts`."""
 
     def __init__(self, contacts: NDArray[Any], force_hash: str, first_tick: int, surface: Surface) -> None:
-        """Programs get it from touch and Solver.run."""
+        """Of contacts (ticks, fingers); programs get it from touch and Solver.run."""
         #: all of it: (ticks, fingers) records, as touch_contact of touchable.h has them
         self.contacts = contacts
         #: of all forces since the solver was made, 16 hexadecimal digits, as the program prints it: equal hashes mean

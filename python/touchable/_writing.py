@@ -94,7 +94,9 @@ def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -
 
 
 def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayLike | None) -> WriterSettings:
-    settings = WriterSettings(overwrite=int(overwrite), small=int(small), exact_colour=int(exact_colour))
+    settings = WriterSettings()
+    call("writer_settings_defaults", settings, settings.struct_size)
+    settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
     if times_ns is None:
         return settings
     times = numpy.asarray(times_ns)

@@ -46,7 +46,7 @@ class UsageError(Error, ValueError):
 
 
 class ClosedError(Error, ValueError):
-    """The clip, surface, solver or frame was closed: Status.STALE, and a ValueError."""
+    """The clip, surface or solver was closed: Status.STALE, and a ValueError."""
 
 
 class MissingFileError(Error, FileNotFoundError):
