@@ -49,7 +49,7 @@ class Frame:
     @functools.cached_property
     def depth(self) -> NDArray[Any]:
         """Depth as it is stored: (height, width) uint8 or uint16 codes; of hue coding (height, width, 3) uint8."""
-        return _planes.array_of(self._struct.depth, self._handle)
+        return numpy.asarray(_planes.array_of(self._struct.depth, self._handle))  # there is always one
 
     @functools.cached_property
     def colour(self) -> NDArray[numpy.uint8] | None:
@@ -113,7 +113,7 @@ class Clip:
     uses a clip. Use it in `with`, or close() it; otherwise it closes when nobody refers to it any more.
     """
 
-    def __init__(self, path: str | os.PathLike, settings: ClipSettings) -> None:
+    def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
         self.path = os.fspath(path)  #: as it was given
         name = encoded(path)

@@ -26,7 +26,7 @@ class Struct(ctypes.Structure):
         self.struct_size = ctypes.sizeof(self)
 
 
-def struct(name: str, **members: Any) -> type:
+def struct(name: str, **members: Any) -> Any:
     """A struct of the header: its members and their types, in order."""
     return type(name, (Struct,), {"_fields_": [("struct_size", c_uint32), *members.items()]})
 
@@ -68,7 +68,8 @@ ClipFacts = struct("ClipFacts", **several(
 WriterSettings = struct("WriterSettings", **several("overwrite small exact_colour", c_int32),
                         times_ns=POINTER(c_int64), times=c_size_t)
 
-_handle, _made, _error = c_uint64, POINTER(c_uint64), POINTER(ErrorLine)
+_handle, _made = c_uint64, POINTER(c_uint64)
+_error: Any = POINTER(ErrorLine)
 
 # What each function takes after touch_; all give a status. `_error` last: it says what was wrong in a line.
 _solver_functions = {
@@ -160,7 +161,7 @@ def _media() -> dict[str, Any]:
     return _bind(_load("libtouchable-media.so.0", "which opens and writes files"), _media_functions)
 
 
-def function(name: str) -> Callable[..., int]:
+def function(name: str) -> Any:
     """A function of the header, its name without touch_, as ctypes has it."""
     return _functions[name] if name in _functions else _media()[name]
 

@@ -7,7 +7,7 @@ from typing import Any, Mapping
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import F32, U8, U16, FrameStruct, Handle, Plane
+from ._library import F32, U8, U16, FrameStruct, Handle, Plane, Struct
 from .errors import Status, UsageError
 
 roles = ("depth", "colour", "haptic", "height")
@@ -52,7 +52,7 @@ def depth_plane(depth: ArrayLike) -> Plane:
     return plane_of(depth, "depth")
 
 
-def frame_struct(frame: Any, number: int, time_ns: int) -> FrameStruct:
+def frame_struct(frame: Any, number: int, time_ns: int) -> Struct:
     """A frame of whatever has pictures, with this number and time: a Frame, a depth array, a dict or a tuple of planes.
     It is good for as long as the frame is."""
     stored = getattr(frame, "_struct", None)
@@ -78,7 +78,7 @@ def frame_struct(frame: Any, number: int, time_ns: int) -> FrameStruct:
 class _Owner:
     """What numpy sees as a plane's owner: it keeps the frameset for as long as an array refers to its memory."""
 
-    def __init__(self, plane: Plane, handle: Handle) -> None:
+    def __init__(self, plane: Plane, handle: Handle | None) -> None:
         shape: tuple[int, ...] = (plane.height, plane.width)
         size = plane.sample
         strides: tuple[int, ...] = (plane.stride_bytes, size * plane.channels)

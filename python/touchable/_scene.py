@@ -77,7 +77,7 @@ class Camera:
         """
         return _points(x_px, y_px, depth_m, self)
 
-    def _struct(self) -> CameraStruct:
+    def _struct(self) -> _library.Struct:
         members = dataclasses.asdict(self)
         try:
             return CameraStruct(**{**members, "depth_kind": _kinds.index(self.depth_kind)})
@@ -171,7 +171,7 @@ class Scene:
         states stay. Raises UsageError where a picture has not the scene's size or kind.
         """
         structs = [_planes.frame_struct(frame, number, number) for number, frame in enumerate(frames[:16])]
-        array = (_library.FrameStruct * len(structs))(*structs)
+        array: Any = (_library.FrameStruct * len(structs))(*structs)
         size = ctypes.sizeof(_library.FrameStruct)
         return Scene(made("scene_with_filters", "scene_destroy", self._handle.number, array, size, len(structs)))
 

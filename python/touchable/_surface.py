@@ -47,9 +47,9 @@ class Surface:
         self._first: NDArray[Any] | None = None
         self._first_metres: NDArray[numpy.float32] | None = None
         if depth is not None:
-            extra = {"haptic": haptic, "height": height}
+            extra: dict[str, Any] = {"haptic": haptic, "height": height}
             plain = isinstance(depth, Frame) or all(picture is None for picture in extra.values())
-            self.push(depth if plain else {"depth": depth, **extra}, 0)
+            self.push(depth if plain else dict(extra, depth=depth), 0)
         elif haptic is not None or height is not None:
             raise _planes.refuse("haptic or height is given without depth; right would be all of them, or push()")
 
@@ -110,11 +110,11 @@ class Surface:
             if self._first is None:
                 raise _planes.refuse("no picture was pushed yet; push the first one before")
             floats = self._first.dtype == numpy.float32
-            self._first_metres = self._metres_of_floats() if floats else self.scene.metres(self._first)
+            self._first_metres = self._metres_of(self._first) if floats else self.scene.metres(self._first)
         return self._first_metres
 
-    def _metres_of_floats(self) -> NDArray[numpy.float32]:
-        depth, unit = self._first, self.scene.metres_per_scene_unit
+    def _metres_of(self, depth: NDArray[numpy.float32]) -> NDArray[numpy.float32]:
+        unit = self.scene.metres_per_scene_unit
         there = (depth > 0) & (depth >= self.scene.near_units * unit) & (depth <= self.scene.far_units * unit)
         return numpy.where(there, depth, numpy.float32(numpy.nan))
 

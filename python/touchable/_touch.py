@@ -6,6 +6,7 @@ import ctypes
 import dataclasses
 import enum
 import os
+import sys
 from typing import Any
 
 import numpy
@@ -60,7 +61,7 @@ class SolverSettings:
     ramp_out_ticks: int = 100  #: after a goal that is no number, milliseconds
     waits_to_be_free: bool = False  #: no force in a finger that begins inside the surface until it has been free
 
-    def _struct(self, fingers: int) -> SolverStruct:
+    def _struct(self, fingers: int) -> _library.Struct:
         members = dataclasses.asdict(self)
         if self.metres_per_scene_unit is None:
             members["metres_per_scene_unit"] = 0.0
@@ -305,12 +306,11 @@ def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, **settings: Any
     ticks, fingers = goals.shape[:2]
     contacts = numpy.empty((ticks, fingers), _contact)
     with_frames = _Frames(clip, Surface(camera=clip.touched_scene, frames=8))
-    until = with_frames.push_until(0)
+    with_frames.push_until(0)
     with Solver(with_frames.surface, fingers, **settings) as solver:
         done = 0
         while done < ticks:
-            until = with_frames.push_until(done)
-            end = min(until, ticks)
+            end = min(with_frames.push_until(done), ticks)
             solver._run_into(goals[done:end], contacts[done:end])
             done = end
         return Touched(contacts, solver.force_hash, 0, with_frames.surface)
@@ -324,7 +324,7 @@ class _Frames:
         self._coming = iter(clip)
         self._over = False
 
-    def push_until(self, tick: int) -> float:
+    def push_until(self, tick: int) -> int:
         """Pushes until a frame later than the tick is there, or none is left. Gives the first tick that needs another."""
         while not self._over and (newest := self.surface.newest_ns or -1) <= tick * _tick_ns:
             frame = next(self._coming, None)
@@ -333,5 +333,5 @@ class _Frames:
             else:
                 self.surface.push(frame)
         if self._over:
-            return numpy.inf
+            return sys.maxsize
         return (newest - 1) // _tick_ns + 1

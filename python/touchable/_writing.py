@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from . import _planes
 from ._clip import Clip, Frame
-from ._library import Handle, WriterSettings, call, made, status_of
+from ._library import Handle, Struct, WriterSettings, call, made, status_of
 from ._scene import Camera, Scene, encoded, scene_of
 from .errors import Error, ExistingFileError, Status, error_of
 
@@ -93,7 +93,7 @@ def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -
     return meaning if fps is None or camera is not None else meaning.with_rate(fps)
 
 
-def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayLike | None) -> WriterSettings:
+def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayLike | None) -> Struct:
     settings = WriterSettings()
     call("writer_settings_defaults", settings, settings.struct_size)
     settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
@@ -111,7 +111,7 @@ def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayL
     return settings
 
 
-def _create(path: str | os.PathLike, scene: Scene, settings: WriterSettings, overwrite: bool) -> Handle:
+def _create(path: str | os.PathLike, scene: Scene, settings: Struct, overwrite: bool) -> Handle:
     try:
         return made("writer_create", "writer_abandon", encoded(path), scene._handle.number, settings)
     except Error as problem:

@@ -57,7 +57,7 @@ class ExistingFileError(Error, FileExistsError):
     """The file is there already: Status.USAGE, and a FileExistsError. overwrite=True replaces it."""
 
 
-_kinds = {Status.USAGE: UsageError, Status.STALE: ClosedError}
+_kinds: dict[int, type[Error]] = {Status.USAGE: UsageError, Status.STALE: ClosedError}
 
 
 def error_of(status: int, line: str) -> Error:

@@ -134,6 +134,16 @@ class RealReading(unittest.TestCase):
                     self.assertEqual(frame.depth.tobytes(), again.depth.tobytes())
                     self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
 
+    def test_DepthAsHueStaysColoursThatMeanMetres(self):
+        with touchable.open(recording("depthkit_typing/Test.mov"), colour=False) as clip, tempfile.TemporaryDirectory() as folder:
+            self.assertEqual((clip[0].depth.shape, clip[0].depth.dtype), ((424, 512, 3), numpy.uint8))
+            self.assertTrue(0.52 < numpy.nanmin(clip[0].metres) < numpy.nanmax(clip[0].metres) < 1.26)
+            touchable.write(folder + "/hue.mkv", clip[:3])
+            with touchable.open(folder + "/hue.mkv") as back:
+                for frame, again in zip(clip, back):
+                    self.assertEqual(frame.depth.tobytes(), again.depth.tobytes())
+                    self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
+
     def test_ABagHasTheCodesOfTheProgram(self):
         bags = sorted(recording(".").rglob("*.bag"))
         if not bags:
