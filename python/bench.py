@@ -3,8 +3,9 @@
 
 A batch of 1000 ticks by Solver.run against touch_solver_run with memory that is there already; ticks one by one against the
 same; frames of a turning globe read into numpy (depth, colour, haptic, height), and as metres, against reading alone
-(touch_clip_next and touch_frameset_release). Times are the shortest of several rounds, which alternate, so that a busy machine
-slows both sides. Wants the package installed, and the program `touchable`, which makes the clips that are read.
+(touch_clip_next and touch_frameset_release). Times are the shortest of several rounds, which alternate. Ratios are those of
+processor time, which other programs disturb least. Wants the package installed, and the program `touchable`, which makes
+the clips that are read.
 """
 import argparse
 import ctypes
@@ -22,15 +23,16 @@ ticks = 1000
 
 
 def seconds_of(work):
-    start = time.perf_counter()
+    """By the clock, and of the processor."""
+    start, used = time.perf_counter(), time.process_time()
     work()
-    return time.perf_counter() - start
+    return time.perf_counter() - start, time.process_time() - used
 
 
 def compared(rounds, reference, *works):
-    """The shortest time of `reference`; of each other one its shortest time, and its ratio to that of `reference`."""
-    times = numpy.array([[seconds_of(work) for work in (reference, *works)] for _ in range(rounds)]).min(axis=0)
-    return times[0], [(own, own / times[0]) for own in times[1:]]
+    """The shortest time of `reference`; of each other one its shortest time, and the ratio of their processor times."""
+    clock, used = numpy.array([[seconds_of(work) for work in (reference, *works)] for _ in range(rounds)]).min(axis=0).T
+    return clock[0], list(zip(clock[1:], used[1:] / used[0]))
 
 
 class Stroke:
@@ -100,7 +102,8 @@ def reading(rounds, program, folder):
             works = [lambda work=work: work(clip) for work in (read_alone, into_numpy, into_metres)]
             alone, others = compared(rounds, *works)
             for way, (seconds, ratio) in zip(("into numpy", "as metres"), others):
-                print(f"| {size} read {way} | {len(clip) / seconds:.0f} frames/s | {len(clip) / alone:.0f} frames/s | {ratio:.2f} |")
+                print(f"| {size} read {way} | {len(clip) / seconds:.0f} frames/s | "
+                      f"{len(clip) / alone:.0f} frames/s | {ratio:.2f} |")
 
 
 def main():
@@ -108,7 +111,7 @@ def main():
     options.add_argument("--rounds", type=int, default=7)
     options.add_argument("--program", type=pathlib.Path, default="touchable")
     options = options.parse_args()
-    print("| what | from Python | the same by C calls | ratio of times |\n|---|---|---|---|")
+    print("| what | from Python | the same by C calls | ratio |\n|---|---|---|---|")
     touching(options.rounds * 5)
     with tempfile.TemporaryDirectory() as folder:
         reading(options.rounds, options.program, folder)

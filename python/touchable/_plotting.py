@@ -39,7 +39,8 @@ def _figure(shown: bool) -> Figure:
         from matplotlib import pyplot
         from matplotlib.figure import Figure
     except ImportError as problem:
-        raise ImportError(f"touchable.plot needs matplotlib ({problem}); on Debian: apt install python3-matplotlib") from None
+        raise ImportError(f"touchable.plot needs matplotlib ({problem}); on Debian: apt install "
+                          "python3-matplotlib") from None
     options: dict[str, Any] = {"figsize": (11.5, 4.8), "constrained_layout": True}
     return pyplot.figure(**options) if shown else Figure(**options)
 

@@ -30,8 +30,8 @@ class Surface:
                  frames: int = 4) -> None:
         """A surface; of `depth`, at time 0, if that is given.
 
-        depth: (height, width) uint16 or uint8 codes, or floats of metres, where what is not above 0 or not finite has no
-            surface; or a Frame of a clip. Any strides; nothing is kept of it.
+        depth: (height, width) uint16 codes (uint8 where a Scene has 8 bits), or floats of metres, where what is not above
+            0 or not finite has no surface; or a Frame of a clip. Any strides; nothing is kept of it.
         camera: what it means: a Camera or a Scene (with filters: Scene.with_filters). May be left out for a Frame.
         haptic: (height, width, 3) uint8 codes of stiffness, static and dynamic friction. height: (height, width) codes
             of roughness. Both as the scene says.

@@ -27,9 +27,10 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     path: NAME.mkv, NAME.mp4, or a name without a dot: a folder of PNG pictures. It is there once the clip is whole; where
         something goes wrong, also in `frames`, nothing is left of it.
     frames: what has them one after the other, such as a Clip, a list or a generator. A frame is a Frame, a depth array,
-        (depth, colour, haptic, height) or the first of these, or a dict of these. Shapes: depth (height, width) uint16 or
-        uint8 codes, or floats of metres (NaN, 0: no surface), rounded to the camera's metres_per_code; colour and haptic
-        (height, width, 3) uint8; height (height, width). All have the pictures of the first.
+        (depth, colour, haptic, height) or the first of these, or a dict of these. Shapes: depth (height, width) uint16
+        codes (uint8 where the scene has 8 bits), or floats of metres (NaN, 0: no surface), rounded to the camera's
+        metres_per_code; colour and haptic (height, width, 3) uint8; height (height, width). All have the pictures of the
+        first.
     camera or scene: what the pictures mean. May be left out for Frames, whose own scene is taken.
     fps: frames per second, a number or an exact Fraction(30000, 1001); None: as camera or scene say.
     times_ns: (frames,) of frames at a variable rate: when each is shown, nanoseconds, the first at 0, each at least 1 ms
@@ -59,7 +60,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
             struct = _planes.frame_struct(frame, count, count)
             status, line = status_of("writer_write", writer.number, struct)
             if status:
-                raise error_of(status, f"frame {count}: {line}")
+                raise error_of(status, line if line.startswith("frame ") else f"frame {count}: {line}")
             if watch and isinstance(frame, Frame):
                 watch.look(count, frame)
             count += 1

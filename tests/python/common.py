@@ -1,4 +1,4 @@
-"""What several tests need: the program, clips that it makes, pictures read without touchable, recordings beside the checkout."""
+"""What several tests need: the program, clips that it makes, pictures read without touchable, recordings."""
 import functools
 import os
 import pathlib

@@ -38,7 +38,8 @@ class Examples(unittest.TestCase):
         self.assertEqual(said, self.says("device_loop.py", "--seconds", "1"))
 
     def test_AWallClockCountsWhatIsLate(self):
-        self.assertRegex(self.says("device_loop.py", "--seconds", "0.2", "--wall-clock"), r"\d+ ticks were more than 1 ms late")
+        said = self.says("device_loop.py", "--seconds", "0.2", "--wall-clock")
+        self.assertRegex(said, r"\d+ ticks were more than 1 ms late")
 
     def test_ASimulatorGetsZeroWhereDataIsMissing(self):
         said = self.says("sim_step.py").splitlines()
@@ -80,7 +81,8 @@ class Plots(unittest.TestCase):
 
     def test_WithoutMatplotlibItSaysSo(self):
         done = python("-c", "import sys; sys.modules['matplotlib'] = None\nimport numpy, touchable\n"
-                      "touched = touchable.Surface(numpy.full((9, 9), 500, numpy.uint16), touchable.Camera(9, 9)).touch([(0, 0, 0)])\n"
+                      "depth = numpy.full((9, 9), 500, numpy.uint16)\n"
+                      "touched = touchable.Surface(depth, touchable.Camera(9, 9)).touch([(0, 0, 0)])\n"
                       "try: touchable.plot(touched)\nexcept ImportError as problem: print(problem)")
         self.assertIn("apt install python3-matplotlib", done.stdout)
 
@@ -91,7 +93,8 @@ class Libraries(unittest.TestCase):
     def package(self, *libraries, broken=()):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        shutil.copytree(os.path.dirname(touchable.__file__), folder.name + "/touchable", ignore=shutil.ignore_patterns("lib", "__pycache__"))
+        without = shutil.ignore_patterns("lib", "__pycache__")
+        shutil.copytree(os.path.dirname(touchable.__file__), folder.name + "/touchable", ignore=without)
         os.mkdir(folder.name + "/touchable/lib")
         for library in libraries:
             shutil.copy(f"{os.environ['TOUCHABLE_LIBRARIES']}/{library}", folder.name + "/touchable/lib")
@@ -101,26 +104,30 @@ class Libraries(unittest.TestCase):
 
     def test_ThoseOfTheSystemDo(self):
         environment = {**os.environ, "PYTHONPATH": self.package(), "LD_LIBRARY_PATH": os.environ["TOUCHABLE_LIBRARIES"]}
-        done = python("-c", f"import touchable; print(len(touchable.open({globe()!r})), touchable.__version__)", env=environment)
+        program = f"import touchable; print(len(touchable.open({globe()!r})), touchable.__version__)"
+        done = python("-c", program, env=environment)
         self.assertEqual(done.stdout, f"12 {touchable.__version__}\n", done.stderr)
 
     def test_WithoutTheSolverItSaysWhereItComesFrom(self):
-        done = python("-c", "import touchable", env={**os.environ, "PYTHONPATH": self.package(broken=["libtouchable.so.0"])})
+        package = self.package(broken=["libtouchable.so.0"])
+        done = python("-c", "import touchable", env={**os.environ, "PYTHONPATH": package})
         self.assertRegex(done.stderr, "ImportError: libtouchable.so.0.*Debian package touchable")
 
     def test_WithoutMediaSurfacesAreTouched(self):
-        program = ("import numpy, touchable\nprint(touchable.Surface(numpy.full((9, 9), 500, numpy.uint16), touchable.Camera(9, 9))"
-                   ".touch([(0, 0, -0.6)] * 9).touching.all())\ntouchable.open('x')")
-        done = python("-c", program, env={**os.environ, "PYTHONPATH": self.package("libtouchable.so.0", broken=["libtouchable-media.so.0"])})
+        program = ("import numpy, touchable\nsurface = touchable.Surface(numpy.full((9, 9), 0.5), touchable.Camera(9, 9))\n"
+                   "print(surface.touch([(0, 0, -0.6)] * 9).touching.all())\ntouchable.open('x')")
+        package = self.package("libtouchable.so.0", broken=["libtouchable-media.so.0"])
+        done = python("-c", program, env={**os.environ, "PYTHONPATH": package})
         self.assertEqual(done.stdout, "True\n")
         self.assertRegex(done.stderr, "ImportError: libtouchable-media.so.0, which opens and writes files")
 
     def test_AWheelWithoutThemIsRefused(self):
         with tempfile.TemporaryDirectory() as folder:
-            shutil.copytree(source / "python", folder + "/python", ignore=shutil.ignore_patterns("build", "dist", "*.egg-info"))
+            built = shutil.ignore_patterns("build", "dist", "*.egg-info")
+            shutil.copytree(source / "python", folder + "/python", ignore=built)
             shutil.copy(source / "CMakeLists.txt", folder)
-            done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/python", capture_output=True,
-                                  text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
+            done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/python",
+                                  capture_output=True, text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(f"{folder} has no libtouchable.so.0 and no libtouchable-media.so.0", done.stderr)
 

@@ -97,7 +97,8 @@ class Reading(unittest.TestCase):
             self.assertAlmostEqual(clip[3].time_s, 0.1)
 
     def test_RecordingsOfRobotsHaveTheirCodes(self):
-        for name, pictures in ("bag/depth_plain.bag", 2), ("bag/tum_bz2.bag", 4), ("mcap/zstd.mcap", 2), ("db3/recording.db3", 2):
+        for name, pictures in {"bag/depth_plain.bag": 2, "bag/tum_bz2.bag": 4, "bag/realsense_lz4.bag": 3,
+                               "mcap/zstd.mcap": 2, "db3/recording.db3": 2}.items():
             path = source / "tests/fuzz/seeds" / name
             with tempfile.TemporaryDirectory() as folder, self.subTest(name), touchable.open(path) as clip:
                 run("convert", path, folder + "/pictures")
@@ -107,10 +108,12 @@ class Reading(unittest.TestCase):
 
     def test_WhatIsSaidOfTheCameraCounts(self):
         with tempfile.TemporaryDirectory() as folder:
-            touchable.write(folder + "/pictures", [numpy.full((48, 64), 700, numpy.uint16)], camera=touchable.Camera(64, 48))
+            depth = numpy.full((48, 64), 700, numpy.uint16)
+            touchable.write(folder + "/pictures", [depth], camera=touchable.Camera(64, 48))
             os.remove(folder + "/pictures/scene.json")
             with touchable.open(folder + "/pictures", fx_px=80, cx_px=30, cy_px=20, metres_per_code=0.0002) as clip:
-                self.assertEqual((clip.scene.fx_px, clip.scene.fy_px, clip.scene.cx_px, clip.scene.cy_px), (80, 80, 30, 20))
+                scene = clip.scene
+                self.assertEqual((scene.fx_px, scene.fy_px, scene.cx_px, scene.cy_px), (80, 80, 30, 20))
                 self.assertAlmostEqual(float(clip[0].metres[0, 0]), 0.14)
                 self.assertAlmostEqual(clip.camera.metres_per_code, 0.0002)
             with touchable.open(folder + "/pictures", fov_degrees=90) as clip:
@@ -135,7 +138,8 @@ class RealReading(unittest.TestCase):
                     self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
 
     def test_DepthAsHueStaysColoursThatMeanMetres(self):
-        with touchable.open(recording("depthkit_typing/Test.mov"), colour=False) as clip, tempfile.TemporaryDirectory() as folder:
+        video = recording("depthkit_typing/Test.mov")
+        with touchable.open(video, colour=False) as clip, tempfile.TemporaryDirectory() as folder:
             self.assertEqual((clip[0].depth.shape, clip[0].depth.dtype), ((424, 512, 3), numpy.uint8))
             self.assertTrue(0.52 < numpy.nanmin(clip[0].metres) < numpy.nanmax(clip[0].metres) < 1.26)
             touchable.write(folder + "/hue.mkv", clip[:3])

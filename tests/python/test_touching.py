@@ -111,7 +111,8 @@ class Surfaces(unittest.TestCase):
             path = clip.scene.points(numpy.linspace(60, 100, 200), numpy.full(200, 60.0),
                                      numpy.full(200, numpy.float64(frame.metres[60, 80]) + 0.002))
             of_frame = touchable.Surface(frame).touch(path)
-            of_arrays = touchable.Surface(frame.depth.copy(), clip.scene, haptic=frame.haptic, height=frame.height).touch(path)
+            own = touchable.Surface(frame.depth.copy(), clip.scene, haptic=frame.haptic, height=frame.height)
+            of_arrays = own.touch(path)
             without = touchable.Surface(frame.depth, clip.scene).touch(path)
         self.assertEqual(of_frame.force_hash, of_arrays.force_hash)
         self.assertNotEqual(of_frame.force_hash, without.force_hash)
@@ -138,7 +139,8 @@ class Surfaces(unittest.TestCase):
 
     def test_NoForceIsLongerThanItsLimit(self):
         depth, camera = hill()
-        touched = touchable.Surface(depth, camera).touch(stroke(camera, depth_m=0.6), metres_per_scene_unit=1, max_force_n=1.5)
+        path = stroke(camera, depth_m=0.6)
+        touched = touchable.Surface(depth, camera).touch(path, metres_per_scene_unit=1, max_force_n=1.5)
         longest = numpy.linalg.norm(touched.force_n, axis=-1).max()
         self.assertTrue(1.4 < longest <= 1.5 + 1e-12)
         self.assertTrue((touched.guard & touchable.Guard.FORCE).any())
