@@ -28,6 +28,10 @@ class Frame:
 
     Arrays lie over the memory that the clip decoded to (nothing is copied) and are read-only; that memory is kept as
     long as an array refers to it. picture.copy() gives an array of your own. At most 65536 frames are kept at a time.
+
+    scene: the Scene that says what the pictures mean.
+    number: from 0.
+    time_ns: when it is shown, nanoseconds of the clip's clock.
     """
 
     def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
@@ -37,9 +41,9 @@ class Frame:
         call("frameset_frame", handle.number, self._struct)
         if not colour:  # some formats have it all the same
             self._struct.colour = _library.Plane()
-        self.scene = scene  #: the Scene that says what the pictures mean
-        self.number: int = self._struct.number  #: from 0
-        self.time_ns: int = self._struct.time_ns  #: when it is shown, nanoseconds of the clip's clock
+        self.scene = scene
+        self.number: int = self._struct.number
+        self.time_ns: int = self._struct.time_ns
 
     @property
     def time_s(self) -> float:
@@ -111,11 +115,19 @@ class Clip:
     `for frame in clip` begins at the first frame each time (a stream, which cannot go back, only once). clip[5] and
     clip[-1] give one frame, clip[2:8] a list; len(clip) how many there are, where that is known. One thread at a time
     uses a clip. Use it in `with`, or close() it; otherwise it closes when nobody refers to it any more.
+
+    path: as it was given.
+    width, height: of every picture, pixels.
+    has_colour, has_haptic, has_height: whether frames have such a picture.
+    depth_is_lossless: whether the codec of depth keeps every value.
+    frames_per_second: their mean where frames have times of their own.
+    frame_count: how many frames; None: only reading tells.
+    notes: lines of text that a person should know of the clip, such as what was guessed of it.
     """
 
     def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
-        self.path = os.fspath(path)  #: as it was given
+        self.path = os.fspath(path)
         name = encoded(path)
         self._is_stream = b"://" in name or name == b"-"
         self._position: int | None = 0
@@ -129,15 +141,14 @@ class Clip:
             raise
         facts = ClipFacts()
         call("clip_describe", self._handle.number, facts)
-        self.width: int = facts.width  #: of every picture, pixels
-        self.height: int = facts.height  #: of every picture, pixels
-        self.has_colour: bool = self._with_colour and bool(facts.has_colour)  #: whether frames have colour
-        self.has_haptic: bool = bool(facts.has_haptic)  #: whether frames have pictures of stiffness and friction
-        self.has_height: bool = bool(facts.has_height)  #: whether frames have pictures of heights
-        self.depth_is_lossless: bool = bool(facts.depth_is_lossless)  #: whether its codec keeps every value
-        self.frames_per_second: float = facts.frames_per_second  #: their mean where frames have times of their own
-        self.frame_count: int | None = facts.frames if facts.frames >= 0 else None  #: None: only reading tells
-        #: What a person should know of the clip, such as what was guessed of it: lines of text.
+        self.width: int = facts.width
+        self.height: int = facts.height
+        self.has_colour: bool = self._with_colour and bool(facts.has_colour)
+        self.has_haptic: bool = bool(facts.has_haptic)
+        self.has_height: bool = bool(facts.has_height)
+        self.depth_is_lossless: bool = bool(facts.depth_is_lossless)
+        self.frames_per_second: float = facts.frames_per_second
+        self.frame_count: int | None = facts.frames if facts.frames >= 0 else None
         self.notes: list[str] = [text_of("clip_note", self._handle.number, k) for k in range(facts.notes)]
         self._depth_shape = (facts.height, facts.width) + ((3,) if facts.depth_channels == 3 else ())
 

@@ -33,24 +33,35 @@ def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> N
 class Camera:
     """A pinhole camera, what its depth codes mean, and what its surface feels like. Its scene unit is a metre.
 
-    Shapes: every member is one number. Members that are left out get the values stated here.
+    Every member is one number; what is left out is as stated here.
 
-    Raises UsageError (a ValueError) where a scene is made of it and a member is out of its range.
+    width, height: pixels, 1 to 16384; 640 and 480.
+    fx_px, fy_px: focal lengths, pixels. fx_px: 60 degrees are seen from left to right; fy_px: as fx_px.
+    cx_px, cy_px: principal point, pixels, where (0, 0) is the centre of the first pixel; the middle.
+    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it; 0.001.
+    far_m: deeper pixels have no surface, metres; 10.
+    frames_per_second: 0.001 to 1000, used where frames are counted and not timed; 30.
+    stiffness_n_per_m: where no haptic picture says otherwise, N/m; 600.
+    static_friction, dynamic_friction: likewise, coefficients, the second at most the first; 0.4 and 0.3.
+    depth_kind: "planar": depth is along -Z, as depth cameras give it; or "range": along the pixel's ray.
+
+    Raises UsageError (a ValueError) where depth_kind is neither; and where a scene is made of it and a member is out of
+    its range.
     """
 
-    width: int = 640  #: pixels, 1 to 16384
-    height: int = 480  #: pixels, 1 to 16384
-    fx_px: float | None = None  #: focal length, pixels; None: 60 degrees are seen from left to right
-    fy_px: float | None = None  #: focal length, pixels; None: as fx_px
-    cx_px: float | None = None  #: principal point, pixels, 0 is the first column's centre; None: the middle
-    cy_px: float | None = None  #: principal point, pixels, 0 is the first row's centre; None: the middle
-    metres_per_code: float = 0.001  #: what a uint16 code of 1 is, metres; depth as floats is rounded to it
-    far_m: float = 10.0  #: deeper pixels have no surface, metres
-    frames_per_second: float = 30.0  #: 0.001 to 1000; used where frames are counted and not timed
-    stiffness_n_per_m: float = 600.0  #: where no haptic picture says otherwise, N/m
-    static_friction: float = 0.4  #: likewise, a coefficient
-    dynamic_friction: float = 0.3  #: likewise, a coefficient, 0 to static_friction
-    depth_kind: DepthKind = "planar"  #: "planar": along -Z, as depth cameras give it; "range": along the pixel's ray
+    width: int = 640
+    height: int = 480
+    fx_px: float | None = None
+    fy_px: float | None = None
+    cx_px: float | None = None
+    cy_px: float | None = None
+    metres_per_code: float = 0.001
+    far_m: float = 10.0
+    frames_per_second: float = 30.0
+    stiffness_n_per_m: float = 600.0
+    static_friction: float = 0.4
+    dynamic_friction: float = 0.3
+    depth_kind: DepthKind = "planar"
 
     def __post_init__(self) -> None:
         fx = self.width / 2 / math.tan(math.radians(30)) if self.fx_px is None else self.fx_px
@@ -88,8 +99,16 @@ class Camera:
 class Scene:
     """What pictures mean: camera, coding of depth and height, haptic ranges, filters. It does not change.
 
-    Made by Scene.from_camera, Scene.from_text, or of a clip (clip.scene). Lengths are in scene units, which are
-    `metres_per_scene_unit` metres each (1 for scenes from a camera).
+    Made by Scene.from_camera, Scene.from_text, or of a clip (clip.scene).
+
+    width, height: of depth pictures, pixels.
+    depth_kind: "planar" or "range", as Camera has it.
+    fx_px, fy_px, cx_px, cy_px: focal lengths and principal point, pixels.
+    metres_per_scene_unit: of the world that the camera saw; 1 for scenes from a camera.
+    near_units, far_units: depths that count, scene units.
+    frames_per_second: of frames that are counted and not timed.
+    hand_metres_per_scene_unit: how far a hand moves for a scene unit, metres, as the scene states it; None: it does not.
+    has_unstated_filters: whether with_filters would choose some.
     """
 
     def __init__(self, handle: _library.Handle) -> None:
@@ -97,20 +116,19 @@ class Scene:
         self._handle = handle
         facts = SceneFacts()
         call("scene_describe", handle.number, facts)
-        self.width: int = facts.width  #: of depth pictures, pixels
-        self.height: int = facts.height  #: of depth pictures, pixels
-        self.depth_kind: DepthKind = _kinds[facts.depth_kind]  #: "planar" or "range", as Camera has it
-        self.fx_px: float = facts.fx_px  #: focal length, pixels
-        self.fy_px: float = facts.fy_px  #: focal length, pixels
-        self.cx_px: float = facts.cx_px  #: principal point, pixels
-        self.cy_px: float = facts.cy_px  #: principal point, pixels
-        self.metres_per_scene_unit: float = facts.metres_per_scene_unit  #: of the world that the camera saw
-        self.near_units: float = facts.near_units  #: nearest depth that counts, scene units
-        self.far_units: float = facts.far_units  #: deepest depth that counts, scene units
+        self.width: int = facts.width
+        self.height: int = facts.height
+        self.depth_kind: DepthKind = _kinds[facts.depth_kind]
+        self.fx_px: float = facts.fx_px
+        self.fy_px: float = facts.fy_px
+        self.cx_px: float = facts.cx_px
+        self.cy_px: float = facts.cy_px
+        self.metres_per_scene_unit: float = facts.metres_per_scene_unit
+        self.near_units: float = facts.near_units
+        self.far_units: float = facts.far_units
         self.frames_per_second: float = facts.frames_per_second
-        #: how far a hand moves for a scene unit, metres, as the scene states it; None: it does not
         self.hand_metres_per_scene_unit: float | None = facts.hand_metres_per_scene_unit or None
-        self.has_unstated_filters: bool = bool(facts.unstated_filters)  #: with_filters would choose some
+        self.has_unstated_filters: bool = bool(facts.unstated_filters)
 
     @classmethod
     def from_camera(cls, camera: Camera) -> Scene:

@@ -23,6 +23,8 @@ class Surface:
 
     A still one: Surface(depth, camera).touch(path). One that moves: Surface(camera=camera), then push() a picture for
     each moment, and a Solver that ticks. One thread may push while another ticks; neither waits for the other.
+
+    scene: the Scene that says what the pictures mean.
     """
 
     def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
@@ -40,7 +42,7 @@ class Surface:
         Raises UsageError (a ValueError) where a picture has not the scene's size or kind.
         """
         meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
-        self.scene: Scene = scene_of(meaning)  #: what the pictures mean
+        self.scene: Scene = scene_of(meaning)
         settings = SurfaceSettings(threads=threads, frames=frames)
         self._handle = made("surface_create", "surface_destroy", self.scene._handle.number, settings)
         self._pushed = 0

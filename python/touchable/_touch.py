@@ -27,39 +27,64 @@ assert _contact.itemsize == ctypes.sizeof(Contact)
 
 
 class Guard(enum.IntFlag):
-    """Why a force is not simply the solver's: the bits of Touched.guard. No bit: it is."""
+    """Why a force is not simply the solver's: the bits of Touched.guard. No bit: it is. Numbers without a unit.
 
-    STIFFNESS = 1  #: stiffness limited to max_stiffness_n_per_m
-    FORCE = 2  #: force limited to max_force_n
-    RAMP = 4  #: ramping in
-    FAULT = 8  #: a goal or a surface was missing or impossible: ramping to zero
-    RISE = 16  #: stiffness not yet risen to the map's
-    DAMPING = 32  #: a damper's force added
-    PASSIVITY = 64  #: the passivity controller's force added
-    JUMP = 128  #: the surface jumped: the change of force comes on over 100 ms
-    WAITING = 256  #: no force until the finger has been free
-    GAP = 512  #: the hand had been left alone
-    STALE = 1024  #: the surface is too old, or was
+    STIFFNESS: stiffness limited to max_stiffness_n_per_m.
+    FORCE: force limited to max_force_n.
+    RAMP: ramping in.
+    FAULT: a goal or a surface was missing or impossible: ramping to zero.
+    RISE: stiffness not yet risen to the map's.
+    DAMPING: a damper's force added.
+    PASSIVITY: the passivity controller's force added.
+    JUMP: the surface jumped: the change of force comes on over 100 ms.
+    WAITING: no force until the finger has been free.
+    GAP: the hand had been left alone.
+    STALE: the surface is too old, or was.
+    """
+
+    STIFFNESS = 1
+    FORCE = 2
+    RAMP = 4
+    FAULT = 8
+    RISE = 16
+    DAMPING = 32
+    PASSIVITY = 64
+    JUMP = 128
+    WAITING = 256
+    GAP = 512
+    STALE = 1024
 
 
 @dataclasses.dataclass(frozen=True)
 class SolverSettings:
-    """How fingers touch. Every member is one number; Solver and touch take them by name.
+    """How fingers touch. Every member is one number; Solver and touch take them by name. What is left out is as stated.
+
+    metres_per_scene_unit: of the hand, metres: force = stiffness * this * (proxy - goal). As
+        Surface.hand_metres_per_scene_unit says; 1.0 where hand and scene are of one size, as in simulators.
+    max_force_n: per finger, newtons, 1e-6 to 1e9; no force is ever longer; 10.
+    max_stiffness_n_per_m: 1e-3 to 1e12 N/m; 10000.
+    damping_n_s_per_m: of a damper added in contact, N s/m; 0.
+    passivity_n_s_per_m: largest damping of the passivity controller, N s/m; 0: it is off.
+    stribeck_m_per_s: friction falls with speed (Stribeck), m/s; 0: Coulomb's.
+    stale_after_ns: a surface whose newest picture is older ramps away, nanoseconds; 0: never.
+    ramp_in_ticks: from the first tick, and after a fault, milliseconds; 100.
+    ramp_out_ticks: after a goal that is no number, milliseconds; 100.
+    waits_to_be_free: True: no force in a finger that begins inside the surface until it has been free, as a hand wants it;
+        False.
 
     Raises UsageError (a ValueError) in Solver and touch where a member is out of its range.
     """
 
-    metres_per_scene_unit: float | None = None  #: of the hand, metres: force = stiffness * this * (proxy - goal).
-    #: None: as Surface.hand_metres_per_scene_unit says. 1.0 where hand and scene are of one size, as in simulators
-    max_force_n: float = 10.0  #: per finger, newtons, 1e-6 to 1e9. No force is ever longer
-    max_stiffness_n_per_m: float = 10000.0  #: 1e-3 to 1e12 N/m
-    damping_n_s_per_m: float = 0.0  #: of a damper added in contact, N s/m
-    passivity_n_s_per_m: float = 0.0  #: largest damping of the passivity controller, N s/m; 0: it is off
-    stribeck_m_per_s: float = 0.0  #: friction falls with speed (Stribeck), m/s; 0: Coulomb's
-    stale_after_ns: int = 0  #: a surface whose newest picture is older ramps away, nanoseconds; 0: never
-    ramp_in_ticks: int = 100  #: from the first tick, and after a fault, milliseconds
-    ramp_out_ticks: int = 100  #: after a goal that is no number, milliseconds
-    waits_to_be_free: bool = False  #: no force in a finger that begins inside the surface until it has been free
+    metres_per_scene_unit: float | None = None
+    max_force_n: float = 10.0
+    max_stiffness_n_per_m: float = 10000.0
+    damping_n_s_per_m: float = 0.0
+    passivity_n_s_per_m: float = 0.0
+    stribeck_m_per_s: float = 0.0
+    stale_after_ns: int = 0
+    ramp_in_ticks: int = 100
+    ramp_out_ticks: int = 100
+    waits_to_be_free: bool = False
 
     def _struct(self, fingers: int) -> _library.Struct:
         members = dataclasses.asdict(self)
@@ -74,17 +99,21 @@ class SolverSettings:
 
 
 class Touched:
-    """What fingers met, tick by tick: arrays whose first axes are (ticks, fingers). They share memory with `contacts`."""
+    """What fingers met, tick by tick: arrays whose first axes are (ticks, fingers). They share memory with `contacts`.
+
+    contacts: all of it, (ticks, fingers) records, as touch_contact of touchable.h has them.
+    force_hash: of all forces since the solver was made, 16 hexadecimal digits, as the program prints it: equal hashes mean
+        equal forces to the last bit.
+    scene: the Scene that says what the touched pictures mean.
+    first_tick: milliseconds of the hand's time.
+    """
 
     def __init__(self, contacts: NDArray[Any], force_hash: str, first_tick: int, surface: Surface) -> None:
         """Of contacts (ticks, fingers); programs get it from touch and Solver.run."""
-        #: all of it: (ticks, fingers) records, as touch_contact of touchable.h has them
         self.contacts = contacts
-        #: of all forces since the solver was made, 16 hexadecimal digits, as the program prints it: equal hashes mean
-        #: equal forces to the last bit
         self.force_hash = force_hash
-        self.scene: Scene = surface.scene  #: what the touched pictures mean
-        self.first_tick = first_tick  #: milliseconds of the hand's time
+        self.scene: Scene = surface.scene
+        self.first_tick = first_tick
         self._surface = surface
 
     @property
@@ -169,7 +198,13 @@ def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
 
 
 class Solver:
-    """One to 256 fingers on a surface, which has one solver at a time. Use it in `with`, or close() it."""
+    """One to 256 fingers on a surface, which has one solver at a time. Use it in `with`, or close() it.
+
+    surface: what is touched. fingers: how many, 1 to 256. settings: SolverSettings, how they touch.
+    next_tick: the tick that comes next, milliseconds of the hand's time.
+    contacts: what the fingers met in the last tick() (run() leaves it): (fingers,) records with the members of Touched,
+        overwritten by the next one.
+    """
 
     def __init__(self, surface: Surface, fingers: int = 1, **settings: Any) -> None:
         """Fingers on a surface, of which a picture was pushed (or metres_per_scene_unit is given).
@@ -178,15 +213,14 @@ class Solver:
         surface has a solver already, ClosedError.
         """
         surface._check_open()
-        self.surface = surface  #: what is touched
-        self.fingers = fingers  #: how many, 1 to 256
-        self.settings = SolverSettings(**settings)  #: how they touch
+        self.surface = surface
+        self.fingers = fingers
+        self.settings = SolverSettings(**settings)
         struct = self.settings._struct(fingers)
         self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
-        self.next_tick = 0  #: the tick that comes next, milliseconds of the hand's time
+        self.next_tick = 0
         self._tick = Tick()
         self._goals = numpy.full((fingers, 3), numpy.nan)
-        #: what the fingers met in the last tick() (run() leaves it): (fingers,) records, overwritten by the next one
         self.contacts: NDArray[Any] = numpy.zeros(fingers, _contact)
         self._run = _library.function("solver_run")
         self._call = (self._handle.number, self._tick, 1, self._goals.ctypes.data, self.contacts.ctypes.data,

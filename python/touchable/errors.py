@@ -6,25 +6,37 @@ import enum
 
 
 class Status(enum.IntEnum):
-    """The statuses of touchable.h, by name. They have no unit."""
+    """How a call of the library went, by the names of touchable.h. Numbers without a unit.
+
+    OK: done; nothing raises it.
+    INTERNAL: a fault of the library.
+    USAGE: an argument cannot be.
+    INPUT: a file, a scene's text or a picture is not what it should be.
+    STALE: the object was closed.
+    BUSY: another thread is using the object, or another object depends on it.
+    FULL: no room for another frame yet; try again once ticks have gone on.
+    END: there are no more frames; a loop ends then.
+    NO_MEMORY: there is not enough memory, or there are too many objects.
+    INTERRUPTED: somebody asked to stop.
+    """
 
     OK = 0
-    INTERNAL = 1  #: a fault of the library
-    USAGE = 2  #: an argument cannot be
-    INPUT = 3  #: a file, a scene's text or a picture is not what it should be
-    STALE = 16  #: the object was closed
-    BUSY = 17  #: another thread is using the object, or another object depends on it
-    FULL = 18  #: no room for another frame yet; try again once ticks have gone on
-    END = 19  #: there are no more frames
-    NO_MEMORY = 20  #: there is not enough memory, or there are too many objects
-    INTERRUPTED = 130  #: somebody asked to stop
+    INTERNAL = 1
+    USAGE = 2
+    INPUT = 3
+    STALE = 16
+    BUSY = 17
+    FULL = 18
+    END = 19
+    NO_MEMORY = 20
+    INTERRUPTED = 130
 
 
 class Error(Exception):
     """What the library refused, in one line: what is wrong, and what would be right.
 
-    Attributes:
-        status: a Status, which says of which kind it is.
+    status: a Status, which says of which kind it is.
+    line: the line, as str() gives it.
     """
 
     status: Status

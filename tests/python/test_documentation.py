@@ -71,13 +71,14 @@ class Documentation(unittest.TestCase):
             if re.search(r"_check_open|raise |refuse\(|made\(", body):
                 self.assertRegex(thing.__doc__, "[Rr]aises|see touchable.touch", name)
 
-    def test_MembersOfDataClassesAndEnumsAreExplained(self):
-        for kind in touchable.Camera, touchable.SolverSettings, touchable.Guard:
-            text = inspect.getsource(kind)
-            fields = getattr(kind, "__dataclass_fields__", None)
-            names = list(fields or kind.__members__)
-            for name in names:
-                self.assertRegex(text, rf"\n    {name}\b.*#: ", f"{kind.__name__}.{name}")
+    def test_WhatAnObjectHasIsExplainedInItsDocstring(self):
+        for name, thing in public():
+            if not inspect.isclass(thing):
+                continue
+            has = list(getattr(thing, "__dataclass_fields__", None) or getattr(thing, "__members__", ()))
+            has += re.findall(r"\n        self\.([a-z]\w*)(?:: [^=]+)? = ", inspect.getsource(thing))
+            for member in has:
+                self.assertRegex(thing.__doc__, rf"\b{member}(, \w+)*: ", f"{name}.{member}")
 
     def test_TheNamesAreThoseThatADocumentationTellsOf(self):
         text = (source / "docs/python.md").read_text()
@@ -90,7 +91,6 @@ class Documentation(unittest.TestCase):
         text = pydoc.plain(pydoc.render_doc(touchable))
         for name in touchable.__all__:
             self.assertRegex(text, rf"(class )?{name}\b")
-        self.assertNotIn("/work", text.replace(str(pathlib.Path(touchable.__file__).parent), ""))
 
 
 class Wheel(unittest.TestCase):
