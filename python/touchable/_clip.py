@@ -150,7 +150,6 @@ class Clip:
         self.frames_per_second: float = facts.frames_per_second
         self.frame_count: int | None = facts.frames if facts.frames >= 0 else None
         self.notes: list[str] = [text_of("clip_note", self._handle.number, k) for k in range(facts.notes)]
-        self._depth_shape = (facts.height, facts.width) + ((3,) if facts.depth_channels == 3 else ())
 
     @functools.cached_property
     def scene(self) -> Scene:
