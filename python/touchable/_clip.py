@@ -1,0 +1,304 @@
+"""Files of depth video as sequences of frames, whose pictures are numpy arrays over the memory that the clip decodes to."""
+
+from __future__ import annotations
+
+import functools
+import math
+import operator
+import os
+import threading
+from typing import TYPE_CHECKING, Any, Callable, Iterator, overload
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import _library, _planes
+from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, made, status_of, text_of
+from ._scene import Camera, Scene, encoded
+from .errors import ClosedError, Error, MissingFileError, Status, error_of
+
+if TYPE_CHECKING:
+    from ._touch import Touched
+
+_filters_stated, _filters_chosen = 0, 1
+
+
+class Frame:
+    """The pictures of one moment of a clip. They do not change, and may be kept: also where the clip is closed.
+
+    Arrays lie over the memory that the clip decoded to (nothing is copied) and are read-only; that memory is kept as
+    long as an array refers to it. picture.copy() gives an array of your own. At most 65536 frames are kept at a time.
+
+    scene: the Scene that says what the pictures mean.
+    number: from 0.
+    time_ns: when it is shown, nanoseconds of the clip's clock.
+    """
+
+    def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
+        """Of a handle of the C API; programs get frames from a Clip."""
+        self._handle = handle
+        self._struct = FrameStruct()
+        call("frameset_frame", handle.number, self._struct)
+        if not colour:  # some formats have it all the same
+            self._struct.colour = _library.Plane()
+        self.scene = scene
+        self.number: int = self._struct.number
+        self.time_ns: int = self._struct.time_ns
+
+    @property
+    def time_s(self) -> float:
+        """When it is shown, seconds of the clip's clock."""
+        return self.time_ns * 1e-9
+
+    @functools.cached_property
+    def depth(self) -> NDArray[Any]:
+        """Depth as it is stored: (height, width) uint8 or uint16 codes; of hue coding (height, width, 3) uint8."""
+        return numpy.asarray(_planes.array_of(self._struct.depth, self._handle))  # there is always one
+
+    @functools.cached_property
+    def colour(self) -> NDArray[numpy.uint8] | None:
+        """(height, width, 3) uint8: red, green, blue. None where the clip has none."""
+        return _planes.array_of(self._struct.colour, self._handle)
+
+    @functools.cached_property
+    def haptic(self) -> NDArray[numpy.uint8] | None:
+        """(height, width, 3) uint8 codes: stiffness, static and dynamic friction. None where the clip has none."""
+        return _planes.array_of(self._struct.haptic, self._handle)
+
+    @functools.cached_property
+    def height(self) -> NDArray[Any] | None:
+        """(height, width) uint8 or uint16 codes of roughness. None where the clip has none."""
+        return _planes.array_of(self._struct.height, self._handle)
+
+    @functools.cached_property
+    def metres(self) -> NDArray[numpy.float32]:
+        """Depth in metres, (height, width) float32, NaN where there is no surface. As the codes say it: along -Z, or
+        along the pixel's ray where scene.depth_kind is "range"."""
+        return self.scene._metres(self._struct.depth)
+
+    @functools.cached_property
+    def valid(self) -> NDArray[numpy.bool_]:
+        """Where there is a surface, (height, width) bool."""
+        return numpy.isfinite(self.metres)
+
+    def __repr__(self) -> str:
+        have = ", ".join(role for role in _planes.roles if getattr(self._struct, role).data)
+        return f"<touchable.Frame {self.number} at {self.time_s:.6f} s: {have}>"
+
+
+def _interruptibly(work: Callable[[], Any], interrupt: Callable[[], Any]) -> Any:
+    """Work that may wait for others, on a thread of its own, so that Ctrl-C ends the wait."""
+    outcome: list[Any] = []
+
+    def run() -> None:
+        try:
+            outcome.append((work(), None))
+        except BaseException as problem:
+            outcome.append((None, problem))
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    try:
+        thread.join()
+    except KeyboardInterrupt:
+        interrupt()
+        raise
+    done, problem = outcome[0]
+    if problem:
+        raise problem
+    return done
+
+
+class Clip:
+    """A clip that is open: a sequence of Frames. touchable.open makes it.
+
+    `for frame in clip` begins at the first frame each time (a stream, which cannot go back, only once). clip[5] and
+    clip[-1] give one frame, clip[2:8] a list; len(clip) how many there are, where that is known. One thread at a time
+    uses a clip. Use it in `with`, or close() it; otherwise it closes when nobody refers to it any more.
+
+    path: as it was given.
+    width, height: of every picture, pixels.
+    has_colour, has_haptic, has_height: whether frames have such a picture.
+    depth_is_lossless: whether the codec of depth keeps every value.
+    frames_per_second: their mean where frames have times of their own.
+    has_own_times: whether frames come at a variable rate.
+    frame_count: how many frames; None: only reading tells.
+    notes: lines of text that a person should know of the clip, such as what was guessed of it.
+    """
+
+    def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
+        """Programs use touchable.open."""
+        self.path = os.fspath(path)
+        name = encoded(path)
+        self._is_stream = b"://" in name or name == b"-"
+        self._position: int | None = 0
+        self._with_colour = bool(settings.colour)
+        opening = functools.partial(made, "clip_open", "clip_close", name, settings)
+        try:
+            self._handle = _interruptibly(opening, lambda: None) if self._is_stream else opening()
+        except Error as problem:
+            if problem.status == Status.INPUT and not self._is_stream and not os.path.exists(path):
+                raise MissingFileError(problem.status, problem.line) from None
+            raise
+        facts = ClipFacts()
+        call("clip_describe", self._handle.number, facts)
+        self.width: int = facts.width
+        self.height: int = facts.height
+        self.has_colour: bool = self._with_colour and bool(facts.has_colour)
+        self.has_haptic: bool = bool(facts.has_haptic)
+        self.has_height: bool = bool(facts.has_height)
+        self.depth_is_lossless: bool = bool(facts.depth_is_lossless)
+        self.has_own_times: bool = bool(facts.has_own_times)
+        self.frames_per_second: float = facts.frames_per_second
+        self.frame_count: int | None = facts.frames if facts.frames >= 0 else None
+        self.notes: list[str] = [text_of("clip_note", self._handle.number, k) for k in range(facts.notes)]
+
+    @property
+    def times_ns(self) -> NDArray[numpy.int64]:
+        """When each frame is shown, (frames,) nanoseconds from 0, without reading any. Raises ClosedError, and TypeError
+        where the number of frames is not known."""
+        self._check_open()
+        time = _library.c_int64()
+        times = numpy.empty(len(self), numpy.int64)
+        for index in range(len(times)):
+            call("clip_time", self._handle.number, index, time)
+            times[index] = time.value
+        return times
+
+    @functools.cached_property
+    def scene(self) -> Scene:
+        """What the pictures mean: a Scene, with the filters that the clip states (others are off). Raises ClosedError."""
+        return self._scene(_filters_stated)
+
+    @functools.cached_property
+    def touched_scene(self) -> Scene:
+        """The Scene by which the program touches the clip: filters that the clip leaves open are chosen by up to 16 of
+        its first frames, which are read for it. Raises Error where these cannot be read, ClosedError."""
+        return self._scene(_filters_chosen)
+
+    @property
+    def camera(self) -> Camera:
+        """The clip's camera, lengths in metres; see Scene.camera."""
+        return self.scene.camera
+
+    def _scene(self, filters: int) -> Scene:
+        self._check_open()
+        return Scene(made("clip_scene", "scene_destroy", self._handle.number, filters))
+
+    def read(self, index: int) -> Frame | None:
+        """Frame `index`, from 0; None behind the last one. In order from 0 this is quickest, and all that streams do.
+        Raises Error, which names file, track and frame, where it cannot be read; frames behind it may be."""
+        self._check_open()
+        number = self._handle.number
+        if self._position != index:
+            call("clip_seek", number, index)
+        self._position = None  # unknown, should the next call fail
+        handle = self._next()
+        if handle is None:
+            return None
+        self._position = index + 1
+        return Frame(handle, self.scene, self._with_colour)
+
+    def _next(self) -> Handle | None:
+        number, frameset = self._handle.number, _library.c_uint64()
+        reading = functools.partial(status_of, "clip_next", number, frameset)
+        interrupt = functools.partial(_library.function("clip_interrupt"), number)
+        status, line = _interruptibly(reading, interrupt) if self._is_stream else reading()
+        if status == Status.END:
+            return None
+        if status:
+            raise error_of(status, line)
+        return Handle(frameset.value, "frameset_release")
+
+    def touch(self, path: ArrayLike, **settings: Any) -> Touched:
+        """Touches the clip along a path; see touchable.touch."""
+        from ._touch import touch
+
+        return touch(self, path, **settings)
+
+    def close(self) -> None:
+        """Closes the file. Frames and arrays that were read stay. Closing twice does nothing."""
+        self._handle.end()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._handle.closed
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ClosedError(Status.STALE, f"the clip {self.path} was closed; open it again")
+
+    def __iter__(self) -> Iterator[Frame]:
+        index = 0
+        while (frame := self.read(index)) is not None:
+            yield frame
+            index += 1
+
+    def __len__(self) -> int:
+        if self.frame_count is None:
+            raise TypeError(f"how many frames {self.path} has is known only once all are read")
+        return self.frame_count
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Frame]: ...
+
+    def __getitem__(self, index: int | slice) -> Frame | list[Frame]:
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        wanted = operator.index(index)
+        place = wanted + len(self) if wanted < 0 else wanted
+        beyond = place < 0 or (self.frame_count is not None and place >= self.frame_count)
+        frame = None if beyond else self.read(place)
+        if frame is None:
+            count = "" if self.frame_count is None else f", which has {self.frame_count}"
+            raise IndexError(f"there is no frame {wanted} in {self.path}{count}")
+        return frame
+
+    def __enter__(self) -> Clip:
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        count = "?" if self.frame_count is None else self.frame_count
+        return (f"<touchable.Clip {self.path}: {count} frames, {self.width}x{self.height}, "
+                f"{self.frames_per_second:.6g} frames/s{', closed' if self.closed else ''}>")
+
+
+def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.PathLike | None = None,
+         preset: str | None = None, fx_px: float | None = None, fy_px: float | None = None,
+         cx_px: float | None = None, cy_px: float | None = None, fov_degrees: float | None = None,
+         metres_per_code: float | None = None) -> Clip:
+    """Opens whatever the program `touchable` opens: a clip, a recording of a camera, a folder of pictures, a picture with
+    depth, the address of a stream. docs/formats.md lists them.
+
+    What a file does not say of its camera is guessed, which clip.notes tell, unless it is said here:
+    colour: False: frames come without colour, which saves decoding.
+    scene_file: a scene file that describes the clip instead of its own.
+    preset: what is known of a camera by name, such as "realsense" or "tum".
+    fx_px, fy_px: focal lengths, pixels (fy_px: as fx_px). cx_px, cy_px: principal point, pixels (the middle).
+    fov_degrees: degrees seen from left to right, where focal lengths are not given.
+    metres_per_code: of a stored 1.
+
+    Raises MissingFileError (a FileNotFoundError) where there is no such file, Error with Status.INPUT where it cannot be
+    read, UsageError (a ValueError) where a setting cannot be. A stream that does not answer is given up after 20 s.
+    """
+    settings = ClipSettings()
+    call("clip_settings_defaults", settings, settings.struct_size)
+    settings.colour = int(colour)
+    if scene_file is not None:
+        settings.scene_file = encoded(scene_file)
+    if preset is not None:
+        settings.preset = preset.encode()
+    given = {"fx_px": fx_px, "fy_px": fx_px if fy_px is None else fy_px, "cx_px": cx_px, "cy_px": cy_px,
+             "fov_degrees": fov_degrees, "metres_per_code": metres_per_code}
+    for name, value in given.items():
+        if value is not None:
+            if not math.isfinite(value):
+                raise _planes.refuse(f"{name} is {value}; right would be a finite number")
+            setattr(settings, name, value)
+    return Clip(path, settings)

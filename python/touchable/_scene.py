@@ -1,0 +1,217 @@
+"""What depth pictures mean: a camera in figures, or a scene, which can say more."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import fractions
+import json
+import math
+import os
+from typing import Any, Literal, Sequence
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import _library, _planes
+from ._library import CameraStruct, SceneFacts, call, made, text_of
+from .errors import UsageError, Status
+
+DepthKind = Literal["planar", "range"]
+_kinds: tuple[DepthKind, DepthKind] = ("planar", "range")  # TOUCH_PLANAR, TOUCH_RANGE
+
+
+def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> NDArray[numpy.float64]:
+    x, y, depth = (numpy.asarray(value, numpy.float64) for value in (x_px, y_px, depth))
+    ray = numpy.stack(numpy.broadcast_arrays((x - facts.cx_px) / facts.fx_px, (facts.cy_px - y) / facts.fy_px, -1.0), -1)
+    if facts.depth_kind == "range":
+        ray = ray / numpy.linalg.norm(ray, axis=-1, keepdims=True)
+    return ray * depth[..., None]
+
+
+@dataclasses.dataclass(frozen=True)
+class Camera:
+    """A pinhole camera, what its depth codes mean, and what its surface feels like. Its scene unit is a metre.
+
+    Every member is one number; what is left out is as stated here.
+
+    width, height: pixels, 1 to 16384; 640 and 480.
+    fx_px, fy_px: focal lengths, pixels. fx_px: 60 degrees are seen from left to right; fy_px: as fx_px.
+    cx_px, cy_px: principal point, pixels, where (0, 0) is the centre of the first pixel; the middle.
+    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it; 0.001.
+    far_m: deeper pixels have no surface, metres; 10.
+    frames_per_second: 0.001 to 1000, used where frames are counted and not timed; 30.
+    stiffness_n_per_m: where no haptic picture says otherwise, N/m; 600.
+    static_friction, dynamic_friction: likewise, coefficients, the second at most the first; 0.4 and 0.3.
+    depth_kind: "planar": depth is along -Z, as depth cameras give it; or "range": along the pixel's ray.
+
+    Raises UsageError (a ValueError) where depth_kind is neither; and where a scene is made of it and a member is out of
+    its range.
+    """
+
+    width: int = 640
+    height: int = 480
+    fx_px: float | None = None
+    fy_px: float | None = None
+    cx_px: float | None = None
+    cy_px: float | None = None
+    metres_per_code: float = 0.001
+    far_m: float = 10.0
+    frames_per_second: float = 30.0
+    stiffness_n_per_m: float = 600.0
+    static_friction: float = 0.4
+    dynamic_friction: float = 0.3
+    depth_kind: DepthKind = "planar"
+
+    def __post_init__(self) -> None:
+        fx = self.width / 2 / math.tan(math.radians(30)) if self.fx_px is None else self.fx_px
+        middle = (self.width - 1) / 2, (self.height - 1) / 2
+        for name, value in ("fx_px", fx), ("fy_px", fx), ("cx_px", middle[0]), ("cy_px", middle[1]):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
+        if self.depth_kind not in _kinds:
+            raise UsageError(Status.USAGE, f"depth_kind is {self.depth_kind!r}; right would be 'planar' or 'range'")
+
+    @classmethod
+    def from_fov(cls, fov_degrees: float, width: int = 640, height: int = 480, **others: Any) -> Camera:
+        """A camera that sees `fov_degrees` from left to right, in a picture of width x height pixels. `others`: further
+        members. Raises UsageError where the angle is not above 0 and below 180 degrees."""
+        if not 0 < fov_degrees < 180:
+            raise UsageError(Status.USAGE, f"fov_degrees is {fov_degrees}; right would be above 0 and below 180")
+        return cls(width, height, width / 2 / math.tan(math.radians(fov_degrees) / 2), **others)
+
+    def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
+        """Where pixels at a depth are, metres: X right, Y up, the camera at the origin looks along -Z.
+
+        `x_px`, `y_px` (pixels; column, row) and `depth_m` (metres, as depth_kind says) are numbers or arrays of any
+        shapes that fit each other, (...). Gives (..., 3) float64. These are goals of fingers, too.
+        """
+        return _points(x_px, y_px, depth_m, self)
+
+    def _struct(self) -> _library.Struct:
+        members = dataclasses.asdict(self)
+        try:
+            return CameraStruct(**{**members, "depth_kind": _kinds.index(self.depth_kind)})
+        except TypeError as problem:
+            raise UsageError(Status.USAGE, f"a member of the camera is no number: {self} ({problem})") from None
+
+
+class Scene:
+    """What pictures mean: camera, coding of depth and height, haptic ranges, filters. It does not change.
+
+    Made by Scene.from_camera, Scene.from_text, or of a clip (clip.scene).
+
+    width, height: of depth pictures, pixels.
+    depth_kind: "planar" or "range", as Camera has it.
+    fx_px, fy_px, cx_px, cy_px: focal lengths and principal point, pixels.
+    metres_per_scene_unit: of the world that the camera saw; 1 for scenes from a camera.
+    near_units, far_units: depths that count, scene units.
+    frames_per_second: of frames that are counted and not timed.
+    hand_metres_per_scene_unit: how far a hand moves for a scene unit, metres, as the scene states it; None: it does not.
+    has_unstated_filters: whether with_filters would choose some.
+    """
+
+    def __init__(self, handle: _library.Handle) -> None:
+        """Of a handle of the C API; programs use Scene.from_camera or Scene.from_text."""
+        self._handle = handle
+        facts = SceneFacts()
+        call("scene_describe", handle.number, facts)
+        self.width: int = facts.width
+        self.height: int = facts.height
+        self.depth_kind: DepthKind = _kinds[facts.depth_kind]
+        self.fx_px: float = facts.fx_px
+        self.fy_px: float = facts.fy_px
+        self.cx_px: float = facts.cx_px
+        self.cy_px: float = facts.cy_px
+        self.metres_per_scene_unit: float = facts.metres_per_scene_unit
+        self.near_units: float = facts.near_units
+        self.far_units: float = facts.far_units
+        self.frames_per_second: float = facts.frames_per_second
+        self.hand_metres_per_scene_unit: float | None = facts.hand_metres_per_scene_unit or None
+        self.has_unstated_filters: bool = bool(facts.unstated_filters)
+
+    @classmethod
+    def from_camera(cls, camera: Camera) -> Scene:
+        """A scene of a camera: unit metre, no filter. Raises UsageError, which names a member out of its range."""
+        return cls(made("scene_from_camera", "scene_destroy", camera._struct()))
+
+    @classmethod
+    def from_text(cls, text: str) -> Scene:
+        """A scene of the text of a scene file (docs/scene_file.md). Raises Error, which names a wrong member."""
+        data = text.encode()
+        return cls(made("scene_from_text", "scene_destroy", data, len(data)))
+
+    @property
+    def text(self) -> str:
+        """The scene as the text of a scene file, JSON, which gives the same scene again, to the last bit."""
+        return text_of("scene_text", self._handle.number)
+
+    @property
+    def camera(self) -> Camera:
+        """The scene as a camera, as far as one can say it. Lengths in metres.
+
+        Where codes are no multiples of a length (rendered depth between two planes), `metres_per_code` is the finest
+        whose codes reach far_m. For pictures of codes keep the scene; the camera is for depth in metres.
+        """
+        said = json.loads(self.text)
+        metric = said["depth"].get("scale") if said["depth"]["coding"] == "metric" else None
+        far_m = self.far_units * self.metres_per_scene_unit
+        feel = said["default_properties"]
+        stiffness = feel["stiffness_n_per_m"] if "stiffness_n_per_m" in feel else feel["stiffness"] * 1000
+        return Camera(
+            self.width, self.height, self.fx_px, self.fy_px, self.cx_px, self.cy_px,
+            metric * self.metres_per_scene_unit if metric else far_m / 65535, far_m, self.frames_per_second,
+            stiffness, feel["static_friction"], feel["dynamic_friction"], self.depth_kind)
+
+    def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
+        """Where pixels at a depth in metres are, in scene units, as Camera.points has it: (..., 3) float64. These are
+        goals of fingers, too."""
+        return _points(x_px, y_px, depth_m, self) / self.metres_per_scene_unit
+
+    def metres(self, depth: ArrayLike) -> NDArray[numpy.float32]:
+        """Depth of a picture of codes in metres; NaN where there is no surface.
+
+        `depth`: (height, width) uint8 or uint16, or of hue coding (height, width, 3) uint8. Gives
+        (height, width) float32, along -Z, or along the pixel's ray where depth_kind is "range".
+        Raises UsageError where shape or kind is not the scene's.
+        """
+        return self._metres(_planes.depth_plane(depth))
+
+    def _metres(self, plane: _library.Plane) -> NDArray[numpy.float32]:
+        metres = numpy.empty((self.height, self.width), numpy.float32)
+        call("scene_metres", self._handle.number, plane, metres.ctypes.data, metres.strides[0])
+        return metres
+
+    def with_filters(self, frames: Sequence[Any]) -> Scene:
+        """The scene with the filters that the program would choose by these frames of a recording, from the first on.
+
+        `frames`: up to 16 Frames, depth arrays or dicts of planes; more are not looked at. Filters that the scene
+        states stay. Raises UsageError where a picture has not the scene's size or kind.
+        """
+        structs = [_planes.frame_struct(frame, number, number) for number, frame in enumerate(frames[:16])]
+        array: Any = (_library.FrameStruct * len(structs))(*structs)
+        size = ctypes.sizeof(_library.FrameStruct)
+        return Scene(made("scene_with_filters", "scene_destroy", self._handle.number, array, size, len(structs)))
+
+    def with_rate(self, frames_per_second: float | fractions.Fraction) -> Scene:
+        """The same scene at another rate, frames per second: a number, or an exact Fraction(30000, 1001)."""
+        rate = fractions.Fraction(frames_per_second).limit_denominator(1_000_000)
+        return Scene.from_text(json.dumps({**json.loads(self.text), "rate": [rate.numerator, rate.denominator]}))
+
+    def __repr__(self) -> str:
+        return (f"<touchable.Scene {self.width}x{self.height}, fx {self.fx_px:.6g} px, unit "
+                f"{self.metres_per_scene_unit:.6g} m, {self.frames_per_second:.6g} frames/s>")
+
+
+def scene_of(meaning: Camera | Scene | None, what: str = "camera") -> Scene:
+    """The scene that was given, or of the camera that was given."""
+    if isinstance(meaning, Scene):
+        return meaning
+    if isinstance(meaning, Camera):
+        return Scene.from_camera(meaning)
+    raise TypeError(f"{what} is {type(meaning).__name__}; right would be a touchable.Camera or a touchable.Scene")
+
+
+def encoded(path: str | os.PathLike) -> bytes:
+    """A path as the C API takes it: UTF-8."""
+    return os.fsencode(path)

@@ -1,0 +1,164 @@
+"""Depth pictures as a surface that can be touched, also while it moves."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import _library, _planes
+from ._clip import Frame
+from ._library import SurfaceSettings, call, made
+from ._scene import Camera, Scene, scene_of
+from .errors import ClosedError, Status
+
+if TYPE_CHECKING:
+    from ._touch import Touched
+
+
+class Surface:
+    """A surface made of depth pictures, still or moving.
+
+    A still one: Surface(depth, camera).touch(path). One that moves: Surface(camera=camera), then push() a picture for
+    each moment, and a Solver that ticks. One thread may push while another ticks; neither waits for the other.
+
+    scene: the Scene that says what the pictures mean.
+    """
+
+    def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
+                 haptic: ArrayLike | None = None, height: ArrayLike | None = None, threads: int = 1,
+                 frames: int = 4) -> None:
+        """A surface; of `depth`, at time 0, if that is given.
+
+        depth: (height, width) uint16 codes (uint8 where a Scene has 8 bits), or floats of metres, where what is not above
+            0 or not finite has no surface; or a Frame of a clip. Any strides; nothing is kept of it.
+        camera: what it means: a Camera or a Scene (with filters: Scene.with_filters). May be left out for a Frame.
+        haptic: (height, width, 3) uint8 codes of stiffness, static and dynamic friction. height: (height, width) codes
+            of roughness. Both as the scene says.
+        threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64.
+
+        Raises UsageError (a ValueError) where a picture has not the scene's size or kind.
+        """
+        meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
+        self.scene: Scene = scene_of(meaning)
+        settings = SurfaceSettings(threads=threads, frames=frames)
+        self._handle = made("surface_create", "surface_destroy", self.scene._handle.number, settings)
+        self._pushed = 0
+        self._first: NDArray[Any] | None = None
+        self._first_metres: NDArray[numpy.float32] | None = None
+        if depth is not None:
+            extra: dict[str, Any] = {"haptic": haptic, "height": height}
+            plain = isinstance(depth, Frame) or all(picture is None for picture in extra.values())
+            self.push(depth if plain else dict(extra, depth=depth), 0)
+        elif haptic is not None or height is not None:
+            raise _planes.refuse("haptic or height is given without depth; right would be all of them, or push()")
+
+    def push(self, frame: Any, time_ns: int | None = None) -> None:
+        """Adds the picture of a later moment.
+
+        frame: a Frame, a depth array, or a dict or tuple of planes (depth, colour, haptic, height), shapes as above.
+        time_ns: when it is there, nanoseconds, later than the one before; None: a Frame's own time, otherwise counted at
+            the scene's frames_per_second.
+
+        Raises Error with Status.FULL while the solver still needs all pictures that there are (try again once it has
+        ticked on), UsageError where the picture is not the scene's or the time not later, ClosedError.
+        """
+        self._check_open()
+        if time_ns is None:
+            counted = round(self._pushed * 1e9 / self.scene.frames_per_second)
+            time_ns = frame.time_ns if isinstance(frame, Frame) else counted
+        struct = _planes.frame_struct(frame, self._pushed, time_ns)
+        call("surface_push", self._handle.number, struct)
+        if self._first is None:
+            self._first = _copy_of(struct.depth)
+        self._pushed += 1
+
+    def begin_epoch(self, epoch: int) -> None:
+        """Times of what is pushed from now on may begin anywhere, as after a seek. `epoch`: a larger number than before;
+        the first is 0. Ticks that name it meet it once two of its pictures are there. Raises UsageError, ClosedError."""
+        self._check_open()
+        call("surface_begin_epoch", self._handle.number, epoch)
+
+    def end_epoch(self) -> None:
+        """The epoch has no more pictures: its last one stands still. Of use where it has only one. Raises ClosedError."""
+        self._check_open()
+        call("surface_end_epoch", self._handle.number)
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Time of the newest picture, nanoseconds; None before the first. In virtual time, push until it is later than
+        the tick's time. Raises ClosedError."""
+        self._check_open()
+        time = ctypes.c_int64()
+        call("surface_newest_ns", self._handle.number, time)
+        return None if time.value == -(2**63) else time.value
+
+    @property
+    def hand_metres_per_scene_unit(self) -> float:
+        """How far a hand moves for a scene unit, metres, unless a solver is told otherwise: what the scene states; else
+        the picture's width at the median depth of the first picture is 0.16 m. Raises UsageError before that one."""
+        self._check_open()
+        scale = ctypes.c_double()
+        call("surface_hand_scale", self._handle.number, scale)
+        return scale.value
+
+    @property
+    def first_metres(self) -> NDArray[numpy.float32]:
+        """Depth of the first picture that was pushed, metres, (height, width) float32, NaN where there is no surface.
+        Raises UsageError before that one."""
+        if self._first_metres is None:
+            if self._first is None:
+                raise _planes.refuse("no picture was pushed yet; push the first one before")
+            floats = self._first.dtype == numpy.float32
+            self._first_metres = self._metres_of(self._first) if floats else self.scene.metres(self._first)
+        return self._first_metres
+
+    def _metres_of(self, depth: NDArray[numpy.float32]) -> NDArray[numpy.float32]:
+        unit = self.scene.metres_per_scene_unit
+        there = (depth > 0) & (depth >= self.scene.near_units * unit) & (depth <= self.scene.far_units * unit)
+        return numpy.where(there, depth, numpy.float32(numpy.nan))
+
+    def touch(self, path: ArrayLike, **settings: Any) -> Touched:
+        """Touches the surface along a path, in one call, from rest at time 0.
+
+        path: (ticks, 3) or (ticks, fingers, 3) float64, a tick for each millisecond: where each finger would be if
+            nothing were in its way (its goal), in scene units: X right, Y up, the camera at the origin looks along -Z.
+            Camera.points gives such places. NaN: no goal; its force goes to zero.
+        settings: members of SolverSettings, such as max_force_n=5.
+
+        Gives a Touched, with arrays of (ticks, fingers, ...). Raises UsageError where the path's shape or a setting
+        cannot be, Error with Status.BUSY while a Solver of the surface is open, ClosedError.
+        """
+        from ._touch import Solver, path_of
+
+        goals = path_of(path)
+        with Solver(self, fingers=goals.shape[1], **settings) as solver:
+            return solver.run(goals)
+
+    def close(self) -> None:
+        """Ends the surface. Raises Error with Status.BUSY while a Solver of it is open. Closing twice does nothing."""
+        if self._handle.closed:
+            return
+        call("surface_destroy", self._handle.number)
+        self._handle.end.detach()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._handle.closed
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ClosedError(Status.STALE, "the surface was closed; make another one")
+
+    def __enter__(self) -> Surface:
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        self.close()
+
+
+def _copy_of(plane: _library.Plane) -> NDArray[Any]:
+    return numpy.array(numpy.asarray(_planes._Owner(plane, None)))

@@ -1,0 +1,371 @@
+"""Fingers on a surface: goals in, forces out, for a tick or for many of them in one call."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import enum
+import os
+import sys
+from typing import Any
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import _clip, _library, _planes
+from ._library import Contact, SolverStruct, Tick, call, made
+from ._scene import Scene
+from ._surface import Surface
+from .errors import ClosedError, Status, error_of
+
+_tick_ns = 1_000_000
+_contact = numpy.dtype([
+    ("struct_size", "u4"), ("guard", "u4"), ("force_n", "f8", 3), ("goal", "f8", 3), ("proxy", "f8", 3),
+    ("pixel", "f8", 2), ("stiffness_n_per_m", "f8"), ("static_friction", "f8"), ("dynamic_friction", "f8"),
+    ("touching", "i4"), ("in_hole", "i4")])  # touch_contact
+assert _contact.itemsize == ctypes.sizeof(Contact)
+
+
+class Guard(enum.IntFlag):
+    """Why a force is not simply the solver's: the bits of Touched.guard. No bit: it is. Numbers without a unit.
+
+    STIFFNESS: stiffness limited to max_stiffness_n_per_m.
+    FORCE: force limited to max_force_n.
+    RAMP: ramping in.
+    FAULT: a goal or a surface was missing or impossible: ramping to zero.
+    RISE: stiffness not yet risen to the map's.
+    DAMPING: a damper's force added.
+    PASSIVITY: the passivity controller's force added.
+    JUMP: the surface jumped: the change of force comes on over 100 ms.
+    WAITING: no force until the finger has been free.
+    GAP: the hand had been left alone.
+    STALE: the surface is too old, or was.
+    """
+
+    STIFFNESS = 1
+    FORCE = 2
+    RAMP = 4
+    FAULT = 8
+    RISE = 16
+    DAMPING = 32
+    PASSIVITY = 64
+    JUMP = 128
+    WAITING = 256
+    GAP = 512
+    STALE = 1024
+
+
+@dataclasses.dataclass(frozen=True)
+class SolverSettings:
+    """How fingers touch. Every member is one number; Solver and touch take them by name. What is left out is as stated.
+
+    metres_per_scene_unit: of the hand, metres: force = stiffness * this * (proxy - goal). As
+        Surface.hand_metres_per_scene_unit says; 1.0 where hand and scene are of one size, as in simulators.
+    max_force_n: per finger, newtons, 1e-6 to 1e9; no force is ever longer; 10.
+    max_stiffness_n_per_m: 1e-3 to 1e12 N/m; 10000.
+    damping_n_s_per_m: of a damper added in contact, N s/m; 0.
+    passivity_n_s_per_m: largest damping of the passivity controller, N s/m; 0: it is off.
+    stribeck_m_per_s: friction falls with speed (Stribeck), m/s; 0: Coulomb's.
+    stale_after_ns: a surface whose newest picture is older ramps away, nanoseconds; 0: never.
+    ramp_in_ticks: from the first tick, and after a fault, milliseconds; 100.
+    ramp_out_ticks: after a goal that is no number, milliseconds; 100.
+    waits_to_be_free: True: no force in a finger that begins inside the surface until it has been free, as a hand wants it;
+        False.
+
+    Raises UsageError (a ValueError) in Solver and touch where a member is out of its range.
+    """
+
+    metres_per_scene_unit: float | None = None
+    max_force_n: float = 10.0
+    max_stiffness_n_per_m: float = 10000.0
+    damping_n_s_per_m: float = 0.0
+    passivity_n_s_per_m: float = 0.0
+    stribeck_m_per_s: float = 0.0
+    stale_after_ns: int = 0
+    ramp_in_ticks: int = 100
+    ramp_out_ticks: int = 100
+    waits_to_be_free: bool = False
+
+    def _struct(self, fingers: int) -> _library.Struct:
+        members = dataclasses.asdict(self)
+        if self.metres_per_scene_unit is None:
+            members["metres_per_scene_unit"] = 0.0
+        elif not self.metres_per_scene_unit > 0:
+            raise _planes.refuse(f"metres_per_scene_unit is {self.metres_per_scene_unit}; right would be above 0")
+        try:
+            return SolverStruct(fingers=fingers, **members)
+        except TypeError as problem:
+            raise _planes.refuse(f"a setting has not its kind of number: {self} ({problem})") from None
+
+
+class Touched:
+    """What fingers met, tick by tick: arrays whose first axes are (ticks, fingers). They share memory with `contacts`.
+
+    contacts: all of it, (ticks, fingers) records, as touch_contact of touchable.h has them.
+    force_hash: of all forces since the solver was made, 16 hexadecimal digits, as the program prints it: equal hashes mean
+        equal forces to the last bit.
+    scene: the Scene that says what the touched pictures mean.
+    first_tick: milliseconds of the hand's time.
+    """
+
+    def __init__(self, contacts: NDArray[Any], force_hash: str, first_tick: int, surface: Surface) -> None:
+        """Of contacts (ticks, fingers); programs get it from touch and Solver.run."""
+        self.contacts = contacts
+        self.force_hash = force_hash
+        self.scene: Scene = surface.scene
+        self.first_tick = first_tick
+        self._surface = surface
+
+    @property
+    def time_s(self) -> NDArray[numpy.float64]:
+        """(ticks,) float64: seconds of the hand's time, 1 ms a tick."""
+        return (self.first_tick + numpy.arange(len(self.contacts))) * 1e-3
+
+    @property
+    def force_n(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers, 3) float64: the force on each finger, newtons; never NaN, never longer than max_force_n."""
+        return self.contacts["force_n"]
+
+    @property
+    def goal(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers, 3) float64, scene units: as given, or the last one that was a number."""
+        return self.contacts["goal"]
+
+    @property
+    def proxy(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers, 3) float64, scene units: where the surface holds the finger; the goal itself out of contact."""
+        return self.contacts["proxy"]
+
+    @property
+    def pixel(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers, 2) float64, pixels: column and row of the proxy; NaN where no pixel sees it."""
+        return self.contacts["pixel"]
+
+    @property
+    def touching(self) -> NDArray[numpy.bool_]:
+        """(ticks, fingers) bool: in contact."""
+        return self.contacts["touching"] != 0
+
+    @property
+    def in_hole(self) -> NDArray[numpy.bool_]:
+        """(ticks, fingers) bool: the proxy rests on a hole's wall or ground."""
+        return self.contacts["in_hole"] != 0
+
+    @property
+    def stiffness_n_per_m(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers) float64, N/m: at the proxy; 0 out of contact."""
+        return self.contacts["stiffness_n_per_m"]
+
+    @property
+    def static_friction(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers) float64, a coefficient: at the proxy; 0 out of contact."""
+        return self.contacts["static_friction"]
+
+    @property
+    def dynamic_friction(self) -> NDArray[numpy.float64]:
+        """(ticks, fingers) float64, a coefficient: at the proxy; 0 out of contact."""
+        return self.contacts["dynamic_friction"]
+
+    @property
+    def guard(self) -> NDArray[numpy.uint32]:
+        """(ticks, fingers) uint32: bits of Guard, why the force is not simply the solver's; 0: it is."""
+        return self.contacts["guard"]
+
+    @property
+    def surface_metres(self) -> NDArray[numpy.float32]:
+        """(height, width) float32, metres: depth of the first picture that was touched; NaN: no surface there."""
+        return self._surface.first_metres
+
+    def __len__(self) -> int:
+        return len(self.contacts)
+
+    def __repr__(self) -> str:
+        ticks, fingers = self.contacts.shape
+        return f"<touchable.Touched: {ticks} ticks, {fingers} fingers, force hash {self.force_hash}>"
+
+
+def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
+    """A path as the C API takes it: (ticks, fingers, 3) float64, side by side. Raises UsageError where it cannot be."""
+    try:
+        goals = numpy.ascontiguousarray(path, numpy.float64)
+    except (TypeError, ValueError) as problem:
+        raise _planes.refuse(f"the path is no array of numbers: {problem}") from None
+    if goals.ndim == 2:
+        goals = goals[:, None, :]
+    if goals.ndim != 3 or goals.shape[2] != 3 or goals.shape[1] == 0:
+        raise _planes.refuse(f"the path has the shape {numpy.shape(path)}; right would be (ticks, 3) or (ticks, fingers, 3)")
+    return goals
+
+
+class Solver:
+    """One to 256 fingers on a surface, which has one solver at a time. Use it in `with`, or close() it.
+
+    surface: what is touched. fingers: how many, 1 to 256. settings: SolverSettings, how they touch.
+    next_tick: the tick that comes next, milliseconds of the hand's time.
+    contacts: what the fingers met in the last tick() (run() leaves it): (fingers,) records with the members of Touched,
+        overwritten by the next one.
+    """
+
+    def __init__(self, surface: Surface, fingers: int = 1, **settings: Any) -> None:
+        """Fingers on a surface, of which a picture was pushed (or metres_per_scene_unit is given).
+
+        settings: members of SolverSettings. Raises UsageError where one cannot be, Error with Status.BUSY where the
+        surface has a solver already, ClosedError.
+        """
+        surface._check_open()
+        self.surface = surface
+        self.fingers = fingers
+        self.settings = SolverSettings(**settings)
+        struct = self.settings._struct(fingers)
+        self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
+        self.next_tick = 0
+        self._tick = Tick()
+        self._goals = numpy.full((fingers, 3), numpy.nan)
+        self.contacts: NDArray[Any] = numpy.zeros(fingers, _contact)
+        self._run = _library.function("solver_run")
+        self._call = (self._handle.number, self._tick, 1, self._goals.ctypes.data, self.contacts.ctypes.data,
+                      _contact.itemsize)
+
+    def tick(self, goals: ArrayLike | None, *, time_ns: int | None = None, tick: int | None = None, epoch: int = 0,
+             epoch_start_ns: int = 0) -> NDArray[numpy.float64]:
+        """One tick, a millisecond of the hand's time. Gives the forces, newtons, (fingers, 3) float64, a new array.
+
+        goals: (fingers, 3), or (3,) of one finger, scene units: where each would be if nothing were in its way. NaN, or
+            None for all: no goal is known; the force goes to zero within ramp_out_ticks.
+        time_ns: the moment of the pictures' clock; None: the tick's own, 1 ms each. Does not go back within an epoch.
+        tick: milliseconds of the hand's time, larger than before; None: the next. Those between were missed.
+        epoch, epoch_start_ns: of the surface, and the moment at which it begins; see Surface.begin_epoch.
+
+        `contacts` then has all of it. Raises UsageError where the shape or the tick cannot be (then nothing happened),
+        ClosedError.
+        """
+        if goals is None:
+            self._goals.fill(numpy.nan)
+        else:
+            given = numpy.asarray(goals, numpy.float64)
+            if given.shape != self._goals.shape and (given.shape != (3,) or self.fingers != 1):
+                raise _planes.refuse(f"goals have the shape {given.shape}; right would be ({self.fingers}, 3)")
+            self._goals[...] = given
+        self._set_tick(tick, time_ns, epoch, epoch_start_ns)
+        status = self._run(*self._call)
+        if status:
+            self._refuse(status)
+        self.next_tick = self._tick.tick + 1
+        return self.contacts["force_n"].copy()
+
+    def run(self, path: ArrayLike, *, time_ns: int | None = None, tick: int | None = None, epoch: int = 0,
+            epoch_start_ns: int = 0) -> Touched:
+        """Many ticks in one call, with the pictures that are there now.
+
+        path: (ticks, fingers, 3), or (ticks, 3) of one finger, scene units; NaN: no goal. The others as of tick(), of
+            the first tick; each later one is a millisecond further. Gives a Touched, and raises as tick() does.
+        """
+        goals = path_of(path)
+        if goals.shape[1] != self.fingers:
+            raise _planes.refuse(f"the path is of {goals.shape[1]} fingers, the solver of {self.fingers}")
+        contacts = numpy.empty(goals.shape[:2], _contact)
+        first = self.next_tick if tick is None else tick
+        self._run_into(goals, contacts, time_ns=time_ns, tick=first, epoch=epoch, epoch_start_ns=epoch_start_ns)
+        return Touched(contacts, self.force_hash, first, self.surface)
+
+    def _run_into(self, goals: NDArray[Any], contacts: NDArray[Any], *, time_ns: int | None = None, tick: int | None = None,
+                  epoch: int = 0, epoch_start_ns: int = 0) -> None:
+        self._set_tick(tick, time_ns, epoch, epoch_start_ns)
+        status = self._run(self._handle.number, self._tick, len(goals), goals.ctypes.data, contacts.ctypes.data,
+                           _contact.itemsize)
+        if status:
+            self._refuse(status)
+        self.next_tick = self._tick.tick + len(goals)
+
+    def _set_tick(self, tick: int | None, time_ns: int | None, epoch: int, epoch_start_ns: int) -> None:
+        now = self._tick
+        now.tick = self.next_tick if tick is None else tick
+        now.time_ns = now.tick * _tick_ns if time_ns is None else time_ns
+        now.epoch, now.epoch_start_ns = epoch, epoch_start_ns
+
+    def _refuse(self, status: int) -> None:
+        self._check_open()
+        if status == Status.USAGE:
+            raise _planes.refuse(f"tick {self._tick.tick} cannot be; right would be {self.next_tick} or a later one")
+        raise error_of(status, _library.line_of(status))
+
+    def come_back(self) -> None:
+        """The hand was away before the next tick: its force comes back by a ramp. Raises ClosedError."""
+        self._check_open()
+        call("solver_come_back", self._handle.number)
+
+    @property
+    def force_hash(self) -> str:
+        """Of all forces since the solver was made: 16 hexadecimal digits, as the program prints it. Raises ClosedError."""
+        self._check_open()
+        value = ctypes.c_uint64()
+        call("solver_force_hash", self._handle.number, value)
+        return f"{value.value:016x}"
+
+    def close(self) -> None:
+        """Ends the solver; the surface may then have another. Closing twice does nothing."""
+        self._handle.end()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._handle.closed
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ClosedError(Status.STALE, "the solver was closed; make another one")
+
+    def __enter__(self) -> Solver:
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        self.close()
+
+
+def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, **settings: Any) -> Touched:
+    """Touches a clip along a path, from its first frame on, in virtual time: a tick for each millisecond, over the surface
+    that the clip has then. Where the clip ends before the path, its last frame stands still.
+
+    clip: a Clip, or the path of one (opened without colour). path: (ticks, 3) or (ticks, fingers, 3) float64, scene units
+    (Scene.points gives such places; clip.scene). settings: members of SolverSettings.
+
+    Filters are those that the program chooses. The forces are those of `touchable touch CLIP --hand csv:FILE`, whose file
+    states these goals (keys columns=..., space=scene), to the last bit: the force hashes are equal.
+    Raises UsageError where the path or a setting cannot be, Error where a frame cannot be read.
+    """
+    goals = path_of(path)
+    if not isinstance(clip, _clip.Clip):
+        with _clip.open(clip, colour=False) as opened:
+            return touch(opened, goals, **settings)
+    ticks, fingers = goals.shape[:2]
+    contacts = numpy.empty((ticks, fingers), _contact)
+    with_frames = _Frames(clip, Surface(camera=clip.touched_scene, frames=8))
+    with_frames.push_until(0)
+    with Solver(with_frames.surface, fingers, **settings) as solver:
+        done = 0
+        while done < ticks:
+            end = min(with_frames.push_until(done), ticks)
+            solver._run_into(goals[done:end], contacts[done:end])
+            done = end
+        return Touched(contacts, solver.force_hash, 0, with_frames.surface)
+
+
+class _Frames:
+    """A clip's frames on their way to a surface, pushed as virtual time comes to them."""
+
+    def __init__(self, clip: _clip.Clip, surface: Surface) -> None:
+        self.surface = surface
+        self._coming = iter(clip)
+        self._over = False
+
+    def push_until(self, tick: int) -> int:
+        """Pushes until a frame later than the tick is there, or none is left. Gives the first tick that needs another."""
+        while not self._over and (newest := self.surface.newest_ns or -1) <= tick * _tick_ns:
+            frame = next(self._coming, None)
+            if frame is None:
+                self._over = True
+            else:
+                self.surface.push(frame)
+        if self._over:
+            return sys.maxsize
+        return (newest - 1) // _tick_ns + 1

@@ -1,0 +1,61 @@
+"""What several tests need: the program, clips that it makes, pictures read without touchable, recordings."""
+import functools
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+import PIL.Image
+import touchable
+
+source = pathlib.Path(os.environ["TOUCHABLE_SOURCE"])
+_folder = tempfile.TemporaryDirectory()
+
+
+def run(*arguments):
+    """What the program says; where it refuses, an exception."""
+    done = subprocess.run([os.environ["TOUCHABLE_PROGRAM"], *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode:
+        raise AssertionError(f"touchable {arguments}: {done.stderr}")
+    return done.stdout
+
+
+@functools.lru_cache(maxsize=None)
+def made(scene, *options):
+    """The path of a clip of a generated scene, made once."""
+    path = os.path.join(_folder.name, f"{scene}{len(os.listdir(_folder.name))}.mkv")
+    run("make", scene, path, *options)
+    return path
+
+
+def globe():
+    """12 frames of 160x120 pixels, with colour, haptic and height pictures, that turn."""
+    return made("globe", "--frames", "12", "--size", "160x120")
+
+
+def png(path):
+    """Codes of a picture, as another program reads it."""
+    with PIL.Image.open(path) as picture:
+        return numpy.array(picture.convert("RGB") if picture.mode == "P" else picture)
+
+
+def recording(name):
+    """The path of a recording beside the checkout; leaves the test out where there is none."""
+    path = pathlib.Path(os.environ["TOUCHABLE_TEST_DATA"]) / name
+    if not path.exists():
+        raise unittest.SkipTest(f"no real data at {path}")
+    return path
+
+
+def hill(width=64, height=48):
+    """Millimetres, uint16, of a hill half a metre away, and its camera."""
+    x, y = numpy.meshgrid(numpy.arange(width) - width / 2, numpy.arange(height) - height / 2)
+    depth = 500 - 30 * numpy.exp(-(x**2 + y**2) / (width / 4) ** 2)
+    return depth.astype(numpy.uint16), touchable.Camera(width, height, fx_px=float(width))
+
+
+def stroke(camera, ticks=300, depth_m=0.475):
+    """A path over the middle, (ticks, 3), from the left to the right, at a depth in metres."""
+    return camera.points(numpy.linspace(5, camera.width - 6, ticks), camera.height / 2, depth_m)

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Builds the wheel of the libraries in a build folder, installs it in a virtual environment, and runs the tests there:
+#     tests/python/run.sh BUILD_DIR
+# Needs of Debian: python3-build python3-setuptools python3-wheel python3-venv python3-pip python3-matplotlib (with numpy
+# and PIL).
+set -euo pipefail
+build=$(realpath "${1:?which folder was built? run.sh build/release}")
+source=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
+python=/usr/bin/python3  # Debian's, which has its packages
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg
+
+for needed in build setuptools wheel pip venv numpy matplotlib PIL; do
+    "$python" -c "import $needed" 2>/dev/null || { echo "$python has no $needed; see the packages in $0" >&2; exit 2; }
+done
+
+# In a copy, so that two builds do not meet and nothing is left in the source.
+cp -r "$source/python" "$source/CMakeLists.txt" "$work"
+TOUCHABLE_LIBRARIES=$build/capi "$python" -m build --wheel --no-isolation --outdir "$work/wheel" "$work/python" \
+    >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+"$python" -m venv --system-site-packages --without-pip "$work/venv"
+"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$work"/wheel/*.whl
+
+cd "$work"  # where no folder `touchable` stands in the way
+unset PYTHONPATH LD_LIBRARY_PATH
+export TOUCHABLE_WHEEL=$(echo "$work"/wheel/*.whl) TOUCHABLE_PROGRAM=$build/player/touchable TOUCHABLE_SOURCE=$source
+export TOUCHABLE_TEST_DATA=${TOUCHABLE_TEST_DATA:-$source/../shared/data} TOUCHABLE_LIBRARIES=$build/capi
+"$work/venv/bin/python" "$source/tests/python/run_tests.py"

@@ -1,0 +1,136 @@
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+import touchable
+from common import globe, png, source
+
+
+def python(*arguments, **options):
+    return subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, **options)
+
+
+class Examples(unittest.TestCase):
+    def says(self, name, *arguments):
+        done = python(source / "examples/python" / name, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        return done.stdout
+
+    def test_AnArrayIsTouchedAndDrawnInFifteenLines(self):
+        with tempfile.TemporaryDirectory() as folder:
+            said = self.says("touch_array.py", folder + "/forces.png")
+            self.assertTrue(2 < float(re.search(r"force (\S+) N", said)[1]) < 4)  # 5 mm at 600 N/m
+            picture = png(folder + "/forces.png")
+            self.assertGreater(min(picture.shape[:2]), 400)
+            self.assertGreater(len(numpy.unique(picture.reshape(-1, picture.shape[2]), axis=0)), 500)
+        lines = (source / "examples/python/touch_array.py").read_text().splitlines()
+        self.assertLessEqual(sum(bool(line.strip()) for line in lines), 15)
+
+    def test_ADeviceIsHeldForASecondOfVirtualTime(self):
+        said = self.says("device_loop.py", "--seconds", "1")
+        self.assertGreater(int(re.search(r"in contact for (\d+) ms", said)[1]), 300)
+        self.assertEqual(said, self.says("device_loop.py", "--seconds", "1"))
+
+    def test_AWallClockCountsWhatIsLate(self):
+        said = self.says("device_loop.py", "--seconds", "0.2", "--wall-clock")
+        self.assertRegex(said, r"\d+ ticks were more than 1 ms late")
+
+    def test_ASimulatorGetsZeroWhereDataIsMissing(self):
+        said = self.says("sim_step.py").splitlines()
+        self.assertEqual(said[3], "step 60: left [3. 3. 3. 3. 3.] N, right [3. 3. 3. 3. 3.] N")
+        self.assertEqual(said[4], "step 75: left [3. 3. 3. 3. 3.] N, right [0. 0. 0. 0. 0.] N")
+
+
+class Plots(unittest.TestCase):
+    def test_SeveralFingersAndHolesAndKindsOfFiles(self):
+        depth = numpy.full((30, 40), 500, numpy.uint16)
+        depth[10:20, 10:20] = 0
+        camera = touchable.Camera(40, 30, fx_px=40.0)
+        path = numpy.stack([camera.points(numpy.linspace(2, 38, 50), y, 0.505) for y in range(5, 25)], 1)
+        with tempfile.TemporaryDirectory() as folder:
+            for fingers in 1, 5, 20:
+                touched = touchable.Surface(depth, camera).touch(path[:, :fingers])
+                figure = touchable.plot(touched, f"{folder}/{fingers}.svg", title="a title")
+                self.assertEqual(figure._suptitle.get_text(), "a title")
+                over_depth, over_time = figure.axes[:2]
+                self.assertEqual(over_time.get_xlabel(), "time [s]")
+                self.assertEqual(len([line for line in over_time.lines]), 4 if fingers == 1 else fingers)
+                self.assertGreater(os.path.getsize(f"{folder}/{fingers}.svg"), 5000)
+            with self.assertRaises(OSError):
+                touchable.plot(touched, folder + "/nowhere/x.png")
+
+    def test_WithoutAPathPyplotShowsIt(self):
+        from matplotlib import pyplot
+
+        depth = numpy.full((30, 40), 500, numpy.uint16)
+        figure = touchable.plot(touchable.Surface(depth, touchable.Camera(40, 30)).touch(numpy.zeros((3, 3))))
+        self.assertIs(pyplot.gcf(), figure)
+        pyplot.close(figure)
+
+    def test_NothingThatIsTouchedIsDrawnToo(self):
+        nothing = touchable.Surface(numpy.zeros((30, 40), numpy.uint16), touchable.Camera(40, 30))
+        with tempfile.TemporaryDirectory() as folder:
+            touchable.plot(nothing.touch(numpy.zeros((3, 3)), metres_per_scene_unit=1), folder + "/x.png")
+            touchable.plot(nothing.touch(numpy.zeros((0, 3)), metres_per_scene_unit=1), folder + "/y.png")
+
+    def test_WithoutMatplotlibItSaysSo(self):
+        done = python("-c", "import sys; sys.modules['matplotlib'] = None\nimport numpy, touchable\n"
+                      "depth = numpy.full((9, 9), 500, numpy.uint16)\n"
+                      "touched = touchable.Surface(depth, touchable.Camera(9, 9)).touch([(0, 0, 0)])\n"
+                      "try: touchable.plot(touched)\nexcept ImportError as problem: print(problem)")
+        self.assertIn("apt install python3-matplotlib", done.stdout)
+
+
+class Libraries(unittest.TestCase):
+    """The package without its own libraries, as a copy of its folder."""
+
+    def package(self, *libraries, broken=()):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        without = shutil.ignore_patterns("lib", "__pycache__")
+        shutil.copytree(os.path.dirname(touchable.__file__), folder.name + "/touchable", ignore=without)
+        os.mkdir(folder.name + "/touchable/lib")
+        for library in libraries:
+            shutil.copy(f"{os.environ['TOUCHABLE_LIBRARIES']}/{library}", folder.name + "/touchable/lib")
+        for library in broken:  # where the system has one, that would be found if it were missing
+            open(f"{folder.name}/touchable/lib/{library}", "w").close()
+        return folder.name
+
+    def test_ThoseOfTheSystemDo(self):
+        environment = {**os.environ, "PYTHONPATH": self.package(), "LD_LIBRARY_PATH": os.environ["TOUCHABLE_LIBRARIES"]}
+        program = f"import touchable; print(len(touchable.open({globe()!r})), touchable.__version__)"
+        done = python("-c", program, env=environment)
+        self.assertEqual(done.stdout, f"12 {touchable.__version__}\n", done.stderr)
+
+    def test_WithoutTheSolverItSaysWhereItComesFrom(self):
+        package = self.package(broken=["libtouchable.so.0"])
+        done = python("-c", "import touchable", env={**os.environ, "PYTHONPATH": package})
+        self.assertRegex(done.stderr, "ImportError: libtouchable.so.0.*Debian package touchable")
+
+    def test_WithoutMediaSurfacesAreTouched(self):
+        program = ("import numpy, touchable\nsurface = touchable.Surface(numpy.full((9, 9), 0.5), touchable.Camera(9, 9))\n"
+                   "print(surface.touch([(0, 0, -0.6)] * 9).touching.all())\ntouchable.open('x')")
+        package = self.package("libtouchable.so.0", broken=["libtouchable-media.so.0"])
+        done = python("-c", program, env={**os.environ, "PYTHONPATH": package})
+        self.assertEqual(done.stdout, "True\n")
+        self.assertRegex(done.stderr, "ImportError: libtouchable-media.so.0, which opens and writes files")
+
+    def test_AWheelWithoutThemIsRefused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            built = shutil.ignore_patterns("build", "dist", "*.egg-info")
+            shutil.copytree(source / "python", folder + "/python", ignore=built)
+            shutil.copy(source / "CMakeLists.txt", folder)
+            done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/python",
+                                  capture_output=True, text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(f"{folder} has no libtouchable.so.0 and no libtouchable-media.so.0", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,209 @@
+import os
+import pickle
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import numpy
+import touchable
+from common import globe, hill, source, stroke
+
+
+class Refusals(unittest.TestCase):
+    """Whatever cannot be gives an exception of the right kind, with one line that says what would be right."""
+
+    def refuses(self, kind, words, called, *arguments, **options):
+        with self.assertRaisesRegex(kind, words) as refused:
+            called(*arguments, **options)
+        self.assertNotIn("\n", str(refused.exception))
+        return refused.exception
+
+    def test_MissingFiles(self):
+        problem = self.refuses(FileNotFoundError, "nowhere.bag", touchable.open, "/nowhere.bag")
+        self.assertIsInstance(problem, touchable.Error)
+        self.assertEqual(problem.status, touchable.Status.INPUT)
+        self.assertEqual(problem.status.name, "INPUT")
+
+    def test_FilesThatAreNoClip(self):
+        with tempfile.NamedTemporaryFile(suffix=".mkv") as file:
+            file.write(b"no clip at all" * 100)
+            file.flush()
+            problem = self.refuses(touchable.Error, re.escape(file.name), touchable.open, file.name)
+            self.assertNotIsInstance(problem, FileNotFoundError)
+
+    def test_SettingsOfClips(self):
+        self.refuses(ValueError, "fov_degrees", touchable.open, globe(), fov_degrees=500)
+        self.refuses(ValueError, "fx_px", touchable.open, globe(), fx_px=-5)
+        self.refuses(ValueError, "metres_per_code.*finite", touchable.open, globe(), metres_per_code=float("nan"))
+        bag = source / "tests/fuzz/seeds/bag/depth_plain.bag"
+        self.refuses(touchable.Error, "kinekt", touchable.open, bag, preset="kinekt")
+        self.refuses(touchable.Error, "scene_file", touchable.open, globe(), preset="tum")
+        self.refuses(TypeError, "", touchable.open, None)
+        self.refuses(TypeError, "", touchable.open, globe(), fov="wide")
+
+    def test_Pictures(self):
+        depth, camera = hill()
+        for words, wrong in {
+            "int64.*uint16": depth.astype(numpy.int64), "bool": depth > 5, r"shape \(\)": numpy.float32(3),
+            r"shape \(3072,\).*\(height, width\)": depth.ravel(), "object": numpy.full((48, 64), None),
+            "64x47|47": depth[:47], "8 bits, 16": depth.astype(numpy.uint8), "masked": numpy.ma.masked_array(depth),
+            "2 channels|shape": numpy.zeros((48, 64, 2), numpy.uint16), "shape": depth[:0], "complex": depth.astype(complex),
+            "<U": "depth.png", "no depth": {"depth": None}, "picture 'color'": {"depth": depth, "color": depth},
+            "tuple of 5": (depth,) * 5,
+        }.items():
+            with self.subTest(words):
+                self.refuses(ValueError, words, touchable.Surface(camera=camera).push, wrong)
+                with tempfile.TemporaryDirectory() as folder:
+                    self.refuses(ValueError, words, touchable.write, folder + "/x.mkv", [wrong], camera=camera)
+                    self.assertEqual(os.listdir(folder), [])
+        self.refuses(ValueError, "colour", touchable.Surface(camera=camera).push, {"depth": depth, "colour": depth})
+        self.refuses(ValueError, "haptic|stiffness", touchable.Surface, depth, camera, haptic=depth.astype(numpy.float32))
+
+    def test_Meanings(self):
+        depth, camera = hill()
+        self.refuses(TypeError, "camera is NoneType.*Camera", touchable.Surface, depth)
+        self.refuses(TypeError, "camera is dict", touchable.Surface, depth, {"fx": 3})
+        self.refuses(ValueError, "camera=touchable.Camera", touchable.write, "/tmp/x.mkv", [depth])
+        self.refuses(ValueError, "one of them", touchable.write, "/tmp/x.mkv", [depth], camera=camera,
+                     scene=touchable.Scene.from_camera(camera))
+        self.refuses(ValueError, "no frames", touchable.write, "/tmp/x.mkv", [], camera=camera)
+        self.refuses(ValueError, "x.avi.*mkv", touchable.write, "/tmp/x.avi", [depth], camera=camera)
+        self.refuses(ValueError, "times_ns", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera, times_ns=[0, 0])
+        self.refuses(ValueError, "nanoseconds", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera, times_ns=[0, 0.5])
+
+    def test_Cameras(self):
+        for words, wrong in {"size|width": {"width": 0}, "far_m": {"far_m": -1}, "metres_per_code": {"metres_per_code": 0},
+                             "camera": {"fx_px": float("nan")}, "friction": {"dynamic_friction": 2},
+                             "no number": {"width": 64.5}, "frames_per_second": {"frames_per_second": 0}}.items():
+            with self.subTest(words):
+                self.refuses(ValueError, words, lambda: touchable.Scene.from_camera(touchable.Camera(**wrong)))
+        self.refuses(ValueError, "planar.*range", touchable.Camera, depth_kind="round")
+        self.refuses(ValueError, "fov_degrees", touchable.Camera.from_fov, 180)
+        self.refuses(touchable.Error, "depht", touchable.Scene.from_text, '{"touchable_scene": 1, "depht": 3}')
+
+    def test_Paths(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        for shape in (3,), (5, 2), (5, 2, 4), (5, 0, 3), (1, 2, 3, 3):
+            wrong = numpy.zeros(shape)
+            self.refuses(ValueError, re.escape(str(wrong.shape)), surface.touch, wrong)
+        for wrong in None, "path", [["a", "b", "c"]], [(1, 2), (3,)]:
+            self.refuses(ValueError, "path", surface.touch, wrong)
+        self.refuses(ValueError, "fingers", surface.touch, numpy.zeros((5, 300, 3)))
+        self.assertEqual(surface.touch(numpy.zeros((0, 3))).force_n.shape, (0, 1, 3))
+        self.assertTrue(numpy.isfinite(surface.touch(numpy.full((50, 3), numpy.inf)).force_n).all())
+
+    def test_Settings(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        self.refuses(ValueError, "max_force|force", surface.touch, stroke(camera), max_force_n=-1)
+        self.refuses(ValueError, "metres_per_scene_unit", surface.touch, stroke(camera), metres_per_scene_unit=0)
+        self.refuses(ValueError, "number", surface.touch, stroke(camera), max_force_n="strong")
+        self.refuses(TypeError, "max_farce", surface.touch, stroke(camera), max_farce_n=3)
+        self.refuses(ValueError, "threads", touchable.Surface, depth, camera, threads=0)
+
+    def test_Ticks(self):
+        depth, camera = hill()
+        with touchable.Solver(touchable.Surface(depth, camera), 2) as solver:
+            self.refuses(ValueError, r"\(3,\).*\(2, 3\)", solver.tick, (0, 0, 0))
+            self.refuses(ValueError, "2", solver.run, stroke(camera))
+            solver.tick(None, tick=10)
+            self.refuses(ValueError, "tick 10.*11", solver.tick, None, tick=10)
+            self.assertEqual(solver.next_tick, 11)
+
+    def test_WhatIsClosed(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        solver = touchable.Solver(surface)
+        busy = self.refuses(touchable.Error, "", surface.close)
+        self.assertEqual(busy.status, touchable.Status.BUSY)
+        self.assertEqual(self.refuses(touchable.Error, "solver", touchable.Solver, surface).status, touchable.Status.BUSY)
+        solver.close()
+        solver.close()
+        self.assertTrue(solver.closed)
+        for used in (lambda: solver.tick(None), lambda: solver.run(stroke(camera)), lambda: solver.force_hash,
+                     solver.come_back):
+            self.refuses(ValueError, "solver was closed", used)
+        surface.close()
+        surface.close()
+        for used in (lambda: surface.push(depth), lambda: surface.touch(stroke(camera)), lambda: surface.newest_ns,
+                     lambda: surface.hand_metres_per_scene_unit, surface.end_epoch):
+            self.refuses(touchable.ClosedError, "surface was closed", used)
+        clip = touchable.open(globe())
+        clip.close()
+        clip.close()
+        for used in (lambda: clip[0], lambda: list(clip), lambda: clip.scene, lambda: clip.touch(stroke(camera))):
+            self.assertEqual(self.refuses(ValueError, "clip.*was closed", used).status, touchable.Status.STALE)
+        self.assertEqual(len(clip), 12)
+
+    def test_PicturesThatComeTooLateOrTooMany(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        self.refuses(ValueError, "later", surface.push, depth, 0)
+        with touchable.Solver(surface) as solver:
+            solver.tick(None)
+            full = None
+            for k in range(1, 9):
+                try:
+                    surface.push(depth, k * 10**9)
+                except touchable.Error as problem:
+                    full = problem.status
+            self.assertEqual(full, touchable.Status.FULL)
+
+    def test_ErrorsTravelBetweenProcesses(self):
+        problem = self.refuses(touchable.Error, "", touchable.open, "/nowhere.bag")
+        again = pickle.loads(pickle.dumps(problem))
+        self.assertEqual((type(again), str(again), again.status), (type(problem), str(problem), problem.status))
+
+
+class CtrlC(unittest.TestCase):
+    """At the end of a wait of a main thread, in a process of its own."""
+
+    def interrupted(self, program, wait_for):
+        with subprocess.Popen([os.sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+            wait_for(process)
+            while process.poll() is None:  # it may not yet wait when the first one comes
+                process.send_signal(signal.SIGINT)
+                try:
+                    process.wait(0.2)
+                except subprocess.TimeoutExpired:
+                    pass
+            self.assertIn(process.returncode, (0, -signal.SIGINT))  # the last one may have come after the end
+            return process.stdout.read()
+
+    def test_EndsTheWaitForAStreamThatSaysNothing(self):
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            program = ("import touchable\ntry:\n    touchable.open('tcp://127.0.0.1:%d')\n"
+                       "except KeyboardInterrupt:\n    print('ended', flush=True)" % server.getsockname()[1])
+            connections = []
+            self.assertEqual(self.interrupted(program, lambda process: connections.append(server.accept())), "ended\n")
+
+    def test_EndsTheWaitForAFrame(self):
+        stream = subprocess.Popen([os.environ["TOUCHABLE_PROGRAM"], "serve", globe(), "tcp://127.0.0.1:0", "--loop"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(stream.wait)
+        self.addCleanup(stream.kill)
+        lines = iter(stream.stdout)
+        address = next(found[0] for line in lines if (found := re.search(r"tcp://127\.0\.0\.1:[1-9]\d*", line)))
+        threading.Thread(target=lambda: list(lines), daemon=True).start()
+        program = ("import touchable\nprint('first', flush=True)\nclip = touchable.open('%s')\nframes = iter(clip)\n"
+                   "try:\n    print(next(frames).depth.shape, flush=True)\n    for frame in frames: pass\n"
+                   "except KeyboardInterrupt:\n    print('ended', flush=True)" % address)
+
+        def wait_for(process):
+            self.assertEqual(process.stdout.readline(), "first\n")
+            self.assertEqual(process.stdout.readline(), "(120, 160)\n")
+            stream.send_signal(signal.SIGSTOP)  # from now on no frame comes
+
+        try:
+            self.assertEqual(self.interrupted(program, wait_for), "ended\n")
+        finally:
+            stream.send_signal(signal.SIGCONT)
+
+
+if __name__ == "__main__":
+    unittest.main()

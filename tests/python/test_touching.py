@@ -1,0 +1,261 @@
+import os
+import re
+import tempfile
+import threading
+import unittest
+
+import numpy
+import touchable
+from common import globe, hill, made, recording, run, stroke
+from touchable import _library
+
+
+def hash_that_the_program_prints(*arguments):
+    return re.search(r"force hash\s+([0-9a-f]{16})", run("touch", *arguments, "--verbose"))[1]
+
+
+class ForcesOfTheProgram(unittest.TestCase):
+    """The program touches with a hand of its own; its goals, from its file of forces, are touched here."""
+
+    def compare(self, clip, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            forces = os.path.join(folder, "forces.csv")
+            expected = hash_that_the_program_prints(clip, *options, "--forces", forces)
+            rows = numpy.genfromtxt(forces, delimiter=",", names=True)
+            fingers = int(rows["finger"].max()) + 1
+            column = lambda name: rows[name].reshape(-1, fingers)
+            path = numpy.stack([column(f"goal_{axis}") for axis in "xyz"], -1)
+            touched = touchable.touch(clip, path)
+            self.assertEqual(touched.force_hash, expected)
+            for k, axis in enumerate("xyz"):
+                self.assertTrue(numpy.array_equal(touched.force_n[..., k], column(f"force_{axis}")))
+                self.assertTrue(numpy.array_equal(touched.proxy[..., k], column(f"proxy_{axis}")))
+                self.assertTrue(numpy.array_equal(touched.goal[..., k], path[..., k]))
+            self.assertTrue(numpy.array_equal(touched.pixel, numpy.stack([column("pixel_x"), column("pixel_y")], -1), True))
+            self.assertTrue(numpy.array_equal(touched.touching, column("contact") == 1))
+            for here, there in ("guard", "guard"), ("stiffness_n_per_m", "stiffness"), ("static_friction", "mu_static"), (
+                    "dynamic_friction", "mu_dynamic"):
+                self.assertTrue(numpy.array_equal(getattr(touched, here), column(there)), here)
+            self.assertGreater(touched.touching.mean(), 0.2)
+            if fingers == 1:
+                again = hash_that_the_program_prints(
+                    clip, "--hand", f"csv:{forces}:columns=goal_x+goal_y+goal_z,time=time_s,space=scene")
+                self.assertEqual(again, expected)
+            return expected
+
+    def test_OneFingerOnATurningGlobe(self):
+        self.compare(globe(), "--seconds", "0.7")  # longer than the clip
+
+    def test_SeveralFingersAndAnotherHand(self):
+        self.compare(globe(), "--seconds", "0.4", "--fingers", "3", "--hand", "stroke")
+
+    def test_AClipOfAFastRate(self):
+        self.compare(made("moving", "--frames", "60", "--rate", "240", "--size", "96x64"), "--seconds", "0.5")
+
+    def test_DepthThatGetsFilters(self):
+        self.compare(made("noise", "--frames", "10"), "--seconds", "0.5", "--hand", "press")
+
+    def test_ASingleFrame(self):
+        self.compare(made("bumps", "--frames", "1", "--size", "96x64"), "--seconds", "0.5")
+
+
+class RealForces(unittest.TestCase):
+    def test_ThoseOfTheProgramOnCastel(self):
+        ForcesOfTheProgram().compare(str(recording("castel_sr300")), "--seconds", "1.2")
+
+
+class Surfaces(unittest.TestCase):
+    def test_AForceIsStiffnessTimesTheWayIn(self):
+        depth = numpy.full((48, 64), 500, numpy.uint16)
+        camera = touchable.Camera(64, 48, fx_px=64, stiffness_n_per_m=400)
+        touched = touchable.Surface(depth, camera).touch(numpy.tile(camera.points(32, 24, 0.505), (200, 1)),
+                                                         metres_per_scene_unit=1)
+        self.assertAlmostEqual(touched.force_n[-1, 0, 2], 400 * 0.005, places=9)
+        self.assertAlmostEqual(touched.proxy[-1, 0, 2], -0.5, places=12)
+        self.assertEqual(touchable.Guard(int(touched.guard[0, 0])), touchable.Guard.RAMP)
+        self.assertEqual(touched.guard[-1, 0], 0)
+        self.assertEqual(touched.time_s[-1], 0.199)
+
+    def test_TicksAndBatchesGiveTheSameBits(self):
+        depth, camera = hill()
+        path = numpy.stack([stroke(camera), stroke(camera, depth_m=0.49)], 1)
+        whole = touchable.Surface(depth, camera).touch(path)
+        self.assertEqual(whole.force_n.shape, (300, 2, 3))
+        with touchable.Solver(touchable.Surface(depth, camera), 2) as solver:
+            forces = [solver.tick(goals) for goals in path[:150]]
+            rest = solver.run(path[150:])
+            self.assertEqual(solver.force_hash, whole.force_hash)
+        self.assertTrue(numpy.array_equal(numpy.concatenate([forces, rest.force_n]), whole.force_n))
+        self.assertEqual(rest.time_s[0], 0.150)
+
+    def test_SurfacesThatMoveArePushedAndTickedAsAClip(self):
+        path = None
+        with touchable.open(globe()) as clip:
+            ticks = numpy.arange(300)
+            depth_m = numpy.float64(clip[0].metres[60, 80]) + 0.001
+            path = clip.scene.points(80 + 20 * numpy.sin(ticks / 50), 60 + 0 * ticks, depth_m + 0 * ticks)
+            surface = touchable.Surface(camera=clip.touched_scene)
+            self.assertIsNone(surface.newest_ns)
+            coming, solver = iter(clip), None
+            for tick in ticks:
+                while (surface.newest_ns if surface.newest_ns is not None else -1) <= tick * 1_000_000:
+                    surface.push(next(coming))
+                solver = solver or touchable.Solver(surface)
+                solver.tick(path[tick])
+            self.assertEqual(solver.force_hash, clip.touch(path).force_hash)
+            self.assertTrue(solver.contacts["touching"].any())
+
+    def test_ASurfaceOfArraysIsThatOfTheirFrame(self):
+        with touchable.open(globe()) as clip:
+            frame = clip[0]
+            path = clip.scene.points(numpy.linspace(60, 100, 200), numpy.full(200, 60.0),
+                                     numpy.full(200, numpy.float64(frame.metres[60, 80]) + 0.002))
+            of_frame = touchable.Surface(frame).touch(path)
+            own = touchable.Surface(frame.depth.copy(), clip.scene, haptic=frame.haptic, height=frame.height)
+            of_arrays = own.touch(path)
+            without = touchable.Surface(frame.depth, clip.scene).touch(path)
+        self.assertEqual(of_frame.force_hash, of_arrays.force_hash)
+        self.assertNotEqual(of_frame.force_hash, without.force_hash)
+
+    def test_MetresAndCodesFeelAlike(self):
+        depth, camera = hill()
+        depth[10:14, 20:30] = 0
+        metres = numpy.where(depth > 0, depth * 0.001, numpy.nan)
+        hashes = {touchable.Surface(given, camera).touch(stroke(camera)).force_hash
+                  for given in (depth, metres, metres.astype(numpy.float32), depth[::-1][::-1], numpy.asfortranarray(depth))}
+        self.assertEqual(len(hashes), 1)
+
+    def test_AGoalThatIsMissingLetsTheForceGoToZero(self):
+        depth, camera = hill()
+        for missing in None, numpy.full(3, numpy.nan):
+            with touchable.Solver(touchable.Surface(depth, camera)) as solver:
+                inside = camera.points(32, 24, 0.48)
+                before = [solver.tick(inside) for _ in range(200)][-1]
+                after = [solver.tick(missing) for _ in range(101)]
+                self.assertGreater(numpy.linalg.norm(before), 0.1)
+                self.assertEqual(numpy.abs(after[-1]).max(), 0)
+                self.assertTrue(numpy.isfinite(after).all())
+                self.assertTrue(solver.contacts["guard"][0] & touchable.Guard.FAULT)
+
+    def test_NoForceIsLongerThanItsLimit(self):
+        depth, camera = hill()
+        path = stroke(camera, depth_m=0.6)
+        touched = touchable.Surface(depth, camera).touch(path, metres_per_scene_unit=1, max_force_n=1.5)
+        longest = numpy.linalg.norm(touched.force_n, axis=-1).max()
+        self.assertTrue(1.4 < longest <= 1.5 + 1e-12)
+        self.assertTrue((touched.guard & touchable.Guard.FORCE).any())
+
+    def test_AnEpochBeginsAnywhere(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        solver = touchable.Solver(surface)
+        inside = camera.points(32, 24, 0.50)
+        [solver.tick(inside) for _ in range(150)]
+        surface.begin_epoch(1)
+        surface.push(depth + numpy.uint16(100), 5_000_000_000)
+        surface.end_epoch()
+        for k in range(300):
+            force = solver.tick(inside, time_ns=5_000_000_000 + k * 1_000_000, epoch=1, epoch_start_ns=5_000_000_000)
+        self.assertEqual(numpy.abs(force).max(), 0)  # the surface of the other epoch is 100 mm deeper
+
+    def test_OneThreadPushesWhileAnotherTicks(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        faults, pushed = [], threading.Event()
+
+        def push():
+            for k in range(1, 60):
+                while True:
+                    try:
+                        surface.push(depth + numpy.uint16(k % 3), k * 1_000_000)
+                        break
+                    except touchable.Error as problem:
+                        if problem.status != touchable.Status.FULL:
+                            faults.append(problem)
+                            return
+            pushed.set()
+
+        thread = threading.Thread(target=push)
+        with touchable.Solver(surface) as solver:
+            thread.start()
+            while thread.is_alive():
+                force = solver.tick(camera.points(32, 24, 0.48))
+                self.assertTrue(numpy.isfinite(force).all())
+            thread.join()
+        self.assertEqual(faults, [])
+        self.assertTrue(pushed.is_set())
+        self.assertEqual(surface.newest_ns, 59_000_000)
+
+    def test_HandlesEndWithTheirObjectsAlsoInCycles(self):
+        depth, camera = hill(16, 12)
+
+        class Owner:
+            pass
+
+        for _ in range(1500):  # there is room for 1024 of each
+            owner = Owner()
+            owner.surface = touchable.Surface(depth, camera)
+            owner.solver, owner.itself = touchable.Solver(owner.surface), owner
+        self.assertEqual(owner.solver.tick((0, 0, 0)).shape, (1, 3))
+
+
+class CamerasAndScenes(unittest.TestCase):
+    def test_DefaultsAreThoseOfTheLibrary(self):
+        struct = _library.CameraStruct()
+        _library.call("camera_defaults", struct, struct.struct_size)
+        mine = touchable.Camera()._struct()
+        for name, _ in struct._fields_:
+            self.assertAlmostEqual(getattr(mine, name), getattr(struct, name), places=10, msg=name)
+        settings = _library.SolverStruct()
+        _library.call("solver_settings_defaults", settings, settings.struct_size)
+        mine = touchable.SolverSettings()._struct(1)
+        for name, _ in settings._fields_:
+            self.assertEqual(getattr(mine, name), getattr(settings, name), name)
+
+    def test_StructsHaveTheSizesOfTheLibrary(self):
+        for name, struct in (("surface_settings_defaults", _library.SurfaceSettings), (
+                "clip_settings_defaults", _library.ClipSettings), ("writer_settings_defaults", _library.WriterSettings), (
+                "frame_defaults", _library.FrameStruct)):
+            value = struct()
+            self.assertEqual(_library.function(name)(value, value.struct_size), touchable.Status.OK, name)
+
+    def test_PointsAreWhereThePixelsLook(self):
+        camera = touchable.Camera(64, 48, 80, 90, 31, 23)
+        self.assertTrue(numpy.allclose(camera.points(31, 23, 2), (0, 0, -2)))
+        self.assertTrue(numpy.allclose(camera.points([31 + 80, 31], [23, 23 - 90], [1, 2]), [(1, 0, -1), (0, 2, -2)]))
+        along_rays = touchable.Camera(64, 48, 80, 90, 31, 23, depth_kind="range")
+        self.assertAlmostEqual(numpy.linalg.norm(along_rays.points(5, 7, 2)), 2)
+        self.assertEqual(camera.points(numpy.zeros((3, 4)), 0, 1).shape, (3, 4, 3))
+
+    def test_TheSurfaceIsWherePointsSayItIs(self):
+        depth, camera = hill()
+        x, y = numpy.array((20.0, 30.0, 40.0)), 20.0
+        depth_m = depth[20, [20, 30, 40]] * 0.001
+        over, under = (camera.points(x, y, depth_m + way)[None].repeat(5, 0) for way in (-0.0001, 0.0001))
+        surface = touchable.Surface(depth, camera)
+        self.assertFalse(surface.touch(over).touching.any())
+        self.assertTrue(surface.touch(under).touching.all())
+
+    def test_FieldsOfViewAreAngles(self):
+        camera = touchable.Camera.from_fov(90, 640, 480, far_m=3)
+        self.assertAlmostEqual(camera.fx_px, 320)
+        self.assertEqual((camera.fy_px, camera.cx_px, camera.cy_px, camera.far_m), (camera.fx_px, 319.5, 239.5, 3))
+
+    def test_FiltersAreChosenByFrames(self):
+        with touchable.open(made("noise", "--frames", "10")) as clip:
+            self.assertTrue(clip.scene.has_unstated_filters)
+            chosen = clip.scene.with_filters(clip[:10])
+            self.assertEqual(chosen.text, clip.touched_scene.text)
+            self.assertFalse(chosen.has_unstated_filters)
+            self.assertNotEqual(chosen.text, clip.scene.text)
+
+    def test_MetresOfCodes(self):
+        scene = touchable.Scene.from_camera(touchable.Camera(4, 3, far_m=2))
+        codes = numpy.array([[0, 1, 1000, 1999], [2000, 2001, 65535, 3], [4, 5, 6, 7]], numpy.uint16)
+        expected = numpy.where((codes > 0) & (codes <= 2000), codes * 0.001, numpy.nan)
+        self.assertTrue(numpy.allclose(scene.metres(codes), expected, equal_nan=True))
+        self.assertTrue(numpy.allclose(scene.metres(codes.T.copy().T), expected, equal_nan=True))
+
+
+if __name__ == "__main__":
+    unittest.main()

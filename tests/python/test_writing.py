@@ -1,0 +1,135 @@
+import os
+import tempfile
+import unittest
+import warnings
+
+import numpy
+import touchable
+from common import globe, hill, png
+
+
+def ramp(count, shape=(24, 32)):
+    """Pictures of all kinds of codes."""
+    size = shape[0] * shape[1]
+    return [(numpy.arange(size) * 37 + k * 1000 & 0xFFFF).astype(numpy.uint16).reshape(shape) for k in range(count)]
+
+
+class Writing(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.camera = touchable.Camera(32, 24, far_m=66)
+
+    def path(self, name="out.mkv"):
+        return os.path.join(self.folder, name)
+
+    def read(self, name="out.mkv", role="depth"):
+        with touchable.open(self.path(name)) as clip:
+            return [getattr(frame, role).copy() for frame in clip]
+
+    def test_AClipIsWrittenBackToTheSameBytes(self):
+        with touchable.open(globe()) as clip:
+            self.assertEqual(touchable.write(self.path(), clip, exact_colour=True), 12)
+            with touchable.open(self.path()) as back:
+                for frame, again in zip(clip, back):
+                    for role in "depth", "haptic", "height":
+                        self.assertEqual(getattr(frame, role).tobytes(), getattr(again, role).tobytes(), role)
+                    self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
+
+    def test_EveryCodeOfAnArrayIsKeptInEachKindOfFile(self):
+        for name in "out.mkv", "out.mp4", "folder", "small.mkv":
+            with self.subTest(name):
+                written = touchable.write(self.path(name), iter(ramp(3)), camera=self.camera, small="small" in name)
+                self.assertEqual(written, 3)
+                self.assertTrue(numpy.array_equal(self.read(name), ramp(3)))
+        self.assertTrue(numpy.array_equal(png(self.path("folder/depth_000001.png")), ramp(3)[1]))
+
+    def test_StridesOfEveryKindAreReadAsNumpyReadsThem(self):
+        wide = numpy.arange(48 * 64, dtype=numpy.uint16).reshape(48, 64)
+        for way, array in {
+            "every second": wide[::2, ::2], "upside down": wide[24:][::-1, :32], "right to left": wide[:24, 63:31:-1],
+            "columns first": numpy.asfortranarray(wide[:24, :32]), "a part": wide[5:29, 7:39],
+            "swapped bytes": wide[:24, :32].astype(">u2"), "the same row": numpy.broadcast_to(wide[:1, :32], (24, 32)),
+            "odd place": numpy.frombuffer(b"x" + wide[:24, :32].tobytes(), numpy.uint16, offset=1).reshape(24, 32),
+        }.items():
+            with self.subTest(way):
+                touchable.write(self.path(), [array], camera=self.camera, overwrite=True)
+                self.assertTrue(numpy.array_equal(self.read()[0], array))
+
+    def test_FloatsAreMetresToTheNearestCode(self):
+        metres = numpy.linspace(0.3, 5, 24 * 32).reshape(24, 32)
+        metres[0, :6] = numpy.nan, numpy.inf, -1, 0, -numpy.inf, 70
+        for kind in numpy.float64, numpy.float32, numpy.dtype(">f4"):
+            touchable.write(self.path(), [metres.astype(kind)], camera=self.camera, overwrite=True)
+            codes = self.read()[0]
+            self.assertTrue((codes[0, :6] == 0).all())
+            self.assertLessEqual(numpy.abs(codes[1:] * 0.001 - metres[1:]).max(), 0.0005001)
+
+    def test_DictsAndTuplesHavePicturesBesideDepth(self):
+        colour = numpy.arange(24 * 32 * 3, dtype=numpy.uint8).reshape(24, 32, 3)
+        depth = ramp(1)[0]
+        touchable.write(self.path(), [{"depth": depth, "colour": colour, "haptic": colour[::-1]}], camera=self.camera,
+                        exact_colour=True)
+        self.assertTrue(numpy.array_equal(self.read(role="colour")[0], colour))
+        self.assertTrue(numpy.array_equal(self.read(role="haptic")[0], colour[::-1]))
+        touchable.write(self.path("tuple.mkv"), [(depth, colour)], camera=self.camera, exact_colour=True)
+        self.assertTrue(numpy.array_equal(self.read("tuple.mkv", "colour")[0], colour))
+
+    def test_AnExceptionOnTheWayLeavesNoFile(self):
+        def frames():
+            yield ramp(1)[0]
+            raise RuntimeError("the camera is gone")
+
+        for name in "out.mkv", "out.mp4", "folder":
+            with self.assertRaisesRegex(RuntimeError, "the camera is gone"):
+                touchable.write(self.path(name), frames(), camera=self.camera)
+        with self.assertRaisesRegex(touchable.UsageError, "frame 1.*33x24"):
+            touchable.write(self.path(), [ramp(1)[0], ramp(1, (24, 33))[0]], camera=self.camera)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_WhatIsThereIsReplacedOnlyWhereThatIsAsked(self):
+        touchable.write(self.path(), ramp(1), camera=self.camera)
+        with self.assertRaises(FileExistsError) as refused:
+            touchable.write(self.path(), ramp(2), camera=self.camera)
+        self.assertIsInstance(refused.exception, touchable.Error)
+        self.assertEqual(refused.exception.status, touchable.Status.USAGE)
+        self.assertEqual(len(self.read()), 1)
+        touchable.write(self.path(), ramp(2), camera=self.camera, overwrite=True)
+        self.assertEqual(len(self.read()), 2)
+
+    def test_RateAndTimesAreKept(self):
+        touchable.write(self.path(), ramp(3), camera=self.camera, fps=12.5)
+        times = [0, 10_000_000, 55_000_000]
+        touchable.write(self.path("times.mkv"), ramp(3), camera=self.camera, times_ns=times)
+        with touchable.open(self.path()) as even, touchable.open(self.path("times.mkv")) as uneven:
+            self.assertEqual(even.scene.frames_per_second, 12.5)
+            self.assertEqual([frame.time_ns for frame in uneven], times)
+            touchable.write(self.path("again.mkv"), uneven)
+            with touchable.open(self.path("again.mkv")) as again:
+                self.assertEqual([frame.time_ns for frame in again], times)
+            with self.assertWarnsRegex(UserWarning, "times_ns"):
+                touchable.write(self.path("lost.mkv"), list(uneven))
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                touchable.write(self.path("fast.mkv"), even)
+                touchable.write(self.path("said.mkv"), uneven[:2], times_ns=times[:2])
+
+    def test_TheCameraComesBackToTheLastBit(self):
+        camera = touchable.Camera(32, 24, 31.7, 30.1, 15.25, 11.75, 0.00025, 7.5, 29.97, 432.1, 0.6, 0.5)
+        touchable.write(self.path(), ramp(1), camera=camera)
+        with touchable.open(self.path()) as clip:
+            self.assertEqual(clip.camera, camera)
+            self.assertEqual(touchable.Scene.from_text(clip.scene.text).text, clip.scene.text)
+
+    def test_DepthOfAHillIsTouchedAlikeBeforeAndAfter(self):
+        depth, camera = hill()
+        path = camera.points(numpy.linspace(5, 58, 200), 24.0, 0.48)
+        touchable.write(self.path(), [depth], camera=camera)
+        before = touchable.Surface(depth, touchable.Scene.from_camera(camera).with_filters([depth])).touch(path)
+        self.assertEqual(touchable.touch(self.path(), path).force_hash, before.force_hash)
+        self.assertTrue(before.touching.any())
+
+
+if __name__ == "__main__":
+    unittest.main()
