@@ -167,7 +167,7 @@ TEST(HostileClips, EachGivesAStatus) {
     for (unsigned seed = 1; seed <= 10; ++seed) {
         const TemporaryFolder folder;
         HostileReader program(seed, folder);
-        for (int k = 0; k < 400; ++k) {
+        for (int k = 0; k < 1000; ++k) {
             const touch_status status = program.call();
             ASSERT_STRNE(touch_status_name(status), "unknown status");
             ASSERT_NE(status, TOUCH_INTERNAL);

@@ -6,6 +6,7 @@ root=$1
 # Whatever follows goes into that folder: it has to be a root of its own.
 [[ -x $root/usr/bin/apt-get && ! $root -ef / ]] || { echo "in_bare_root.sh: '$root' is no root folder of Debian" >&2; exit 2; }
 
+touch "$TOUCHABLE_ROOT_IS_THERE"  # what fails from here on is a fault of what is installed
 say() { printf '\n== %s\n' "$*"; }
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C DEBIAN_FRONTEND=noninteractive "$@"; }
 # By the root's own apt, inside: nothing of this machine changes.
