@@ -14,7 +14,7 @@ namespace {
 
 constexpr int largest_size = 16384;
 
-struct PlaneName {
+struct PlaneRules {
     const char* name;
     bool may_be_float;
 };
@@ -28,7 +28,7 @@ std::int64_t row_bytes(const touch_plane& plane) {
 }
 
 /// What of a plane can be told without its scene.
-Result<void> check_plane(const touch_plane& plane, const PlaneName& role) {
+Result<void> check_plane(const touch_plane& plane, const PlaneRules& role) {
     if (plane.width < 1 || plane.width > largest_size || plane.height < 1 || plane.height > largest_size)
         return plane_error(role.name, "has an impossible size; right would be 1 to 16384 pixels each way");
     if (plane.channels != 1 && plane.channels != 3)
@@ -88,15 +88,18 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
         return plane_error("depth",
                            "is of floats, but every code of the scene is a depth, and none means no surface");
     codes.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
+    // As floats, which the far plane's depth has become as well.
+    const auto near = static_cast<float>(scene.depth.near * scene.metres_per_unit),
+               far = static_cast<float>(scene.depth.far * scene.metres_per_unit);
     const auto* first = static_cast<const unsigned char*>(plane.data);
     std::size_t place = 0;
     for (std::int64_t y = 0; y < plane.height; ++y)
         for (std::int64_t x = 0; x < plane.width; ++x) {
             float metres;
             std::memcpy(&metres, first + y * plane.stride_bytes + 4 * x, sizeof metres);
-            const double depth = static_cast<double>(metres) / scene.metres_per_unit;
-            const bool there = depth > 0 && depth >= scene.depth.near && depth <= scene.depth.far;
-            codes[place++] = there ? scene.depth.code(depth) : *none;
+            const bool there = metres > 0 && metres >= near && metres <= far;
+            codes[place++] =
+                there ? scene.depth.code(static_cast<double>(metres) / scene.metres_per_unit) : *none;
         }
     return PlaneView{reinterpret_cast<const std::uint8_t*>(codes.data()),
                      std::ptrdiff_t{2} * plane.width,
@@ -108,16 +111,20 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
 
 }  // namespace
 
-Result<RawFrame> raw_frame(const touch_frame& given, const Scene& scene, FrameScratch& scratch) {
-    if (!has_known_size(&given)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
-    if (given.number < 0) return usage_error("the frame's number is below 0");
+Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch) {
+    if (!has_known_size(&frame)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
+    const touch_frame given = over_defaults(frame, touch_frame{});
+    if (given.number < 0 || !is_countable(given.number))
+        return usage_error("the frame's number is out of range; right would be 0 to 2^60");
+    if (!is_countable(given.time_ns))
+        return usage_error("the frame's time_ns is out of range; right would be -2^60 to 2^60");
     RawFrame raw;
     raw.number = given.number;
     raw.time_ns = given.time_ns;
     const struct {
         const touch_plane& from;
         PlaneView& to;
-        PlaneName role;
+        PlaneRules role;
     } planes[] = {{given.depth, raw.depth, {"depth", true}},
                   {given.colour, raw.colour, {"colour", false}},
                   {given.haptic, raw.haptic, {"haptic", false}},
@@ -126,6 +133,7 @@ Result<RawFrame> raw_frame(const touch_frame& given, const Scene& scene, FrameSc
         const auto& [from, to, role] = planes[k];
         if (!from.data) continue;
         if (auto sound = check_plane(from, role); !sound) return sound.error();
+        // Before any of it is read: there may be less of it than it says.
         if (from.width != scene.width || from.height != scene.height)
             return plane_error(role.name, "is " + std::to_string(from.width) + "x" +
                                               std::to_string(from.height) + ", the scene says " +

@@ -67,6 +67,7 @@ public:
         const std::size_t place = id & 0xffffffffU;
         if (place >= capacity || id == 0) return {};
         Slot& slot = slots_[place];
+        if (slot.id.load(std::memory_order_acquire) != id) return {};
         if (slot.users.fetch_add(1, std::memory_order_acq_rel) >= 0 &&
             slot.id.load(std::memory_order_acquire) == id)
             return Use(slot);
@@ -74,8 +75,8 @@ public:
         return {};
     }
 
-    /// Busy where somebody uses it, or `is_free` says no.
-    Removal remove(std::uint64_t id, const std::function<bool(T&)>& is_free = {}) {
+    /// Busy where somebody uses it.
+    Removal remove(std::uint64_t id) {
         std::shared_ptr<T> last;  // ends after the lock
         const std::lock_guard lock(mutex_);
         const std::size_t place = id & 0xffffffffU;
@@ -85,14 +86,11 @@ public:
         int nobody = 0;
         if (!slot.users.compare_exchange_strong(nobody, gone, std::memory_order_acq_rel))
             return Removal::busy;
-        const bool free = !is_free || is_free(*slot.object);
-        if (free) {
-            slot.id.store(0, std::memory_order_release);
-            last = std::move(slot.object);
-            slot.object = nullptr;
-        }
+        slot.id.store(0, std::memory_order_release);
+        last = std::move(slot.object);
+        slot.object = nullptr;
         slot.users.fetch_sub(gone, std::memory_order_release);
-        return free ? Removal::removed : Removal::busy;
+        return Removal::removed;
     }
 
     /// Looks at all of them, of which none is removed meanwhile.

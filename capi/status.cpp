@@ -56,13 +56,9 @@ touch_status status_of(Removal removal) noexcept {
     }
 }
 
-touch_status fail_stale(touch_error* error, std::string_view kind) noexcept {
-    constexpr std::string_view what = ": this handle was destroyed, or never was one of this kind";
-    char line[128];
-    const std::size_t length = std::min(kind.size(), sizeof line - what.size());
-    std::copy_n(kind.data(), length, line);
-    std::copy(what.begin(), what.end(), line + length);
-    return fail(error, TOUCH_STALE, {line, length + what.size()});
+touch_status fail_stale(touch_error* error, const char* kind) {
+    return fail(error, TOUCH_STALE,
+                std::string(kind) + ": this handle was destroyed, or never was one of this kind");
 }
 
 }  // namespace touchable::capi

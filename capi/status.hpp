@@ -22,16 +22,26 @@ namespace touchable::capi {
 touch_status fail(touch_error* error, touch_status status, std::string_view line) noexcept;
 touch_status fail(touch_error* error, const Error& what) noexcept;
 /// Of a handle of this kind, such as "surface".
-touch_status fail_stale(touch_error* error, std::string_view kind) noexcept;
+touch_status fail_stale(touch_error* error, const char* kind);
 
 /// Of an object that was to be destroyed.
 touch_status status_of(Removal removal) noexcept;
 
-/// Whether a struct that a program hands over has a size that this library knows: at least that of the first
-/// version, at most its own.
+/// Size of a struct in the first version that had it, the least that a program may say. A struct that grows
+/// gets a specialisation with the size that it had.
 template <class T>
-bool has_known_size(const T* given, std::size_t first_version = sizeof(T)) {
-    return given && given->struct_size >= first_version && given->struct_size <= sizeof(T);
+inline constexpr std::size_t first_size = sizeof(T);
+
+/// Whether a struct that a program hands over has a size that this library knows.
+template <class T>
+bool has_known_size(const T* given) {
+    return given && given->struct_size >= first_size<T> && given->struct_size <= sizeof(T);
+}
+
+/// Ticks and times that are far from where a count would run over.
+constexpr bool is_countable(std::int64_t value) {
+    constexpr std::int64_t farthest = std::int64_t{1} << 60;
+    return value >= -farthest && value <= farthest;
 }
 
 /// `defaults`, with what the program's struct has of it in their place.
@@ -39,6 +49,16 @@ template <class T>
 T over_defaults(const T& given, T defaults) {
     std::memcpy(&defaults, &given, given.struct_size);
     return defaults;
+}
+
+/// Writes as much as a struct of this size has room for, and the size. TOUCH_USAGE: it is one that this
+/// library does not know.
+template <class T>
+touch_status give_defaults(const T& defaults, T* to, std::uint32_t struct_size) noexcept {
+    if (!to || struct_size < first_size<T> || struct_size > sizeof(T)) return TOUCH_USAGE;
+    std::memcpy(to, &defaults, struct_size);
+    to->struct_size = struct_size;
+    return TOUCH_OK;
 }
 
 /// Writes as much as the program's struct has room for.
@@ -83,6 +103,12 @@ touch_status give_handle(HandleTable<Object, most>& table, std::shared_ptr<Objec
                     "there are " + std::to_string(most) + " of these already; end one first");
     handle.id = *id;
     return TOUCH_OK;
+}
+
+/// Ends the object of a handle.
+template <class Object, std::size_t most, class Handle>
+touch_status end(HandleTable<Object, most>& table, Handle handle) noexcept {
+    return without_exceptions(nullptr, [&]() -> touch_status { return status_of(table.remove(handle.id)); });
 }
 
 }  // namespace touchable::capi

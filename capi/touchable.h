@@ -17,8 +17,9 @@
  * minor version may change.
  *
  * Rules that every function keeps:
- *   - It returns a status; 0 is TOUCH_OK. Where it takes a touch_error, that gets one line that says what is wrong
- *     and what would be right. The error may be NULL.
+ *   - It returns a status; 0 is TOUCH_OK. (touch_version and touch_status_name alone do not.) Where it takes a
+ *     touch_error, that gets one line that says what is wrong and what would be right; it stays as it is where the
+ *     status is TOUCH_OK. The error may be NULL.
  *   - Handles are numbers. A handle that was destroyed, or was never made, gives TOUCH_STALE; nothing crashes.
  *   - Structs begin with their size, which you set to sizeof; a newer library understands an older program.
  *     The *_defaults functions set it, and every member.
@@ -26,8 +27,8 @@
  *   - No exception comes out, nothing is printed, no thread starts unless you ask for threads, and neither locale
  *     nor signals are touched.
  *   - "Real-time" in a description: it does not allocate, lock, wait or call the system. All others may do.
- *   - "Threads": two threads may use different objects at once. Of one object they may use what is said there;
- *     whoever comes second otherwise gets TOUCH_BUSY.
+ *   - "Threads": two threads may use different objects at once. Use one object from one thread at a time, unless
+ *     its functions say otherwise; a second thread gets TOUCH_BUSY.
  */
 #ifndef TOUCHABLE_H
 #define TOUCHABLE_H
@@ -106,7 +107,7 @@ typedef struct touch_camera {
 } touch_camera;
 
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
- * 0.4 and 0.3. `struct_size`: sizeof(touch_camera) of your program. TOUCH_USAGE: NULL, or a size that is none. */
+ * 0.4 and 0.3. `struct_size`: sizeof(touch_camera) of your program. TOUCH_USAGE: NULL, or a size that this library does not know. */
 TOUCH_API touch_status touch_camera_defaults(touch_camera *camera, uint32_t struct_size);
 /** A scene of a camera; its scene unit is a metre, and no filter is on (see touch_scene_with_filters). TOUCH_USAGE:
  * a member is out of its range, which the error names. */
@@ -159,7 +160,7 @@ typedef struct touch_plane {
     int32_t channels;     /**< 1, or 3 (red, green, blue) side by side */
 } touch_plane;
 
-/** The pictures of one moment. Only depth must be there; every frame has the pictures of the first one. */
+/** The pictures of one moment. Only depth must be there. */
 typedef struct touch_frame {
     uint32_t struct_size; /**< sizeof this struct, of your program; you set it */
     int32_t reserved;    /**< 0 */
@@ -205,7 +206,7 @@ typedef struct touch_surface_settings {
 } touch_surface_settings;
 
 /** Fills in 1 thread and 4 frames. `struct_size`: sizeof(touch_surface_settings) of your program. TOUCH_USAGE: NULL,
- * or a size that is none. */
+ * or a size that this library does not know. */
 TOUCH_API touch_status touch_surface_settings_defaults(touch_surface_settings *settings, uint32_t struct_size);
 /** A surface without a frame. `settings` may be NULL: defaults. TOUCH_USAGE: a setting is out of its range. */
 TOUCH_API touch_status touch_surface_create(touch_scene scene, const touch_surface_settings *settings,
@@ -221,7 +222,7 @@ TOUCH_API touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t
 /** The epoch has no more frames: its last one stands still, also where it is the only one. Not yet
  * stable. */
 TOUCH_API touch_status touch_surface_end_epoch(touch_surface surface);
-/** Time of the newest frame; INT64_MIN before the first. In virtual time, push until it is later than the tick's
+/** Time of the newest frame; INT64_MIN before the first one of an epoch. In virtual time, push until it is later than the tick's
  * time. Any thread. Real-time. */
 TOUCH_API touch_status touch_surface_newest_ns(touch_surface surface, int64_t *time_ns);
 /** How far a hand moves for a scene unit, in metres, as the program `touchable` chooses it: what the scene states;
@@ -305,7 +306,7 @@ typedef struct touch_contact {
 } touch_contact;
 
 /** Fills in what stands beside each member. `struct_size`: sizeof(touch_solver_settings) of your program. TOUCH_USAGE:
- * NULL, or a size that is none. */
+ * NULL, or a size that this library does not know. */
 TOUCH_API touch_status touch_solver_settings_defaults(touch_solver_settings *settings, uint32_t struct_size);
 /** A solver of the surface. `settings` may be NULL: defaults. A surface has one solver at a time (TOUCH_BUSY).
  * TOUCH_USAGE: a setting is out of its range, or metres_per_scene_unit is 0 and no frame was pushed yet. */
@@ -334,7 +335,8 @@ TOUCH_API touch_status touch_solver_destroy(touch_solver solver);
 /* ---- Clips: libtouchable-media ------------------------------------------------------------------------------- */
 
 /** A file of any kind that the program `touchable` opens, a folder of pictures, or the address of a stream. While one
- * is open its decoders may run threads of their own. Not real-time, none of it. */
+ * is open its decoders may run threads of their own, and FFmpeg's log is off in this process (av_log_set_level). Not
+ * real-time, none of it. */
 typedef struct touch_clip {
     uint64_t id; /**< 0 is never a clip */
 } touch_clip;
@@ -354,7 +356,7 @@ typedef struct touch_clip_settings {
 } touch_clip_settings;
 
 /** Fills in what stands beside each member. `struct_size`: sizeof(touch_clip_settings) of your program. TOUCH_USAGE:
- * NULL, or a size that is none. Not yet stable. */
+ * NULL, or a size that this library does not know. Not yet stable. */
 TOUCH_API touch_status touch_clip_settings_defaults(touch_clip_settings *settings, uint32_t struct_size);
 /** Opens a clip at its first frame. `path`: UTF-8. `settings` may be NULL: defaults. TOUCH_INPUT: the file is not
  * there, or none that can be read. TOUCH_USAGE: a setting is out of its range. A stream that does not answer is given
@@ -436,7 +438,7 @@ typedef struct touch_writer_settings {
 } touch_writer_settings;
 
 /** Fills in what stands beside each member. `struct_size`: sizeof(touch_writer_settings) of your program. TOUCH_USAGE:
- * NULL, or a size that is none. Not yet stable. */
+ * NULL, or a size that this library does not know. Not yet stable. */
 TOUCH_API touch_status touch_writer_settings_defaults(touch_writer_settings *settings, uint32_t struct_size);
 /** Begins a clip. By its name `path` (UTF-8) it becomes NAME.mkv, NAME.mp4, or a folder of PNG pictures (a name without
  * a dot). Depth, haptic and height pictures keep every value. `settings` may be NULL: defaults. TOUCH_USAGE: it is

@@ -115,6 +115,12 @@ public:
         detail::check(touch_scene_text(get(), text.data(), text.size(), &length));
         return text;
     }
+    /// Depth in metres, row after row without gaps: the scene's width x height.
+    void metres(const touch_plane& depth, float* metres) const {
+        touch_error error = detail::no_error();
+        detail::check(touch_scene_metres(get(), &depth, metres, std::int64_t{4} * facts().width, &error),
+                      error);
+    }
     /// touch_scene_with_filters.
     Scene with_filters(const std::vector<touch_frame>& frames) const {
         touch_error error = detail::no_error();

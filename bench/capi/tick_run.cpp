@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/clocks.hpp"
+#include "capi/frames.hpp"
 #include "capi/touchable.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/frame/surface_timeline.hpp"
@@ -58,11 +59,6 @@ struct TimedSecond {
     }
 };
 
-touch_plane plane_of(const PlaneView& view) {
-    if (view.empty()) return {};
-    return {view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels};
-}
-
 /// The solver without the C API, as the program's sessions call it.
 class OwnTicks {
 public:
@@ -112,9 +108,9 @@ public:
             touch_frame frame = touch::frame();
             frame.number = raw->number;
             frame.time_ns = raw->time_ns;
-            frame.depth = plane_of(raw->depth);
-            frame.haptic = plane_of(raw->haptic);
-            frame.height = plane_of(raw->height);
+            frame.depth = capi::plane_for_program(raw->depth);
+            frame.haptic = capi::plane_for_program(raw->haptic);
+            frame.height = capi::plane_for_program(raw->height);
             frames_.push_back(frame);
         }
     }

@@ -1,10 +1,10 @@
 // touch_clip_* and touch_frameset_*: whatever the program opens, as framesets.
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "capi/frames.hpp"
+#include "capi/media/clip_settings.hpp"
 #include "capi/media/clip_words.hpp"
 #include "capi/media/open_clips.hpp"
 #include "capi/status.hpp"
@@ -32,52 +32,6 @@ HandleTable<FramesetObject, most_framesets>& framesets() {
 
 constexpr std::int64_t last_with_a_time = std::int64_t{1} << 40;  // FrameRate
 
-/// A number that a program set, or 0 for "not said".
-bool is_said(double value) {
-    return value != 0;
-}
-
-Error refuse_member(const char* member, const char* right) {
-    return usage_error(std::string(member) + " is out of range; right would be " + right);
-}
-
-bool is_within(double value, double least, double most) {
-    return value >= least && value <= most;  // of NaN it is not
-}
-
-Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& settings) {
-    SourceDescription known;
-    constexpr double longest_px = 1e9;
-    if (is_said(settings.fx_px) || is_said(settings.fy_px)) {
-        if (!(settings.fx_px > 0 && settings.fx_px <= longest_px && settings.fy_px > 0 &&
-              settings.fy_px <= longest_px))
-            return refuse_member("fx_px or fy_px", "above 0, or both 0");
-        known.intrinsics = Intrinsics{.fx = settings.fx_px, .fy = settings.fy_px};
-        const auto place = [](double px) { return std::isnan(px) ? std::nullopt : std::optional(px); };
-        known.intrinsics->cx = place(settings.cx_px);
-        known.intrinsics->cy = place(settings.cy_px);
-        if (std::isinf(settings.cx_px) || std::isinf(settings.cy_px))
-            return refuse_member("cx_px or cy_px", "pixels, or NaN for the middle");
-    }
-    if (is_said(settings.fov_degrees)) {
-        if (!is_within(settings.fov_degrees, 1, 179)) return refuse_member("fov_degrees", "1 to 179");
-        if (known.intrinsics)
-            return usage_error("fx_px and fov_degrees are both set; right would be one of them");
-        known.fov = settings.fov_degrees;
-    }
-    if (is_said(settings.metres_per_code)) {
-        if (!is_within(settings.metres_per_code, 1e-9, 1e6))
-            return refuse_member("metres_per_code", "1e-9 to 1e6");
-        known.metres_per_code = settings.metres_per_code;
-    }
-    if (settings.preset) known.preset = settings.preset;
-    if (known == SourceDescription{}) return std::optional<SourceDescription>();
-    if (settings.scene_file)
-        return usage_error(
-            "scene_file is set, and something of the camera beside it; right would be one of them");
-    return std::optional(std::move(known));
-}
-
 touch_clip_facts facts_of(const ClipObject& clip) {
     const Scene& scene = clip.described.scene;
     const bool is_hue = scene.depth.kind == DepthCodingKind::hue;
@@ -100,24 +54,30 @@ touch_clip_facts facts_of(const ClipObject& clip) {
     return facts;
 }
 
-/// What the clip's first frames tell; leaves it where it was. Where frames are damaged, those before them
-/// count.
-Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
-    if (clip.next_frame != 0)
-        if (auto back = clip.reader->seek(0); !back) return back.error();
-    DepthEstimator estimator(clip.described.scene);
-    Prefetch ahead(std::move(clip.reader));
+/// Looks at first frames. Where a later one is damaged, those before it count.
+Result<void> look_ahead(Prefetch& ahead, DepthEstimator& estimator) {
     for (bool is_first = true; !estimator.enough(); is_first = false) {
         const auto frame = ahead.next();
         if (!frame && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
         if (!frame || !*frame) break;
         estimator.add(**frame);
     }
+    return {};
+}
+
+/// What the clip's first frames tell; whatever comes of it, the clip is where it was.
+Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
+    if (clip.next_frame != 0)
+        if (auto back = clip.reader->seek(0); !back) return back.error();
+    DepthEstimator estimator(clip.described.scene);
+    Prefetch ahead(std::move(clip.reader));
+    const auto looked = look_ahead(ahead, estimator);
     auto whole = ahead.finish();
     if (!whole) return whole.error();
     clip.reader = std::move(*whole);
     if (clip.next_frame != 0)
         if (auto there = clip.reader->seek(clip.next_frame); !there) return there.error();
+    if (!looked) return looked.error();
     return estimator.measured();
 }
 
@@ -158,12 +118,7 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
 }  // namespace touchable::capi
 
 touch_status touch_clip_settings_defaults(touch_clip_settings* settings, uint32_t struct_size) {
-    if (!settings || struct_size != sizeof *settings) return TOUCH_USAGE;
-    *settings = {};
-    settings->struct_size = struct_size;
-    settings->colour = 1;
-    settings->cx_px = settings->cy_px = std::nan("");
-    return TOUCH_OK;
+    return give_defaults(default_clip_settings(), settings, struct_size);
 }
 
 touch_status touch_clip_open(const char* path, const touch_clip_settings* settings, touch_clip* clip,
@@ -173,8 +128,7 @@ touch_status touch_clip_open(const char* path, const touch_clip_settings* settin
             return fail(
                 error, TOUCH_USAGE,
                 "path or clip is NULL, path is empty, or struct_size is not sizeof(touch_clip_settings)");
-        touch_clip_settings wanted;
-        touch_clip_settings_defaults(&wanted, sizeof wanted);
+        touch_clip_settings wanted = default_clip_settings();
         if (settings) wanted = over_defaults(*settings, wanted);
         const auto known = known_of(wanted);
         if (!known) return fail(error, known.error());
@@ -232,12 +186,17 @@ touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_er
     return without_exceptions(error, [&]() -> touch_status {
         if (!frameset) return fail(error, TOUCH_USAGE, "frameset is NULL");
         return with_reader(clip, error, [&](ClipObject& object) {
-            auto frame = object.reader->next();
-            if (!frame) return fail(error, with_members(frame.error()));
-            if (!*frame) return fail(error, TOUCH_END, "the clip has no more frames");
-            object.next_frame = (*frame)->number + 1;
-            return give_handle(framesets(), std::make_shared<FramesetObject>(std::move(**frame)), *frameset,
-                               error);
+            if (!object.unclaimed) {
+                auto frame = object.reader->next();
+                if (!frame) return fail(error, with_members(frame.error()));
+                if (!*frame) return fail(error, TOUCH_END, "the clip has no more frames");
+                object.unclaimed = std::make_shared<FramesetObject>(std::move(**frame));
+                object.next_frame = object.unclaimed->number + 1;
+            }
+            const touch_status given = give_handle(framesets(), object.unclaimed, *frameset, error);
+            if (given != TOUCH_OK) return given;  // it comes again, once there is room
+            object.unclaimed.reset();
+            return TOUCH_OK;
         });
     });
 }
@@ -249,6 +208,7 @@ touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error)
         return with_reader(clip, error, [&](ClipObject& object) -> touch_status {
             if (auto there = object.reader->seek(frame); !there) return fail(error, there.error());
             object.next_frame = frame;
+            object.unclaimed.reset();
             return TOUCH_OK;
         });
     });
@@ -264,7 +224,7 @@ touch_status touch_clip_interrupt(touch_clip clip) {
 }
 
 touch_status touch_clip_close(touch_clip clip) {
-    return without_exceptions(nullptr, [&]() -> touch_status { return status_of(clips().remove(clip.id)); });
+    return end(clips(), clip);
 }
 
 touch_status touch_frameset_frame(touch_frameset frameset, touch_frame* frame) {
@@ -283,6 +243,5 @@ touch_status touch_frameset_frame(touch_frameset frameset, touch_frame* frame) {
 }
 
 touch_status touch_frameset_release(touch_frameset frameset) {
-    return without_exceptions(nullptr,
-                              [&]() -> touch_status { return status_of(framesets().remove(frameset.id)); });
+    return end(framesets(), frameset);
 }

@@ -7,10 +7,10 @@
 
 #include "capi/frames.hpp"
 #include "capi/media/open_clips.hpp"
+#include "capi/scene_text.hpp"
 #include "capi/status.hpp"
 #include "engine/clip/frame_check.hpp"
 #include "engine/clip/image_folder_writer.hpp"
-#include "engine/scene/scene_file.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 using namespace touchable;
@@ -38,20 +38,16 @@ HandleTable<WriterObject>& writers() {
 }
 
 /// A scene of the other library, by the text that says all of it.
-Result<SceneDescription> described_by(touch_scene scene) {
+touch_status read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {
     std::size_t length = 0;
-    if (touch_scene_text(scene, nullptr, 0, &length) != TOUCH_OK)
-        return usage_error("scene: this handle was destroyed, or never was one of this kind");
+    if (touch_scene_text(scene, nullptr, 0, &length) != TOUCH_OK) return fail_stale(error, "scene");
     std::string text(length, '\0');
     if (touch_scene_text(scene, text.data(), text.size(), &length) != TOUCH_OK || length != text.size())
-        return usage_error("scene: it was destroyed meanwhile");
-    auto described = parse_scene(text, "the scene's text");
-    if (!described) return described.error();
-    auto settled = settle(*described, {});
-    if (!settled) return settled.error();
-    SceneDescription whole(std::move(*settled));
-    whole.unstated.filters = described->unstated.filters;
-    return whole;
+        return fail_stale(error, "scene");
+    auto whole = scene_of_text(text);
+    if (!whole) return fail(error, whole.error());
+    described = std::move(*whole);
+    return TOUCH_OK;
 }
 
 Result<void> take_times(const touch_writer_settings& settings, Scene& scene) {
@@ -140,10 +136,7 @@ Result<void> finish(WriterObject& object) {
 }  // namespace touchable::capi
 
 touch_status touch_writer_settings_defaults(touch_writer_settings* settings, uint32_t struct_size) {
-    if (!settings || struct_size != sizeof *settings) return TOUCH_USAGE;
-    *settings = {};
-    settings->struct_size = struct_size;
-    return TOUCH_OK;
+    return give_defaults(touch_writer_settings{}, settings, struct_size);
 }
 
 touch_status touch_writer_create(const char* path, touch_scene scene, const touch_writer_settings* settings,
@@ -161,13 +154,13 @@ touch_status touch_writer_create(const char* path, touch_scene scene, const touc
             return fail(error, TOUCH_USAGE,
                         place.string() + ": right would be NAME.mkv, NAME.mp4, or the name of a folder");
         if (auto free = check_place(place, wanted.overwrite != 0); !free) return fail(error, free.error());
-        auto described = described_by(scene);
-        if (!described) return fail(error, described.error());
-        if (auto timed = take_times(wanted, described->scene); !timed) return fail(error, timed.error());
-        auto made = create_writer(place, *described, wanted);
+        SceneDescription described;
+        if (const touch_status read = read_scene(scene, described, error); read != TOUCH_OK) return read;
+        if (auto timed = take_times(wanted, described.scene); !timed) return fail(error, timed.error());
+        auto made = create_writer(place, described, wanted);
         if (!made) return fail(error, made.error());
         return give_handle(writers(),
-                           std::make_shared<WriterObject>(std::move(described->scene), std::move(*made)),
+                           std::make_shared<WriterObject>(std::move(described.scene), std::move(*made)),
                            *writer, error);
     });
 }
@@ -187,18 +180,24 @@ touch_status touch_writer_write(touch_writer writer, const touch_frame* frame, t
 touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
         std::shared_ptr<WriterObject> object;
-        if (const auto use = writers().find(writer.id))
+        {
+            const auto use = writers().find(writer.id);
+            if (!use) return fail_stale(error, "writer");
             object = use.shared();
-        else
-            return fail_stale(error, "writer");
-        if (const auto removal = writers().remove(writer.id); removal != Removal::removed)
-            return fail(error, status_of(removal), "another thread is writing this clip");
+        }
+        switch (writers().remove(writer.id)) {
+            case Removal::busy:
+                return fail(error, TOUCH_BUSY, "another thread is writing this clip");
+            case Removal::stale:  // another thread has ended it meanwhile
+                return fail_stale(error, "writer");
+            case Removal::removed:
+                break;
+        }
         if (auto finished = finish(*object); !finished) return fail(error, finished.error());
         return TOUCH_OK;
     });
 }
 
 touch_status touch_writer_abandon(touch_writer writer) {
-    return without_exceptions(nullptr,
-                              [&]() -> touch_status { return status_of(writers().remove(writer.id)); });
+    return end(writers(), writer);
 }

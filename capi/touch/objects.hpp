@@ -26,7 +26,8 @@ struct MetresOfCodes {
 
 /// Behind a touch_scene. It does not change.
 struct SceneObject {
-    SceneDescription described;  ///< its scene is settled; what is unstated stays said
+    SceneDescription
+        described;  ///< its scene is settled; `unstated` lists the filters that the text leaves open
     std::shared_ptr<MetresOfCodes> metres_of_codes = std::make_shared<MetresOfCodes>();
     const Scene& scene() const { return described.scene; }
 };
@@ -53,14 +54,17 @@ struct SurfaceObject {
     std::atomic<bool> has_solver{false};
 };
 
-/// Behind a touch_solver.
+HandleTable<SceneObject>& scenes();
+HandleTable<SurfaceObject>& surfaces();
+
+/// Behind a touch_solver. Its use of the surface keeps that from being destroyed.
 struct SolverObject {
-    SolverObject(std::shared_ptr<SurfaceObject> surface, const TouchSolver& solver,
+    SolverObject(HandleTable<SurfaceObject>::Use surface, const TouchSolver& solver,
                  const GuardSettings& guard, int fingers)
         : surface(std::move(surface)), solver(solver), step(this->solver, guard, fingers) {}
     ~SolverObject() { surface->has_solver.store(false, std::memory_order_release); }
 
-    const std::shared_ptr<SurfaceObject> surface;
+    const HandleTable<SurfaceObject>::Use surface;
     const TouchSolver solver;
     std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards what follows
     TouchStep step;
@@ -69,8 +73,6 @@ struct SolverObject {
     FramePair pair;
 };
 
-HandleTable<SceneObject>& scenes();
-HandleTable<SurfaceObject>& surfaces();
 HandleTable<SolverObject>& solvers();
 
 }  // namespace touchable::capi

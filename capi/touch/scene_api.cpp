@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string>
 
+#include "capi/scene_text.hpp"
 #include "capi/status.hpp"
 #include "capi/touch/objects.hpp"
 #include "engine/frame/stored_code.hpp"
@@ -30,6 +31,12 @@ Error camera_error(const char* member, const std::string& right) {
     return usage_error(std::string(member) + " of the camera is out of range; right would be " + right);
 }
 
+/// A far plane at a code's depth has that code on it, however the product of code and scale is rounded.
+double far_plane(const touch_camera& camera) {
+    const double on_code = std::round(camera.far_m / camera.metres_per_code) * camera.metres_per_code;
+    return std::abs(on_code - camera.far_m) < 1e-9 * camera.far_m ? on_code : camera.far_m;
+}
+
 Result<Scene> scene_of(const touch_camera& camera) {
     const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
     if (camera.depth_kind != TOUCH_PLANAR && camera.depth_kind != TOUCH_RANGE)
@@ -50,7 +57,7 @@ Result<Scene> scene_of(const touch_camera& camera) {
     scene.depth.semantics = camera.depth_kind == TOUCH_RANGE ? DepthSemantics::range : DepthSemantics::planar;
     scene.depth.scale = camera.metres_per_code;
     scene.depth.code_max = 65535;
-    scene.depth.far = camera.far_m;
+    scene.depth.far = far_plane(camera);
     scene.depth_bits = 16;
     scene.default_properties = {camera.stiffness_n_per_m, camera.static_friction, camera.dynamic_friction};
     derive_valid_range(scene.depth);
@@ -78,15 +85,38 @@ touch_scene_facts facts_of(const SceneObject& object) {
     return facts;
 }
 
+/// Whether frames may lie so far from each other, where they may lie.
+bool holds_frames(std::size_t stride) {
+    constexpr std::size_t widest = std::size_t{1} << 20;
+    return stride >= first_size<touch_frame> && stride <= widest && stride % alignof(touch_frame) == 0;
+}
+
+touch_camera default_camera() {
+    constexpr double focal_length = 554.2562584220408;  // 320 / tan 30 degrees
+    return {sizeof(touch_camera),
+            640,
+            480,
+            TOUCH_PLANAR,
+            focal_length,
+            focal_length,
+            319.5,
+            239.5,
+            0.001,
+            10,
+            30,
+            600,
+            0.4,
+            0.3};
+}
+
 /// What frames of a recording tell of its depth; nothing where they have no surface.
 Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned char* frames,
                                              std::size_t stride, std::size_t count) {
     DepthEstimator estimator(scene);
     FrameScratch scratch;
     for (std::size_t k = 0; k < count && !estimator.enough(); ++k) {
-        touch_frame frame;
-        std::memcpy(&frame, frames + k * stride, sizeof frame);
-        auto raw = raw_frame(frame, scene, scratch);
+        const auto* frame = reinterpret_cast<const touch_frame*>(frames + k * stride);
+        auto raw = raw_frame(*frame, scene, scratch);
         if (!raw) return error_at("frame " + std::to_string(k) + " of those given", raw.error());
         estimator.add(*raw);
     }
@@ -121,11 +151,7 @@ void write_metres(const PlaneView& depth, const DepthCoding& coding, const std::
 }  // namespace touchable::capi
 
 touch_status touch_camera_defaults(touch_camera* camera, uint32_t struct_size) {
-    if (!camera || struct_size != sizeof *camera) return TOUCH_USAGE;
-    constexpr double focal_length = 554.2562584220408;  // 320 / tan 30 degrees
-    *camera = {struct_size, 640,   480, TOUCH_PLANAR, focal_length, focal_length, 319.5,
-               239.5,       0.001, 10,  30,           600,          0.4,          0.3};
-    return TOUCH_OK;
+    return give_defaults(default_camera(), camera, struct_size);
 }
 
 touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* scene, touch_error* error) {
@@ -133,7 +159,7 @@ touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* sc
         if (!scene || !has_known_size(camera))
             return fail(error, TOUCH_USAGE,
                         "camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
-        auto made = scene_of(*camera);
+        auto made = scene_of(over_defaults(*camera, default_camera()));
         if (!made) return fail(error, made.error());
         auto object = std::make_shared<SceneObject>(SceneObject{std::move(*made)});
         object->described.unstated.filters = all_unstated;
@@ -146,12 +172,9 @@ touch_status touch_scene_from_text(const char* text, size_t length, touch_scene*
         constexpr std::size_t longest = std::size_t{1} << 28;
         if (!text || !scene || length > longest)
             return fail(error, TOUCH_USAGE, "text or scene is NULL, or the text is longer than 256 MiB");
-        auto described = parse_scene({text, length}, "the scene's text");
+        auto described = scene_of_text({text, length});
         if (!described) return fail(error, described.error());
-        auto settled = settle(*described, {});
-        if (!settled) return fail(error, settled.error());
-        auto object = std::make_shared<SceneObject>(SceneObject{std::move(*settled)});
-        object->described.unstated.filters = described->unstated.filters;
+        auto object = std::make_shared<SceneObject>(SceneObject{std::move(*described)});
         return give_handle(scenes(), std::move(object), *scene, error);
     });
 }
@@ -175,8 +198,7 @@ touch_status touch_scene_describe(touch_scene scene, touch_scene_facts* facts) {
 }
 
 touch_status touch_scene_destroy(touch_scene scene) {
-    return without_exceptions(nullptr,
-                              [&]() -> touch_status { return status_of(scenes().remove(scene.id)); });
+    return end(scenes(), scene);
 }
 
 touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, float* metres,
@@ -204,7 +226,7 @@ touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, flo
 touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* frames, size_t frame_stride_bytes,
                                       size_t count, touch_scene* filtered, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
-        if (!filtered || (!frames && count > 0) || (count > 1 && frame_stride_bytes < sizeof(touch_frame)))
+        if (!filtered || (!frames && count > 0) || (count > 1 && !holds_frames(frame_stride_bytes)))
             return fail(error, TOUCH_USAGE, "frames or filtered is NULL, or frame_stride_bytes is too small");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_stale(error, "scene");

@@ -42,7 +42,7 @@ GuardSettings guard_of(const touch_solver_settings& settings) {
 }
 
 /// Takes the surface for its own, and gives it back where nothing comes of it.
-touch_status create(const std::shared_ptr<SurfaceObject>& surface, const touch_solver_settings& wanted,
+touch_status create(HandleTable<SurfaceObject>::Use surface, const touch_solver_settings& wanted,
                     touch_solver& solver, touch_error* error) {
     const GuardSettings guard = guard_of(wanted);
     if (auto valid = validate(guard); !valid) return fail(error, TOUCH_USAGE, valid.error().message);
@@ -60,10 +60,11 @@ touch_status create(const std::shared_ptr<SurfaceObject>& surface, const touch_s
     if (surface->has_solver.exchange(true, std::memory_order_acq_rel))
         return fail(error, TOUCH_BUSY, "the surface has a solver already; destroy that first");
     std::shared_ptr<SolverObject> object;
+    SurfaceObject& taken = *surface;
     try {
-        object = std::make_shared<SolverObject>(surface, *made, guard, wanted.fingers);
+        object = std::make_shared<SolverObject>(std::move(surface), *made, guard, wanted.fingers);
     } catch (...) {
-        surface->has_solver.store(false, std::memory_order_release);
+        taken.has_solver.store(false, std::memory_order_release);
         throw;
     }
     return give_handle(solvers(), std::move(object), solver, error);
@@ -92,10 +93,7 @@ touch_contact contact_of(const Contact& contact, const GuardedForce& guarded) {
 }
 
 bool is_sound(const touch_tick& tick) {
-    // Far from where a count would run over.
-    constexpr std::int64_t farthest = std::int64_t{1} << 60;
-    const auto fits = [](std::int64_t value) { return value >= -farthest && value <= farthest; };
-    return fits(tick.tick) && fits(tick.time_ns) && fits(tick.epoch_start_ns);
+    return is_countable(tick.tick) && is_countable(tick.time_ns) && is_countable(tick.epoch_start_ns);
 }
 
 /// Of a solver that nobody else uses.
@@ -119,16 +117,14 @@ void run_tick(SolverObject& solver, std::int64_t tick, const MediaMoment& moment
 }  // namespace touchable::capi
 
 touch_status touch_solver_settings_defaults(touch_solver_settings* settings, uint32_t struct_size) {
-    if (!settings || struct_size != sizeof *settings) return TOUCH_USAGE;
     const GuardSettings guard;
-    *settings = {};
-    settings->struct_size = struct_size;
-    settings->fingers = 1;
-    settings->max_force_n = guard.max_force;
-    settings->max_stiffness_n_per_m = guard.max_stiffness;
-    settings->ramp_in_ticks = guard.ramp_in_ticks;
-    settings->ramp_out_ticks = guard.ramp_out_ticks;
-    return TOUCH_OK;
+    touch_solver_settings defaults{};
+    defaults.fingers = 1;
+    defaults.max_force_n = guard.max_force;
+    defaults.max_stiffness_n_per_m = guard.max_stiffness;
+    defaults.ramp_in_ticks = guard.ramp_in_ticks;
+    defaults.ramp_out_ticks = guard.ramp_out_ticks;
+    return give_defaults(defaults, settings, struct_size);
 }
 
 touch_status touch_solver_create(touch_surface surface, const touch_solver_settings* settings,
@@ -142,9 +138,9 @@ touch_status touch_solver_create(touch_surface surface, const touch_solver_setti
         if (settings) wanted = over_defaults(*settings, wanted);
         if (wanted.fingers < 1 || wanted.fingers > most_fingers)
             return fail(error, TOUCH_USAGE, "fingers is out of range; right would be 1 to 256");
-        const auto use = surfaces().find(surface.id);
+        auto use = surfaces().find(surface.id);
         if (!use) return fail_stale(error, "surface");
-        return create(use.shared(), wanted, *solver, error);
+        return create(std::move(use), wanted, *solver, error);
     });
 }
 
@@ -156,20 +152,22 @@ touch_status touch_solver_tick(touch_solver solver, const touch_tick* tick, cons
 touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size_t count,
                               const touch_vec3* goals, touch_contact* contacts, size_t contact_stride_bytes) {
     constexpr std::size_t most_ticks = std::size_t{1} << 40, widest = 1 << 20;
-    if (!has_known_size(first) || !is_sound(*first) || !goals || !contacts || count > most_ticks ||
-        contact_stride_bytes < sizeof(touch_contact) || contact_stride_bytes > widest)
+    if (!has_known_size(first) || !goals || !contacts || count > most_ticks ||
+        contact_stride_bytes < first_size<touch_contact> || contact_stride_bytes > widest)
         return TOUCH_USAGE;
+    const touch_tick begin = over_defaults(*first, touch_tick{});
+    if (!is_sound(begin)) return TOUCH_USAGE;
     const auto use = solvers().find(solver.id);
     if (!use) return TOUCH_STALE;
     const TryLock lock(use->ticking);
     if (!lock) return TOUCH_BUSY;
-    if (use->last_tick && first->tick <= *use->last_tick) return TOUCH_USAGE;
+    if (use->last_tick && begin.tick <= *use->last_tick) return TOUCH_USAGE;
     const auto fingers = static_cast<std::size_t>(use->step.fingers());
     auto* out = reinterpret_cast<unsigned char*>(contacts);
     for (std::size_t k = 0; k < count; ++k) {
         const auto later = static_cast<std::int64_t>(k);
-        const MediaMoment moment{first->epoch, first->time_ns + later * tick_ns, first->epoch_start_ns};
-        run_tick(*use, first->tick + later, moment, goals + k * fingers, out, contact_stride_bytes);
+        const MediaMoment moment{begin.epoch, begin.time_ns + later * tick_ns, begin.epoch_start_ns};
+        run_tick(*use, begin.tick + later, moment, goals + k * fingers, out, contact_stride_bytes);
         out += fingers * contact_stride_bytes;
     }
     return TOUCH_OK;
@@ -195,6 +193,5 @@ touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
 }
 
 touch_status touch_solver_destroy(touch_solver solver) {
-    return without_exceptions(nullptr,
-                              [&]() -> touch_status { return status_of(solvers().remove(solver.id)); });
+    return end(solvers(), solver);
 }

@@ -48,16 +48,11 @@ touch_status push(SurfaceObject& surface, const touch_frame& frame, touch_error*
 }  // namespace touchable::capi
 
 touch_status touch_frame_defaults(touch_frame* frame, uint32_t struct_size) {
-    if (!frame || struct_size != sizeof *frame) return TOUCH_USAGE;
-    *frame = {};
-    frame->struct_size = struct_size;
-    return TOUCH_OK;
+    return give_defaults(touch_frame{}, frame, struct_size);
 }
 
 touch_status touch_surface_settings_defaults(touch_surface_settings* settings, uint32_t struct_size) {
-    if (!settings || struct_size != sizeof *settings) return TOUCH_USAGE;
-    *settings = {struct_size, 1, 4, 0};
-    return TOUCH_OK;
+    return give_defaults(touch_surface_settings{sizeof *settings, 1, 4, 0}, settings, struct_size);
 }
 
 touch_status touch_surface_create(touch_scene scene, const touch_surface_settings* settings,
@@ -129,19 +124,17 @@ touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
 
 touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_scene_unit,
                                       touch_error* error) {
-    if (!metres_per_scene_unit) return fail(error, TOUCH_USAGE, "metres_per_scene_unit is NULL");
-    const auto use = surfaces().find(surface.id);
-    if (!use) return fail_stale(error, "surface");
-    const double scale = use->hand_scale.load(std::memory_order_acquire);
-    if (scale == 0) return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
-    *metres_per_scene_unit = scale;
-    return TOUCH_OK;
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!metres_per_scene_unit) return fail(error, TOUCH_USAGE, "metres_per_scene_unit is NULL");
+        const auto use = surfaces().find(surface.id);
+        if (!use) return fail_stale(error, "surface");
+        const double scale = use->hand_scale.load(std::memory_order_acquire);
+        if (scale == 0) return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
+        *metres_per_scene_unit = scale;
+        return TOUCH_OK;
+    });
 }
 
 touch_status touch_surface_destroy(touch_surface surface) {
-    return without_exceptions(nullptr, [&]() -> touch_status {
-        return status_of(surfaces().remove(surface.id, [](SurfaceObject& object) {
-            return !object.has_solver.load(std::memory_order_acquire);
-        }));
-    });
+    return end(surfaces(), surface);
 }

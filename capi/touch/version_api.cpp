@@ -1,4 +1,4 @@
-// What both libraries call their statuses, and which version this one is.
+// touch_version, and names of statuses.
 #include "capi/touchable.h"
 
 uint32_t touch_version(void) {

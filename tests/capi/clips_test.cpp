@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "capi/frames.hpp"
 #include "capi/touchable.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/import/open_clip.hpp"
@@ -49,9 +50,7 @@ std::vector<std::uint8_t> bytes_of(const touch_plane& plane) {
 }
 
 std::vector<std::uint8_t> bytes_of(const PlaneView& view) {
-    if (view.empty()) return {};
-    return bytes_of(
-        touch_plane{view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels});
+    return bytes_of(capi::plane_for_program(view));
 }
 
 touch_status status_of_open(const std::string& path, std::string* line = nullptr,
@@ -180,6 +179,52 @@ TEST(Clips, MetresAreDepthOfCodesAndNanWhereThereIsNoSurface) {
     EXPECT_EQ(touch_scene_metres(scene.get(), &plane, metres.data(), 4 * wide, &error), TOUCH_USAGE);
 }
 
+/// The far plane's own depth is there again once it was a float.
+TEST(Clips, MetresBecomeTheSameCodes) {
+    for (const auto& [far_m, step_m] : {std::pair(0.6, 1e-4), {0.7, 1e-3}, {3.3, 1e-3}, {10.0, 1e-3}}) {
+        touch_camera camera = Hill::camera();
+        camera.far_m = far_m;
+        camera.metres_per_code = step_m;
+        const auto deepest = static_cast<std::uint16_t>(std::lround(far_m / step_m));
+        const TemporaryFolder folder;
+        const touch::Scene scene(camera);
+        std::vector<std::uint16_t> codes(static_cast<std::size_t>(Hill::width) * Hill::height, deepest);
+        for (std::size_t k = 0; k < 500; ++k) codes[k] = static_cast<std::uint16_t>(deepest - k);
+        codes[5] = 0;
+        touch_frame frame = Hill().frame();
+        frame.depth.data = codes.data();
+        std::vector<float> metres(codes.size());
+        scene.metres(frame.depth, metres.data());
+        frame.depth = {metres.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1};
+        touch::Writer writer((folder / "far.mkv").string(), scene);
+        writer.write(frame);
+        writer.finish();
+        const auto bytes = bytes_of(touch::Clip((folder / "far.mkv").string()).next()->frame().depth);
+        EXPECT_EQ(std::memcmp(bytes.data(), codes.data(), bytes.size()), 0)
+            << "far plane at " << far_m << " m";
+    }
+}
+
+TEST(Clips, WithADamagedFrameAreReadBehindIt) {
+    const TemporaryFolder folder;
+    {
+        touch::Writer writer((folder / "frames").string(), touch::Scene(Hill::camera()));
+        for (int n = 0; n < 3; ++n) writer.write(Hill(n).frame());
+        writer.finish();
+    }
+    touch::Clip clip((folder / "frames").string());
+    std::ofstream(folder / "frames/depth_000001.png") << "no picture any more";
+    EXPECT_EQ(clip.scene(TOUCH_FILTERS_CHOSEN).facts().unstated_filters, 0)
+        << "chosen by the first frame alone";
+    EXPECT_EQ(clip.next()->frame().number, 0);
+    touch_frameset none{};
+    touch_error error{sizeof error, 0, {}};
+    EXPECT_EQ(touch_clip_next(clip.get(), &none, &error), TOUCH_INPUT);
+    EXPECT_NE(std::string(error.line).find("depth_000001.png"), std::string::npos) << error.line;
+    clip.seek(2);
+    EXPECT_EQ(clip.next()->frame().number, 2);
+}
+
 class Written : public testing::TestWithParam<const char*> {};
 
 TEST_P(Written, ClipsHaveTheSameCodes) {
@@ -293,6 +338,8 @@ TEST(Writers, ReplaceOnlyWhatTheyMay) {
     EXPECT_TRUE(fs::exists(folder / "photos/holiday.jpg"));
     EXPECT_THROW(touch::Writer((folder / "out.avi").string(), scene), touch::Error);
     EXPECT_THROW(touch::Writer((folder / "no/such/out.mkv").string(), scene), touch::Error);
+    touch_writer none{};
+    EXPECT_EQ(touch_writer_create((folder / "out.mkv").c_str(), {1}, nullptr, &none, nullptr), TOUCH_STALE);
 }
 
 TEST(Clips, ThatCannotBeOpenedSayWhy) {

@@ -22,7 +22,8 @@ public:
 
     touch_status call() {
         using Call = touch_status (Hostile::*)();
-        static constexpr std::array<Call, 14> calls{&Hostile::scene_from_camera,
+        static constexpr std::array<Call, 15> calls{&Hostile::defaults,
+                                                    &Hostile::scene_from_camera,
                                                     &Hostile::scene_from_text,
                                                     &Hostile::scene_text,
                                                     &Hostile::describe,
@@ -68,6 +69,20 @@ private:
         std::array<char, 100> text;
         std::size_t length;
         return touch_scene_text(one_of(scenes_), or_null(text.data()), upto(101), or_null(&length));
+    }
+    touch_status defaults() {
+        const auto size = static_cast<std::uint32_t>(spoilt(std::uint32_t{64}));
+        touch_camera camera;
+        touch_frame frame;
+        touch_surface_settings shape;
+        touch_solver_settings solver;
+        touch_camera_defaults(or_null(&camera), rarely() ? std::uint32_t{sizeof camera} : size);
+        touch_frame_defaults(or_null(&frame), rarely() ? std::uint32_t{sizeof frame} : size);
+        touch_surface_settings_defaults(or_null(&shape), rarely() ? std::uint32_t{sizeof shape} : size);
+        std::int64_t newest;
+        touch_surface_newest_ns(one_of(surfaces_), or_null(&newest));
+        return touch_solver_settings_defaults(or_null(&solver),
+                                              rarely() ? std::uint32_t{sizeof solver} : size);
     }
     touch_status describe() {
         touch_scene_facts facts;
@@ -171,6 +186,11 @@ private:
             goal = goal_at(tick_);
             goal.x = spoilt(goal.x);
             goal.z = spoilt(goal.z);
+        }
+        if (rarely()) {  // counts that no array has room for, or that have none
+            static constexpr std::size_t counts[] = {0, (std::size_t{1} << 40) + 1, SIZE_MAX};
+            return touch_solver_run(solver, or_null(&at), counts[upto(3)], or_null(goals.data()),
+                                    or_null(contacts_.data()), sizeof(touch_contact));
         }
         // Room for as many fingers as any solver of this program has.
         const std::size_t stride = spoilt(sizeof(touch_contact));

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "capi/frames.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -17,11 +18,6 @@ namespace {
 
 constexpr int fingers = 3;
 constexpr std::int64_t ticks = 400;
-
-touch_plane plane_of(const PlaneView& view) {
-    if (view.empty()) return {};
-    return {view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels};
-}
 
 /// Frames of a moving scene with all planes, and a path over it.
 class Globe {
@@ -111,9 +107,9 @@ Touched forces_of_the_api(const Globe& globe, int threads) {
             touch_frame_defaults(&frame, sizeof frame);
             frame.number = raw.number;
             frame.time_ns = raw.time_ns;
-            frame.depth = plane_of(raw.depth);
-            frame.haptic = plane_of(raw.haptic);
-            frame.height = plane_of(raw.height);
+            frame.depth = capi::plane_for_program(raw.depth);
+            frame.haptic = capi::plane_for_program(raw.haptic);
+            frame.height = capi::plane_for_program(raw.height);
             EXPECT_EQ(touch_surface_push(surface, &frame, &error), TOUCH_OK) << error.line;
         }
         touch_vec3 goals[fingers];
@@ -159,12 +155,20 @@ TEST(SameForces, BatchesAreTicks) {
                   TOUCH_OK);
     }
     const touch_tick first = tick_at(0);
+    const std::size_t before = allocations();
     ASSERT_EQ(
         touch_solver_run(many.solver, &first, 500, goals.data(), together.data(), sizeof(touch_contact)),
         TOUCH_OK);
     std::uint64_t hash = 0, same = 1;
+    std::int64_t newest = 0;
+    touch_scene_facts facts;
+    facts.struct_size = sizeof facts;
     touch_solver_force_hash(one.solver, &hash);
     touch_solver_force_hash(many.solver, &same);
+    touch_solver_come_back(many.solver);
+    touch_surface_newest_ns(many.surface, &newest);
+    touch_scene_describe(many.scene, &facts);
+    EXPECT_EQ(allocations(), before) << "what is said to be real-time";
     EXPECT_EQ(hash, same);
     double most = 0;
     for (std::size_t k = 0; k < singly.size(); ++k) {

@@ -84,6 +84,12 @@ TEST(Statuses, FramesAreCheckedAndInOrder) {
     frame = hill.frame(1);
     frame.haptic = frame.depth;
     EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+    for (const std::int64_t far : {INT64_MIN, INT64_MAX}) {
+        frame = hill.frame(1);
+        frame.time_ns = far;
+        EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+        EXPECT_NE(std::string(error.line).find("time_ns"), std::string::npos) << error.line;
+    }
     int pushed = 0;
     touch_status status = TOUCH_OK;
     for (std::int64_t n = 1; n < 20 && status == TOUCH_OK; ++n) {

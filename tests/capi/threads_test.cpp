@@ -61,5 +61,23 @@ TEST(Threads, OnePushesWhileAnotherTicks) {
     EXPECT_EQ(newest, (frames - 1) * 33'000'000);
 }
 
+/// Whoever tries to destroy what a solver needs gets TOUCH_BUSY, and nobody else notices.
+TEST(Threads, WhatCannotBeDestroyedStaysThereForAll) {
+    const TouchedHill touched;
+    std::atomic<bool> over = false;
+    std::thread destroyer([&] {
+        while (!over)
+            if (touch_surface_destroy(touched.surface) != TOUCH_BUSY) break;
+    });
+    int stale = 0;
+    for (int k = 0; k < 100'000; ++k) {
+        std::int64_t newest;
+        stale += touch_surface_newest_ns(touched.surface, &newest) != TOUCH_OK;
+    }
+    over = true;
+    destroyer.join();
+    EXPECT_EQ(stale, 0);
+}
+
 }  // namespace
 }  // namespace touchable::test

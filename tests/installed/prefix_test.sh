@@ -1,9 +1,9 @@
 #!/bin/bash
 # Installs a build into a folder, moves that, and builds other projects with it: in C by CMake and by pkg-config, in C++ by
 # the solver's rooms.
-#   prefix_test.sh BUILD_DIR SOURCE_DIR
+#   prefix_test.sh BUILD_DIR SOURCE_DIR LIBRARY_FOLDER
 set -euo pipefail
-build=$1 sources=$2
+build=$1 sources=$2 libraries=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -18,13 +18,16 @@ cmake --build "$work/c"
 grep -q touching "$work/shared"
 cmp "$work/shared" "$work/static"
 
-export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+export PKG_CONFIG_PATH=$prefix/$libraries/pkgconfig
+# Where it looks for others: beside itself, never in the folder that a program happens to be in.
+path=$(readelf -d "$prefix/$libraries/libtouchable-media.so.0" | sed -n 's/.*runpath: \[\(.*\)\]/\1/p')
+[[ $path == '$ORIGIN' ]] || { echo "libtouchable-media looks for libraries in '$path'" >&2; exit 1; }
 cc "$sources/examples/c/touch_clip.c" $(pkg-config --cflags --libs touchable-media) -o "$work/clip"
 touchable=$prefix/bin/touchable
 "$touchable" make globe "$work/globe.mkv" --size 144x96 --frames 12 >/dev/null
 "$touchable" touch "$work/globe.mkv" --seconds 1 --forces "$work/forces.csv" --json "$work/report.json" >/dev/null
 hash=$(sed -n 's/.*"force_hash": "\([0-9a-f]*\)".*/\1/p' "$work/report.json")
-c_hash=$(LD_LIBRARY_PATH=$prefix/lib "$work/clip" "$work/globe.mkv" "$work/forces.csv")
+c_hash=$(LD_LIBRARY_PATH=$prefix/$libraries "$work/clip" "$work/globe.mkv" "$work/forces.csv")
 if [[ -z $hash || $c_hash != "$hash" ]]; then
     echo "the program's force hash is '$hash', touch_clip.c has '$c_hash'" >&2
     exit 1
