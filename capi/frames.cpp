@@ -1,5 +1,6 @@
 #include "capi/frames.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -88,9 +89,12 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
         return plane_error("depth",
                            "is of floats, but every code of the scene is a depth, and none means no surface");
     codes.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
-    // As floats, which the far plane's depth has become as well.
+    // As floats, which the far plane's depth has become as well. Beyond the last code there is no surface
+    // either.
+    const double half_step = scene.depth.kind == DepthCodingKind::metric ? scene.depth.scale / 2 : 0,
+                 deepest = std::min(scene.depth.far, scene.depth.deepest_depth() + half_step);
     const auto near = static_cast<float>(scene.depth.near * scene.metres_per_unit),
-               far = static_cast<float>(scene.depth.far * scene.metres_per_unit);
+               far = static_cast<float>(deepest * scene.metres_per_unit);
     const auto* first = static_cast<const unsigned char*>(plane.data);
     std::size_t place = 0;
     for (std::int64_t y = 0; y < plane.height; ++y)

@@ -54,7 +54,7 @@ bool ForceGuard::is_sound(const Contact& contact, const BlendedForce& blended) c
 
 /// A step towards no force. Whoever comes back before that finds the ramp at the share that was left.
 GuardedForce ForceGuard::ramp_out(double surface_share) {
-    ticks_faulty_ = std::min(ticks_faulty_ + 1, ramp_out_ticks());
+    if (ticks_faulty_ < ramp_out_ticks()) ++ticks_faulty_;
     const double left = 1.0 - static_cast<double>(ticks_faulty_) / ramp_out_ticks();
     ticks_in_ = ramp_ * left * settings_.ramp_in_ticks;
     account_.lose_goal();

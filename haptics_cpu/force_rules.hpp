@@ -10,7 +10,7 @@ namespace touchable {
 ///    time, friction where a facet is entered, velocities over one tick whatever time had passed.
 /// 2: properties blended in time as depth is, friction of the place where a slide ends, velocities over the
 ///    time that has passed, no force on a goal that is buried when its surface is new, ramps that resume,
-///    normals made of the sides that meet at a face's nearest corner, what is sudden by the hand's own time.
+///    normals made of the sides that meet at a face's nearest corner, what is sudden by the hand's own time, a jump's fade that rests while a goal is missing.
 inline constexpr int force_rules = 2;
 
 }  // namespace touchable

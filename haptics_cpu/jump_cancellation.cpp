@@ -49,6 +49,7 @@ void JumpCancellation::reset() {
     presence_ = 1;
     jump_ = wanted_ = given_ = dvec3(0.0);
     ticks_ = fade_ticks;
+    rested_ = false;
     stiffness_ = 0;
     near_hole_ = false;
 }
@@ -100,7 +101,8 @@ void JumpCancellation::begin(const dvec3& jumped_force) {
     // What is left of an earlier jump fades on, from where it is. For both there is one clock; it shows the
     // mean of theirs, so that a row of small jumps is followed and not held back for ever.
     const dvec3 added = jumped_force - wanted_;
-    const double left = fade(ticks_) > 0 ? fade(ticks_) / fade(ticks_ - 1) : 0.0;
+    const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
+    const double left = fade(ticks_) > 0 ? fade(ticks_) / before : 0.0;
     const dvec3 rest = (wanted_ - given_) * left;
     const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
     ticks_ = rest_n > 0 ? ticks_ * (rest_n / (rest_n + added_n)) : 0.0;
@@ -137,9 +139,11 @@ BlendedForce JumpCancellation::calm(const Contact& contact) {
     if (is_silent() || ticks_ < fade_ticks) {
         given_ = within(felt, wanted_ - fade(ticks_) * jump_);
         out.force = given_ / share;
-        ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
+        if (!contact.goal_held) ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
     }
-    presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
+    rested_ = contact.goal_held;
+    if (!contact.goal_held)
+        presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
     out.difference = out.force - contact.force;
     out.active = out.difference != dvec3(0.0);
     return out;

@@ -30,6 +30,9 @@ struct BlendedForce {
 /// it; with `waits_to_be_free` there is no force then until the finger has been free once. Forces count as
 /// the device gives them: from one stiffness to another, both beyond its own, nothing jumps.
 ///
+/// While a goal is missing the fade rests: the hand gets what is left of its last force, and finds that force
+/// again, not one that has gone over to another surface meanwhile.
+///
 /// No allocation; a pure function of what it was given so far; what never jumps goes through unchanged, to
 /// the bit. A contact with forces that are none goes through unchanged too, for the guard to refuse, and
 /// leaves no trace.
@@ -62,6 +65,7 @@ private:
     double presence_ = 1;
     glm::dvec3 jump_{0.0};       // J, at w = 1
     double ticks_ = fade_ticks;  // since w was 1, of the coming tick
+    bool rested_ = false;        // in the tick before
     // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J,
     // and what it got.
     glm::dvec3 wanted_{0.0}, given_{0.0};

@@ -15,6 +15,16 @@ std::vector<std::string> notes_of(const ClipReader& reader) {
     return notes;
 }
 
+/// Also where the program goes to another folder.
+std::vector<std::filesystem::path> absolute(const std::vector<std::filesystem::path>& files) {
+    std::vector<std::filesystem::path> whole;
+    for (const std::filesystem::path& file : files) {
+        std::error_code failure;
+        whole.push_back(std::filesystem::absolute(file, failure));
+    }
+    return whole;
+}
+
 }  // namespace
 
 HandleTable<ClipObject>& clips() {
@@ -27,7 +37,7 @@ ClipObject::ClipObject(std::unique_ptr<ClipReader> opened)
       tracks(opened->tracks()),
       notes(notes_of(*opened)),
       frames(opened->frame_count()),
-      inputs(opened->inputs()),
+      inputs(absolute(opened->inputs())),
       reader(std::move(opened)) {}
 
 bool ClipObject::has(const char* role) const {

@@ -28,7 +28,7 @@ struct ClipObject {
     std::atomic_flag reading = ATOMIC_FLAG_INIT;  ///< guards what follows
     std::unique_ptr<ClipReader> reader;           ///< null: it could not be read on
     std::int64_t next_frame = 0;                  ///< of the reader
-    std::shared_ptr<RawFrame> unclaimed;  ///< was read, and there was no room for it; null: none
+    std::shared_ptr<RawFrame> unclaimed;          ///< was read, and there was no room for it; null: none
 
     bool has(const char* role) const;
 };

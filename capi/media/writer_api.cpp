@@ -11,6 +11,7 @@
 #include "capi/status.hpp"
 #include "engine/clip/frame_check.hpp"
 #include "engine/clip/image_folder_writer.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 using namespace touchable;
@@ -150,7 +151,7 @@ touch_status touch_writer_create(const char* path, touch_scene scene, const touc
         touch_writer_settings_defaults(&wanted, sizeof wanted);
         if (settings) wanted = over_defaults(*settings, wanted);
         const fs::path place = path;
-        if (!is_folder_name(place) && !is_clip_name(place))
+        if (is_stream_url(path) || (!is_folder_name(place) && !is_clip_name(place)))
             return fail(error, TOUCH_USAGE,
                         place.string() + ": right would be NAME.mkv, NAME.mp4, or the name of a folder");
         if (auto free = check_place(place, wanted.overwrite != 0); !free) return fail(error, free.error());

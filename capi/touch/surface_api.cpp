@@ -27,7 +27,8 @@ double hand_scale_of(const Scene& scene, const SurfaceFrame& first) {
 touch_status push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
     SurfaceFrame* slot = surface.timeline.acquire();
     if (!slot)
-        return fail(error, TOUCH_FULL, "the solver still needs every frame; push this one again later");
+        return fail(error, TOUCH_FULL,
+                    "every frame is still needed; push this one again once ticks have gone on");
     auto raw = raw_frame(frame, surface.scene, surface.scratch);
     if (!raw) return fail(error, raw.error());
     raw->epoch = surface.epoch;
