@@ -10,22 +10,25 @@ namespace touchable {
 std::vector<BenchCase> play_cases(bool quick) {
     const auto clips = std::make_shared<LiveClips>(quick ? 15 : 45);
     std::vector<BenchCase> cases;
-    for (const auto& [width, height] : {std::pair{720, 480}, std::pair{1920, 1080}}) {
-        const LiveClip clip{.scene = "globe", .width = width, .height = height, .frames = quick ? 120 : 600};
-        const std::string name =
-            "window-globe-" + std::to_string(width) + "x" + std::to_string(height) + "-16";
-        // Once before: the first window of a process compiles shaders that no cache may have.
-        cases.push_back({name, [=](Figures& figures) -> Result<void> {
-                             LiveClip short_clip = clip;
-                             short_clip.frames = 15;
-                             Figures unused;
-                             if (auto warm = measure_window(short_clip, *clips, unused); !warm.ok())
-                                 return Error{warm.error().kind, name + ": " + warm.error().message};
-                             auto done = measure_window(clip, *clips, figures);
-                             if (done.ok()) return done;
-                             return Error{done.error().kind, name + ": " + done.error().message};
-                         }});
-    }
+    for (const auto& [width, height] : {std::pair{720, 480}, std::pair{1920, 1080}})
+        for (const int turned : {0, 7, 30, 70}) {
+            const LiveClip clip{
+                .scene = "globe", .width = width, .height = height, .frames = quick ? 120 : 600};
+            const std::string name = "window-globe-" + std::to_string(width) + "x" + std::to_string(height) +
+                                     "-16" + (turned == 0 ? "" : "-turned-" + std::to_string(turned));
+            // Once before: the first window of a process compiles shaders that no cache may have.
+            cases.push_back({name, [=](Figures& figures) -> Result<void> {
+                                 LiveClip short_clip = clip;
+                                 short_clip.frames = 15;
+                                 Figures unused;
+                                 if (auto warm = measure_window(short_clip, turned, *clips, unused);
+                                     !warm.ok())
+                                     return Error{warm.error().kind, name + ": " + warm.error().message};
+                                 auto done = measure_window(clip, turned, *clips, figures);
+                                 if (done.ok()) return done;
+                                 return Error{done.error().kind, name + ": " + done.error().message};
+                             }});
+        }
     return cases;
 }
 

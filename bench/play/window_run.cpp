@@ -16,12 +16,13 @@ constexpr int width = 1280, height = 720;
 constexpr double moves_per_s = 20;
 
 /// Five fingers that press, round a pointer that goes in circles, moved at odd moments of a frame.
-std::vector<ScriptedInput> hand(double seconds) {
+std::vector<ScriptedInput> hand(double seconds, double turned) {
     using Kind = InputEvent::Kind;
     std::vector<ScriptedInput> script{
         {0, WindowCommand{WindowVerb::fingers, 5, ""}},
         {0, InputEvent{.kind = Kind::moved, .x = width / 2.0, .y = height / 2.0}},
         {0.05, InputEvent{.kind = Kind::pressed, .word = "left"}}};
+    if (turned != 0) script.insert(script.begin(), {0, WindowCommand{WindowVerb::turn, turned, ""}});
     for (double at = 0.1; at < seconds; at += 1 / moves_per_s)
         script.push_back({at, InputEvent{.kind = Kind::moved,
                                          .x = width / 2.0 + 60 * cosine(at),
@@ -41,7 +42,7 @@ void add_spread(Figures& figures, const std::string& what, const NewestValues& v
 
 }  // namespace
 
-Result<void> measure_window(const LiveClip& clip, LiveClips& clips, Figures& figures) {
+Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clips, Figures& figures) {
     const auto file = clips.file(clip);
     if (!file.ok()) return file.error();
     PlayOptions options;
@@ -51,7 +52,7 @@ Result<void> measure_window(const LiveClip& clip, LiveClips& clips, Figures& fig
     options.screen.height = height;
     options.size_is_stated = true;
     options.seconds = clip.frames / 30.0;
-    options.script = hand(*options.seconds);
+    options.script = hand(*options.seconds, turned);
     const std::int64_t cpu = process_cpu_ns();
     const auto played = play_in_window(options);
     if (!played.ok()) return played.error();
