@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import functools
 import math
 import operator
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ._touch import Touched
 
 _filters_stated, _filters_chosen = 0, 1
+_longest_end_s = 10
 
 
 class Frame:
@@ -86,27 +88,35 @@ class Frame:
         return f"<touchable.Frame {self.number} at {self.time_s:.6f} s: {have}>"
 
 
-def _interruptibly(work: Callable[[], Any], interrupt: Callable[[], Any]) -> Any:
-    """Work that may wait for others, on a thread of its own, so that Ctrl-C ends the wait."""
-    outcome: list[Any] = []
+def _interruptibly(work: Callable[[], Any], interrupt: Callable[[], Any] | None = None) -> Any:
+    """Work that may wait for others, on a thread of its own, so that Ctrl-C ends the wait. Where the work can be
+    interrupted it is over then: nobody uses any more what it used."""
+    outcome: concurrent.futures.Future[Any] = concurrent.futures.Future()
 
     def run() -> None:
         try:
-            outcome.append((work(), None))
+            outcome.set_result(work())
         except BaseException as problem:
-            outcome.append((None, problem))
+            outcome.set_exception(problem)
 
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
     try:
-        thread.join()
-    except KeyboardInterrupt:
-        interrupt()
+        threading.Thread(target=run, daemon=True).start()
+        return outcome.result()
+    except BaseException:
+        if interrupt and not outcome.done():
+            interrupt()
+            concurrent.futures.wait([outcome], _longest_end_s)
         raise
-    done, problem = outcome[0]
-    if problem:
-        raise problem
-    return done
+
+
+def _next_of(clip: Handle) -> Handle | None:
+    frameset = _library.c_uint64()
+    status, line = status_of("clip_next", clip.number, frameset)
+    if status == Status.END:
+        return None
+    if status:
+        raise error_of(status, line)
+    return Handle(frameset.value, "frameset_release", at_exit=False)
 
 
 class Clip:
@@ -135,7 +145,7 @@ class Clip:
         self._with_colour = bool(settings.colour)
         opening = functools.partial(made, "clip_open", "clip_close", name, settings)
         try:
-            self._handle = _interruptibly(opening, lambda: None) if self._is_stream else opening()
+            self._handle = _interruptibly(opening) if self._is_stream else opening()
         except Error as problem:
             if problem.status == Status.INPUT and not self._is_stream and not os.path.exists(path):
                 raise MissingFileError(problem.status, problem.line) from None
@@ -183,32 +193,25 @@ class Clip:
 
     def _scene(self, filters: int) -> Scene:
         self._check_open()
-        return Scene(made("clip_scene", "scene_destroy", self._handle.number, filters))
+        return Scene(self._waiting(functools.partial(made, "clip_scene", "scene_destroy", self._handle.number, filters)))
 
     def read(self, index: int) -> Frame | None:
         """Frame `index`, from 0; None behind the last one. In order from 0 this is quickest, and all that streams do.
         Raises Error, which names file, track and frame, where it cannot be read; frames behind it may be."""
         self._check_open()
-        number = self._handle.number
         if self._position != index:
-            call("clip_seek", number, index)
+            call("clip_seek", self._handle.number, _library.whole("index", index))
         self._position = None  # unknown, should the next call fail
-        handle = self._next()
+        handle = self._waiting(functools.partial(_next_of, self._handle))
         if handle is None:
             return None
         self._position = index + 1
         return Frame(handle, self.scene, self._with_colour)
 
-    def _next(self) -> Handle | None:
-        number, frameset = self._handle.number, _library.c_uint64()
-        reading = functools.partial(status_of, "clip_next", number, frameset)
-        interrupt = functools.partial(_library.function("clip_interrupt"), number)
-        status, line = _interruptibly(reading, interrupt) if self._is_stream else reading()
-        if status == Status.END:
-            return None
-        if status:
-            raise error_of(status, line)
-        return Handle(frameset.value, "frameset_release")
+    def _waiting(self, work: Callable[[], Any]) -> Any:
+        if not self._is_stream:
+            return work()
+        return _interruptibly(work, functools.partial(_library.function("clip_interrupt"), self._handle.number))
 
     def touch(self, path: ArrayLike, **settings: Any) -> Touched:
         """Touches the clip along a path; see touchable.touch."""
@@ -217,8 +220,9 @@ class Clip:
         return touch(self, path, **settings)
 
     def close(self) -> None:
-        """Closes the file. Frames and arrays that were read stay. Closing twice does nothing."""
-        self._handle.end()
+        """Closes the file. Frames and arrays that were read stay. Raises Error with Status.BUSY while another thread reads
+        it. Closing twice does nothing."""
+        self._handle.close(f"another thread is reading {self.path}; close it after that")
 
     @property
     def closed(self) -> bool:

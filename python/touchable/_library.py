@@ -7,21 +7,43 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import operator
 import pathlib
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any, Callable
 
-from .errors import error_of
+from .errors import Status, UsageError, error_of
 
 U8, U16, F32 = 1, 2, 4  # TOUCH_U8, TOUCH_U16, TOUCH_F32
 PLANAR, RANGE = 0, 1
+
+
+farthest = 2**60  # from 0, of ticks and times
+
+
+def whole(name: str, value: Any, least: int = -farthest, most: int = farthest) -> int:
+    """An argument that is a whole number. ctypes would cut it to its bits; here one that is out of its range is refused."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise UsageError(Status.USAGE, f"{name} is {value!r}; right would be a whole number") from None
+    if not least <= number <= most:
+        raise UsageError(Status.USAGE, f"{name} is {number}; right would be {least} to {most}")
+    return number
+
+
+_ranges = {c_int32: (-(2**31), 2**31 - 1), c_int64: (-farthest, farthest), c_uint64: (0, 2**64 - 1)}
 
 
 class Struct(ctypes.Structure):
     """A struct that begins with its size."""
 
     def __init__(self, **members: Any) -> None:
+        kinds = dict(self._fields_)
+        for name, value in members.items():
+            if kinds[name] in _ranges:
+                members[name] = whole(name, value, *_ranges[kinds[name]])
         super().__init__(**members)
         self.struct_size = ctypes.sizeof(self)
 
@@ -204,15 +226,31 @@ def _end(end: Callable[..., int], number: int, kept: tuple) -> None:
 
 
 class Handle:
-    """A C object. It ends when nobody refers to it any more, or is told to; what it needs is kept until then."""
+    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then."""
 
-    def __init__(self, number: int, end: str, *needs: Any) -> None:
+    def __init__(self, number: int, end: str, *needs: Any, at_exit: bool = True) -> None:
+        """`at_exit`: False: it stays when Python exits, as arrays may lie over its memory until the very end."""
         self.number = number
-        self.end = weakref.finalize(self, _end, function(end), number, needs)
+        self._name_of_end = end
+        self._end = weakref.finalize(self, _end, function(end), number, needs)
+        self._end.atexit = at_exit
+
+    def close(self, busy: str) -> None:
+        """Ends it. Where it cannot yet, raises Error with Status.BUSY and the line `busy`, and it stays open."""
+        if self.closed:
+            return
+        status, line = status_of(self._name_of_end, self.number)
+        if status:
+            raise error_of(status, busy if status == Status.BUSY else line)
+        self._end.detach()
+
+    def ends_itself(self) -> None:
+        """The next call ends it, whatever comes of it."""
+        self._end.detach()
 
     @property
     def closed(self) -> bool:
-        return not self.end.alive
+        return not self._end.alive
 
 
 def made(name: str, end: str, *arguments: Any, needs: tuple = ()) -> Handle:

@@ -79,7 +79,7 @@ class Surface:
         """Times of what is pushed from now on may begin anywhere, as after a seek. `epoch`: a larger number than before;
         the first is 0. Ticks that name it meet it once two of its pictures are there. Raises UsageError, ClosedError."""
         self._check_open()
-        call("surface_begin_epoch", self._handle.number, epoch)
+        call("surface_begin_epoch", self._handle.number, _library.whole("epoch", epoch, 0, 2**64 - 1))
 
     def end_epoch(self) -> None:
         """The epoch has no more pictures: its last one stands still. Of use where it has only one. Raises ClosedError."""
@@ -109,16 +109,8 @@ class Surface:
         """Depth of the first picture that was pushed, metres, (height, width) float32, NaN where there is no surface.
         Raises UsageError before that one."""
         if self._first_metres is None:
-            if self._first is None:
-                raise _planes.refuse("no picture was pushed yet; push the first one before")
-            floats = self._first.dtype == numpy.float32
-            self._first_metres = self._metres_of(self._first) if floats else self.scene.metres(self._first)
+            self._first_metres = metres_of(self._first, self.scene)
         return self._first_metres
-
-    def _metres_of(self, depth: NDArray[numpy.float32]) -> NDArray[numpy.float32]:
-        unit = self.scene.metres_per_scene_unit
-        there = (depth > 0) & (depth >= self.scene.near_units * unit) & (depth <= self.scene.far_units * unit)
-        return numpy.where(there, depth, numpy.float32(numpy.nan))
 
     def touch(self, path: ArrayLike, **settings: Any) -> Touched:
         """Touches the surface along a path, in one call, from rest at time 0.
@@ -139,10 +131,7 @@ class Surface:
 
     def close(self) -> None:
         """Ends the surface. Raises Error with Status.BUSY while a Solver of it is open. Closing twice does nothing."""
-        if self._handle.closed:
-            return
-        call("surface_destroy", self._handle.number)
-        self._handle.end.detach()
+        self._handle.close("a solver of the surface is open, or another thread pushes a picture; end that first")
 
     @property
     def closed(self) -> bool:
@@ -158,6 +147,17 @@ class Surface:
 
     def __exit__(self, *problem: Any) -> None:
         self.close()
+
+
+def metres_of(depth: NDArray[Any] | None, scene: Scene) -> NDArray[numpy.float32]:
+    """Depth that was pushed, in metres; NaN where there is no surface."""
+    if depth is None:
+        raise _planes.refuse("no picture was pushed yet; push the first one before")
+    if depth.dtype != numpy.float32:
+        return scene.metres(depth)
+    # Compared as floats, as the library does it: what is exactly at the far plane has a surface.
+    near, far = (numpy.float32(units * scene.metres_per_scene_unit) for units in (scene.near_units, scene.far_units))
+    return numpy.where((depth > 0) & (depth >= near) & (depth <= far), depth, numpy.float32(numpy.nan))
 
 
 def _copy_of(plane: _library.Plane) -> NDArray[Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import enum
+import functools
 import os
 import sys
 from typing import Any
@@ -13,9 +14,9 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _clip, _library, _planes
-from ._library import Contact, SolverStruct, Tick, call, made
+from ._library import Contact, SolverStruct, Tick, call, made, whole
 from ._scene import Scene
-from ._surface import Surface
+from ._surface import Surface, metres_of
 from .errors import ClosedError, Status, error_of
 
 _tick_ns = 1_000_000
@@ -114,7 +115,7 @@ class Touched:
         self.force_hash = force_hash
         self.scene: Scene = surface.scene
         self.first_tick = first_tick
-        self._surface = surface
+        self._first = surface._first
 
     @property
     def time_s(self) -> NDArray[numpy.float64]:
@@ -171,10 +172,11 @@ class Touched:
         """(ticks, fingers) uint32: bits of Guard, why the force is not simply the solver's; 0: it is."""
         return self.contacts["guard"]
 
-    @property
+    @functools.cached_property
     def surface_metres(self) -> NDArray[numpy.float32]:
-        """(height, width) float32, metres: depth of the first picture that was touched; NaN: no surface there."""
-        return self._surface.first_metres
+        """(height, width) float32, metres: depth of the first picture that was touched; NaN: no surface there. Raises
+        UsageError where none was there."""
+        return metres_of(self._first, self.scene)
 
     def __len__(self) -> int:
         return len(self.contacts)
@@ -279,9 +281,10 @@ class Solver:
 
     def _set_tick(self, tick: int | None, time_ns: int | None, epoch: int, epoch_start_ns: int) -> None:
         now = self._tick
-        now.tick = self.next_tick if tick is None else tick
-        now.time_ns = now.tick * _tick_ns if time_ns is None else time_ns
-        now.epoch, now.epoch_start_ns = epoch, epoch_start_ns
+        now.tick = number = self.next_tick if tick is None else whole("tick", tick)
+        now.time_ns = whole("time_ns", number * _tick_ns if time_ns is None else time_ns)
+        now.epoch = whole("epoch", epoch, 0, 2**64 - 1) if epoch else 0
+        now.epoch_start_ns = whole("epoch_start_ns", epoch_start_ns) if epoch_start_ns else 0
 
     def _refuse(self, status: int) -> None:
         self._check_open()
@@ -303,8 +306,9 @@ class Solver:
         return f"{value.value:016x}"
 
     def close(self) -> None:
-        """Ends the solver; the surface may then have another. Closing twice does nothing."""
-        self._handle.end()
+        """Ends the solver; the surface may then have another. Raises Error with Status.BUSY while another thread is in
+        tick() or run(). Closing twice does nothing."""
+        self._handle.close("another thread is in tick() or run(); close the solver after that")
 
     @property
     def closed(self) -> bool:

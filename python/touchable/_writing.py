@@ -12,7 +12,7 @@ from typing import Any, Iterable
 import numpy
 from numpy.typing import ArrayLike
 
-from . import _planes
+from . import _library, _planes
 from ._clip import Clip, Frame
 from ._library import Handle, Struct, WriterSettings, call, made, status_of
 from ._scene import Camera, Scene, encoded, scene_of
@@ -51,7 +51,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     if first is None:
         raise _planes.refuse("there are no frames to write")
     meaning = _meaning(first, camera, scene, fps)
-    writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times_ns), overwrite)
+    writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times_ns))
     count = 0
     watch = _Times(meaning.frames_per_second) if times_ns is None else None
     try:
@@ -65,10 +65,10 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
                 watch.look(count, frame)
             count += 1
             frame = next(coming, None)
-        writer.end.detach()
+        writer.ends_itself()
         call("writer_finish", writer.number)
     finally:
-        writer.end()
+        writer.close("another thread is writing the clip")
     if watch:
         watch.warn()
     return count
@@ -98,17 +98,19 @@ def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayL
                              "nanoseconds")
     if len(times) == 1:  # of one frame, at any rate
         return settings
+    if (times > _library.farthest).any():  # of uint64
+        raise _planes.refuse(f"times_ns has {times.max()}; right would be at most {_library.farthest}")
     times = numpy.ascontiguousarray(times, numpy.int64)
     settings.times_ns, settings.times = times.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)), len(times)
     settings.array = times
     return settings
 
 
-def _create(path: str | os.PathLike, scene: Scene, settings: Struct, overwrite: bool) -> Handle:
+def _create(path: str | os.PathLike, scene: Scene, settings: Struct) -> Handle:
     try:
         return made("writer_create", "writer_abandon", encoded(path), scene._handle.number, settings)
     except Error as problem:
-        if problem.status == Status.USAGE and not overwrite and os.path.exists(path):
+        if " is there already; " in problem.line:  # no status tells it from other things that cannot be
             raise ExistingFileError(problem.status, problem.line) from None
         raise
 

@@ -42,11 +42,15 @@ def png(path):
 
 
 def recording(name):
-    """The path of a recording beside the checkout; leaves the test out where there is none."""
-    path = pathlib.Path(os.environ["TOUCHABLE_TEST_DATA"]) / name
-    if not path.exists():
-        raise unittest.SkipTest(f"no real data at {path}")
-    return path
+    """The path of a recording beside the checkout, or in the folder that the environment names. Where there is none the
+    test is left out; it fails where TOUCHABLE_REQUIRE_DATA is set and no other folder is named. As tests/real_data.hpp."""
+    elsewhere = os.environ.get("TOUCHABLE_TEST_DATA")
+    path = pathlib.Path(elsewhere or source / "../shared/data") / name
+    if path.exists():
+        return path
+    if "TOUCHABLE_REQUIRE_DATA" in os.environ and not elsewhere:
+        raise AssertionError(f"no real data at {path}")
+    raise unittest.SkipTest(f"no real data at {path}")
 
 
 def hill(width=64, height=48):

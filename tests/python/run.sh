@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # Builds the wheel of the libraries in a build folder, installs it in a virtual environment, and runs the tests there:
 #     tests/python/run.sh BUILD_DIR
-# Needs of Debian: python3-build python3-setuptools python3-wheel python3-venv python3-pip python3-matplotlib (with numpy
-# and PIL).
+# Exit code 77: Debian's Python lacks what the tests need.
 set -euo pipefail
 build=$(realpath "${1:?which folder was built? run.sh build/release}")
 source=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
 python=/usr/bin/python3  # Debian's, which has its packages
+packages="python3-build python3-setuptools python3-wheel python3-venv python3-pip python3-matplotlib"  # with numpy, PIL
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg
 
 for needed in build setuptools wheel pip venv numpy matplotlib PIL; do
-    "$python" -c "import $needed" 2>/dev/null || { echo "$python has no $needed; see the packages in $0" >&2; exit 2; }
+    "$python" -c "import $needed" 2>/dev/null || { echo "$python has no $needed (Debian: $packages)"; exit 77; }
 done
 
 # In a copy, so that two builds do not meet and nothing is left in the source.
@@ -25,5 +25,5 @@ TOUCHABLE_LIBRARIES=$build/capi "$python" -m build --wheel --no-isolation --outd
 cd "$work"  # where no folder `touchable` stands in the way
 unset PYTHONPATH LD_LIBRARY_PATH
 export TOUCHABLE_WHEEL=$(echo "$work"/wheel/*.whl) TOUCHABLE_PROGRAM=$build/player/touchable TOUCHABLE_SOURCE=$source
-export TOUCHABLE_TEST_DATA=${TOUCHABLE_TEST_DATA:-$source/../shared/data} TOUCHABLE_LIBRARIES=$build/capi
+export TOUCHABLE_LIBRARIES=$build/capi
 "$work/venv/bin/python" "$source/tests/python/run_tests.py"

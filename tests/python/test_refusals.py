@@ -1,16 +1,22 @@
+import contextlib
 import os
 import pickle
+import queue
 import re
 import signal
 import socket
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy
 import touchable
 from common import globe, hill, source, stroke
+from touchable import _library
+
+longest_s = 60  # of a wait for another process or thread
 
 
 class Refusals(unittest.TestCase):
@@ -78,7 +84,7 @@ class Refusals(unittest.TestCase):
     def test_Cameras(self):
         for words, wrong in {"size|width": {"width": 0}, "far_m": {"far_m": -1}, "metres_per_code": {"metres_per_code": 0},
                              "camera": {"fx_px": float("nan")}, "friction": {"dynamic_friction": 2},
-                             "no number": {"width": 64.5}, "frames_per_second": {"frames_per_second": 0}}.items():
+                             "width is 64.5.*whole": {"width": 64.5}, "width is 4294967360": {"width": 2**32 + 64}, "frames_per_second": {"frames_per_second": 0}}.items():
             with self.subTest(words):
                 self.refuses(ValueError, words, lambda: touchable.Scene.from_camera(touchable.Camera(**wrong)))
         self.refuses(ValueError, "planar.*range", touchable.Camera, depth_kind="round")
@@ -115,6 +121,34 @@ class Refusals(unittest.TestCase):
             self.refuses(ValueError, "tick 10.*11", solver.tick, None, tick=10)
             self.assertEqual(solver.next_tick, 11)
 
+    def test_WholeNumbersThatCWouldCut(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        with touchable.Solver(surface) as solver:
+            for name in "tick", "time_ns", "epoch_start_ns":
+                for far in 2**60 + 1, -(2**60) - 1, 2**64 + 5, 1.5:
+                    with self.subTest(name, far=far):
+                        self.refuses(touchable.UsageError, f"^{name} is {far}; right", solver.tick, None, **{name: far})
+                        self.refuses(touchable.UsageError, f"^{name} is {far}; right", solver.run, numpy.zeros((1, 3)),
+                                     **{name: far})
+            self.refuses(ValueError, "epoch is -1", solver.tick, None, epoch=-1)
+            self.refuses(ValueError, "time_ns is 1100000000000000000000", solver.tick, None, tick=11 * 10**14)
+            self.assertEqual(solver.next_tick, 0)
+            solver.tick(None, tick=numpy.int64(5), time_ns=2**60)
+            self.assertEqual(solver.next_tick, 6)
+        cut = 2**32 + 1
+        self.refuses(ValueError, f"fingers is {cut}", touchable.Solver, surface, cut)
+        self.refuses(ValueError, f"ramp_in_ticks is {cut}", touchable.Solver, surface, ramp_in_ticks=cut)
+        self.refuses(ValueError, f"stale_after_ns is {2**64}", touchable.Solver, surface, stale_after_ns=2**64)
+        self.refuses(ValueError, f"threads is {cut}", touchable.Surface, depth, camera, threads=cut)
+        self.refuses(ValueError, f"frames is {cut + 3}", touchable.Surface, depth, camera, frames=cut + 3)
+        self.refuses(ValueError, f"time_ns is {2**64 + 9}", surface.push, depth, 2**64 + 9)
+        self.refuses(ValueError, f"epoch is {2**64 + 1}", surface.begin_epoch, 2**64 + 1)
+        with touchable.open(globe()) as clip:
+            self.refuses(ValueError, f"index is {2**64}", clip.read, 2**64)
+        self.refuses(ValueError, f"times_ns has {2**63 + 5}", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera,
+                     times_ns=numpy.array([0, 2**63 + 5], numpy.uint64))
+
     def test_WhatIsClosed(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
@@ -140,6 +174,33 @@ class Refusals(unittest.TestCase):
             self.assertEqual(self.refuses(ValueError, "clip.*was closed", used).status, touchable.Status.STALE)
         self.assertEqual(len(clip), 12)
 
+    def test_ASolverThatTicksStaysOpenUntilItIsClosedAgain(self):
+        depth, camera = hill()
+        surface = touchable.Surface(depth, camera)
+        path = numpy.tile(camera.points(32, 24, 0.48), (300_000, 1))
+        busy, end = None, time.monotonic() + longest_s
+        while busy is None and time.monotonic() < end:  # the run may be over before it is looked at
+            solver = touchable.Solver(surface)
+            thread = threading.Thread(target=solver.run, args=(path,))
+            thread.start()
+            try:
+                while thread.is_alive():
+                    solver.force_hash  # refused once the run has begun
+            except touchable.Error:
+                try:
+                    solver.close()
+                except touchable.Error as problem:
+                    busy, stays_open = problem, not solver.closed
+            thread.join()
+            solver.close()
+            self.assertTrue(solver.closed)
+        self.assertIsNotNone(busy)
+        self.assertTrue(stays_open)
+        self.assertIn("close the solver after that", str(busy))
+        self.assertEqual(busy.status, touchable.Status.BUSY)
+        touchable.Solver(surface).close()
+        surface.close()
+
     def test_PicturesThatComeTooLateOrTooMany(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
@@ -160,49 +221,80 @@ class Refusals(unittest.TestCase):
         self.assertEqual((type(again), str(again), again.status), (type(problem), str(problem), problem.status))
 
 
+class Words:
+    """Lines that a process says, read by a thread, so that no wait for one lasts for ever."""
+
+    def __init__(self, process):
+        self._lines = queue.Queue()
+        threading.Thread(target=self._read, args=(process.stdout,), daemon=True).start()
+
+    def _read(self, out):
+        for line in out:
+            self._lines.put(line)
+        self._lines.put("")
+
+    def next(self, timeout_s=longest_s):
+        """The next line; "" at the end. queue.Empty where none comes."""
+        return self._lines.get(timeout=timeout_s)
+
+    def skip_until_silent(self):
+        with contextlib.suppress(queue.Empty):
+            while self.next(timeout_s=1):
+                pass
+
+
 class CtrlC(unittest.TestCase):
     """At the end of a wait of a main thread, in a process of its own."""
 
-    def interrupted(self, program, wait_for):
-        with subprocess.Popen([os.sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
-            wait_for(process)
-            while process.poll() is None:  # it may not yet wait when the first one comes
-                process.send_signal(signal.SIGINT)
-                try:
-                    process.wait(0.2)
-                except subprocess.TimeoutExpired:
-                    pass
-            self.assertIn(process.returncode, (0, -signal.SIGINT))  # the last one may have come after the end
-            return process.stdout.read()
+    # A shell's background commands begin with SIGINT ignored.
+    beginning = "import signal, touchable\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+
+    def start(self, *command):
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process, Words(process)
+
+    def interrupt(self, process):
+        """Sends it SIGINT until it ends: one that comes while Python collects garbage is lost."""
+        for _ in range(longest_s // 10):
+            process.send_signal(signal.SIGINT)
+            try:
+                return process.wait(10)
+            except subprocess.TimeoutExpired:
+                pass
+        self.fail(f"it has not ended in {longest_s} s")
 
     def test_EndsTheWaitForAStreamThatSaysNothing(self):
         with socket.create_server(("127.0.0.1", 0)) as server:
-            program = ("import touchable\ntry:\n    touchable.open('tcp://127.0.0.1:%d')\n"
-                       "except KeyboardInterrupt:\n    print('ended', flush=True)" % server.getsockname()[1])
-            connections = []
-            self.assertEqual(self.interrupted(program, lambda process: connections.append(server.accept())), "ended\n")
+            server.settimeout(longest_s)
+            process, words = self.start(os.sys.executable, "-c", self.beginning + (
+                "try:\n    touchable.open('tcp://127.0.0.1:%d')\n"
+                "except KeyboardInterrupt:\n    print('ended', flush=True)" % server.getsockname()[1]))
+            connection, _ = server.accept()
+            with connection:
+                self.interrupt(process)
+                self.assertEqual(words.next(), "ended\n")
 
-    def test_EndsTheWaitForAFrame(self):
-        stream = subprocess.Popen([os.environ["TOUCHABLE_PROGRAM"], "serve", globe(), "tcp://127.0.0.1:0", "--loop"],
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.addCleanup(stream.wait)
-        self.addCleanup(stream.kill)
-        lines = iter(stream.stdout)
-        address = next(found[0] for line in lines if (found := re.search(r"tcp://127\.0\.0\.1:[1-9]\d*", line)))
-        threading.Thread(target=lambda: list(lines), daemon=True).start()
-        program = ("import touchable\nprint('first', flush=True)\nclip = touchable.open('%s')\nframes = iter(clip)\n"
-                   "try:\n    print(next(frames).depth.shape, flush=True)\n    for frame in frames: pass\n"
-                   "except KeyboardInterrupt:\n    print('ended', flush=True)" % address)
-
-        def wait_for(process):
-            self.assertEqual(process.stdout.readline(), "first\n")
-            self.assertEqual(process.stdout.readline(), "(120, 160)\n")
-            stream.send_signal(signal.SIGSTOP)  # from now on no frame comes
-
-        try:
-            self.assertEqual(self.interrupted(program, wait_for), "ended\n")
-        finally:
-            stream.send_signal(signal.SIGCONT)
+    def test_EndsTheWaitForAFrameAndClosesTheConnection(self):
+        stream, said = self.start(os.environ["TOUCHABLE_PROGRAM"], "serve", globe(), "tcp://127.0.0.1:0", "--loop")
+        address = None
+        while not address:
+            line = said.next()
+            self.assertTrue(line, "the program ended")
+            address = re.search(r"tcp://127\.0\.0\.1:[1-9]\d*", line)
+        process, words = self.start(os.sys.executable, "-c", self.beginning + (
+            "from touchable import _library\ntry:\n    with touchable.open('%s') as clip:\n"
+            "        for frame in clip: print(frame.depth.shape, flush=True)\n"
+            "except KeyboardInterrupt:\n    print('ended', clip.closed, flush=True)\n"
+            "print(_library.function('clip_describe')(clip._handle.number, _library.ClipFacts()))" % address[0]))
+        self.assertEqual(words.next(), "(120, 160)\n")
+        stream.send_signal(signal.SIGSTOP)  # from now on no frame comes
+        words.skip_until_silent()
+        self.interrupt(process)
+        self.assertEqual(words.next(), "ended True\n")
+        self.assertEqual(words.next(), f"{int(touchable.Status.STALE)}\n")  # the library has closed it
 
 
 if __name__ == "__main__":

@@ -1,8 +1,10 @@
+import gc
 import os
 import re
 import tempfile
 import threading
 import unittest
+import weakref
 
 import numpy
 import touchable
@@ -197,6 +199,21 @@ class Surfaces(unittest.TestCase):
             owner.surface = touchable.Surface(depth, camera)
             owner.solver, owner.itself = touchable.Solver(owner.surface), owner
         self.assertEqual(owner.solver.tick((0, 0, 0)).shape, (1, 3))
+
+
+    def test_WhatWasTouchedKeepsNoSurface(self):
+        depth, camera = hill()
+        metres = touchable.Scene.from_camera(camera).metres(depth)
+        for given in depth, metres:
+            surface = touchable.Surface(given, camera)
+            touched, alive = surface.touch(stroke(camera)), weakref.ref(surface)
+            del surface
+            gc.collect()
+            self.assertIsNone(alive())
+            self.assertEqual(touched.surface_metres.tobytes(), metres.tobytes())
+        early = touchable.Surface(camera=camera).touch(stroke(camera), metres_per_scene_unit=1)
+        with self.assertRaisesRegex(touchable.UsageError, "no picture"):
+            early.surface_metres
 
 
 class CamerasAndScenes(unittest.TestCase):

@@ -66,6 +66,22 @@ class Writing(unittest.TestCase):
             self.assertTrue((codes[0, :6] == 0).all())
             self.assertLessEqual(numpy.abs(codes[1:] * 0.001 - metres[1:]).max(), 0.0005001)
 
+    def test_MetresThatWereReadAreWrittenBackToTheSameCodes(self):
+        """Guards the far plane: its depth as a float may lie beyond it, and is a surface all the same."""
+        for far_m, metres_per_code in (0.6, 0.0001), (0.7, 0.001), (3.3, 0.001):
+            camera = touchable.Camera(32, 24, far_m=far_m, metres_per_code=metres_per_code)
+            last = round(far_m / metres_per_code)
+            codes = (last - numpy.arange(24 * 32) % (last + 1)).astype(numpy.uint16).reshape(24, 32)
+            with self.subTest(far_m=far_m):
+                touchable.write(self.path(), [codes], camera=camera, overwrite=True)
+                with touchable.open(self.path()) as clip:
+                    metres = clip[0].metres
+                self.assertEqual(numpy.isfinite(metres).sum(), numpy.count_nonzero(codes))
+                touchable.write(self.path("back.mkv"), [metres], camera=camera, overwrite=True)
+                self.assertTrue(numpy.array_equal(self.read("back.mkv")[0], codes))
+                pushed = touchable.Surface(metres, camera).first_metres
+                self.assertEqual(pushed.tobytes(), metres.tobytes())
+
     def test_DictsAndTuplesHavePicturesBesideDepth(self):
         colour = numpy.arange(24 * 32 * 3, dtype=numpy.uint8).reshape(24, 32, 3)
         depth = ramp(1)[0]
@@ -98,6 +114,18 @@ class Writing(unittest.TestCase):
         touchable.write(self.path(), ramp(2), camera=self.camera, overwrite=True)
         self.assertEqual(len(self.read()), 2)
 
+    def test_OnlyWhatMayBeReplacedIsAFileThatExists(self):
+        open(self.path("x.avi"), "w").close()
+        touchable.write(self.path(), ramp(1), camera=self.camera)
+        os.mkdir(self.path("others"))
+        open(self.path("others/notes.txt"), "w").close()
+        with touchable.open(self.path()) as clip:
+            for name, words in ("x.avi", "NAME.mkv"), ("out.mkv", "clip that is open"), ("others", "holds other files"):
+                with self.assertRaisesRegex(touchable.UsageError, words) as refused:
+                    touchable.write(self.path(name), ramp(1), camera=self.camera)
+                self.assertNotIsInstance(refused.exception, FileExistsError, name)
+            self.assertEqual(len(clip), 1)
+
     def test_RateAndTimesAreKept(self):
         touchable.write(self.path(), ramp(3), camera=self.camera, fps=12.5)
         times = [0, 10_000_000, 55_000_000]
@@ -105,6 +133,9 @@ class Writing(unittest.TestCase):
         with touchable.open(self.path()) as even, touchable.open(self.path("times.mkv")) as uneven:
             self.assertEqual(even.scene.frames_per_second, 12.5)
             self.assertEqual([frame.time_ns for frame in uneven], times)
+            self.assertEqual((even.has_own_times, uneven.has_own_times), (False, True))
+            self.assertEqual((uneven.times_ns.tolist(), uneven.times_ns.dtype), (times, numpy.int64))
+            self.assertEqual(even.times_ns.tolist(), [0, 80_000_000, 160_000_000])
             touchable.write(self.path("again.mkv"), uneven)
             with touchable.open(self.path("again.mkv")) as again:
                 self.assertEqual([frame.time_ns for frame in again], times)
