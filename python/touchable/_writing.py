@@ -16,7 +16,7 @@ from . import _library, _planes
 from ._clip import Clip, Frame
 from ._library import Handle, Struct, WriterSettings, call, made, status_of
 from ._scene import Camera, Scene, encoded, scene_of
-from .errors import Error, ExistingFileError, Status, error_of
+from .errors import Error, ExistingFileError, error_of
 
 
 def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | None = None, scene: Scene | None = None,

@@ -192,11 +192,11 @@ class LeftOut(unittest.TestCase):
 
     def test_WithoutDebiansModulesAllAre(self):
         with tempfile.TemporaryDirectory() as folder:
-            pathlib.Path(folder, "PIL.py").write_text("raise ImportError")
+            pathlib.Path(folder, "matplotlib.py").write_text("raise ImportError")
             done = subprocess.run([source / "tests/python/run.sh", folder], capture_output=True, text=True,
                                   env={**os.environ, "PYTHONPATH": folder})
         self.assertEqual(done.returncode, 77, done.stderr)  # the SKIP_RETURN_CODE of CMakeLists.txt
-        self.assertRegex(done.stdout, "has no PIL .*python3-matplotlib")
+        self.assertRegex(done.stdout, "has no matplotlib .*python3-matplotlib")
 
     def test_OneWithoutItsRecordingIsOrFailsWhereTheyAreRequired(self):
         for environment, outcome in (({}, unittest.SkipTest), ({"TOUCHABLE_REQUIRE_DATA": "1"}, AssertionError), (
