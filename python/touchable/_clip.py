@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import concurrent.futures
 import functools
-import math
 import operator
 import os
 import threading
@@ -14,9 +13,9 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, made, status_of, text_of
-from ._scene import Camera, Scene, encoded
-from .errors import ClosedError, Error, MissingFileError, Status, error_of
+from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, encoded, made, refuse_copies, text_of
+from ._scene import Camera, Scene
+from .errors import Error, MissingFileError, Status
 
 if TYPE_CHECKING:
     from ._touch import Touched
@@ -35,6 +34,8 @@ class Frame:
     number: from 0.
     time_ns: when it is shown, nanoseconds of the clip's clock.
     """
+
+    __reduce__ = refuse_copies
 
     def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
         """Of a handle of the C API; programs get frames from a Clip."""
@@ -110,13 +111,12 @@ def _interruptibly(work: Callable[[], Any], interrupt: Callable[[], Any] | None 
 
 
 def _next_of(clip: Handle) -> Handle | None:
-    frameset = _library.c_uint64()
-    status, line = status_of("clip_next", clip.number, frameset)
-    if status == Status.END:
-        return None
-    if status:
-        raise error_of(status, line)
-    return Handle(frameset.value, "frameset_release", at_exit=False)
+    try:
+        return made("clip_next", "frameset_release", clip.number, at_exit=False)
+    except Error as problem:
+        if problem.status == Status.END:
+            return None
+        raise
 
 
 class Clip:
@@ -136,10 +136,12 @@ class Clip:
     notes: lines of text that a person should know of the clip, such as what was guessed of it.
     """
 
+    __reduce__ = refuse_copies
+
     def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
         self.path = os.fspath(path)
-        name = encoded(path)
+        name = encoded(f"the path {path!r}", path)
         self._is_stream = b"://" in name or name == b"-"
         self._position: int | None = 0
         self._with_colour = bool(settings.colour)
@@ -199,8 +201,9 @@ class Clip:
         """Frame `index`, from 0; None behind the last one. In order from 0 this is quickest, and all that streams do.
         Raises Error, which names file, track and frame, where it cannot be read; frames behind it may be."""
         self._check_open()
+        index = _library.whole("index", index)
         if self._position != index:
-            call("clip_seek", self._handle.number, _library.whole("index", index))
+            call("clip_seek", self._handle.number, index)
         self._position = None  # unknown, should the next call fail
         handle = self._waiting(functools.partial(_next_of, self._handle))
         if handle is None:
@@ -230,8 +233,7 @@ class Clip:
         return self._handle.closed
 
     def _check_open(self) -> None:
-        if self.closed:
-            raise ClosedError(Status.STALE, f"the clip {self.path} was closed; open it again")
+        self._handle.check_open(f"the clip {self.path} was closed; open it again")
 
     def __iter__(self) -> Iterator[Frame]:
         index = 0
@@ -295,14 +297,12 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     call("clip_settings_defaults", settings, settings.struct_size)
     settings.colour = int(colour)
     if scene_file is not None:
-        settings.scene_file = encoded(scene_file)
+        settings.scene_file = encoded("scene_file", scene_file)
     if preset is not None:
-        settings.preset = preset.encode()
+        settings.preset = encoded("preset", preset)
     given = {"fx_px": fx_px, "fy_px": fx_px if fy_px is None else fy_px, "cx_px": cx_px, "cy_px": cy_px,
              "fov_degrees": fov_degrees, "metres_per_code": metres_per_code}
     for name, value in given.items():
         if value is not None:
-            if not math.isfinite(value):
-                raise _planes.refuse(f"{name} is {value}; right would be a finite number")
-            setattr(settings, name, value)
+            setattr(settings, name, _library.number(name, value))
     return Clip(path, settings)

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import math
 import operator
+import os
 import pathlib
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
-from typing import Any, Callable
+from typing import Any, Callable, NoReturn
 
-from .errors import Status, UsageError, error_of
+from .errors import ClosedError, Status, UsageError, error_of
 
 U8, U16, F32 = 1, 2, 4  # TOUCH_U8, TOUCH_U16, TOUCH_F32
 PLANAR, RANGE = 0, 1
@@ -33,6 +35,27 @@ def whole(name: str, value: Any, least: int = -farthest, most: int = farthest) -
     return number
 
 
+def number(name: str, value: Any) -> float:
+    """An argument that is a finite number."""
+    try:
+        if math.isfinite(value):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise UsageError(Status.USAGE, f"{name} is {value!r}; right would be a finite number")
+
+
+def encoded(what: str, text: str | os.PathLike) -> bytes:
+    """Text as the C API takes it: UTF-8, which ends at its first NUL."""
+    try:
+        data = os.fsencode(text)
+    except UnicodeEncodeError:
+        data = b"\0"
+    if b"\0" in data:
+        raise UsageError(Status.USAGE, f"{what} has a NUL or a lone surrogate; right would be text without")
+    return data
+
+
 _ranges = {c_int32: (-(2**31), 2**31 - 1), c_int64: (-farthest, farthest), c_uint64: (0, 2**64 - 1)}
 
 
@@ -44,6 +67,8 @@ class Struct(ctypes.Structure):
         for name, value in members.items():
             if kinds[name] in _ranges:
                 members[name] = whole(name, value, *_ranges[kinds[name]])
+            elif kinds[name] is c_double:
+                members[name] = number(name, value)
         super().__init__(**members)
         self.struct_size = ctypes.sizeof(self)
 
@@ -221,25 +246,69 @@ def text_of(name: str, *arguments: Any) -> str:
     return text.value.decode()
 
 
-def _end(end: Callable[..., int], number: int, kept: tuple) -> None:
-    end(number)
+_forks = 0  # that lie between the first process and this one
+
+
+def _count_fork() -> None:
+    global _forks
+    _forks += 1
+
+
+os.register_at_fork(after_in_child=_count_fork)
+
+# What has threads and files by what ends it: a forked child has neither. Scenes and framesets are memory, which it has.
+_of_one_process = {"clip_close": "clip", "surface_destroy": "surface", "solver_destroy": "solver",
+                   "writer_abandon": "clip that is written"}
+
+
+def _end(end: Callable[..., int], number: int, kept: tuple, forks: int) -> None:
+    if forks == _forks:
+        try:
+            end(number)
+        except KeyboardInterrupt:  # before the call, or after it: then there is no such object, which does no harm
+            end(number)
+            raise
+
+
+def refuse_copies(held: Any) -> NoReturn:
+    """The __reduce__ of what holds a C object, by which pickle and copy would take its number alone."""
+    raise TypeError(f"a {type(held).__name__} holds memory, threads or files of its process and cannot be pickled or "
+                    "copied; right would be to pass on what it is made of, such as a path or arrays")
 
 
 class Handle:
-    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then."""
+    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then. In a
+    forked child it never ends."""
+
+    __reduce__ = refuse_copies
 
     def __init__(self, number: int, end: str, *needs: Any, at_exit: bool = True) -> None:
         """`at_exit`: False: it stays when Python exits, as arrays may lie over its memory until the very end."""
-        self.number = number
+        self._number = number
         self._name_of_end = end
-        self._end = weakref.finalize(self, _end, function(end), number, needs)
+        self._forks = _forks
+        self._end = weakref.finalize(self, _end, function(end), number, needs, _forks)
         self._end.atexit = at_exit
+
+    @property
+    def number(self) -> int:
+        """What C knows it by. Raises ClosedError in a forked child, where it cannot be used."""
+        if self._forks != _forks and (what := _of_one_process.get(self._name_of_end)):
+            raise ClosedError(Status.STALE, f"the {what} belongs to the parent process; right would be to open or make "
+                                            "another one in this process, which was forked")
+        return self._number
+
+    def check_open(self, line: str) -> None:
+        """Raises ClosedError: with `line` where it was closed."""
+        if self.closed:
+            self.number
+            raise ClosedError(Status.STALE, line)
 
     def close(self, busy: str) -> None:
         """Ends it. Where it cannot yet, raises Error with Status.BUSY and the line `busy`, and it stays open."""
         if self.closed:
             return
-        status, line = status_of(self._name_of_end, self.number)
+        status, line = status_of(self._name_of_end, self._number)
         if status:
             raise error_of(status, busy if status == Status.BUSY else line)
         self._end.detach()
@@ -250,12 +319,17 @@ class Handle:
 
     @property
     def closed(self) -> bool:
-        return not self._end.alive
+        return not self._end.alive or self._forks != _forks
 
 
-def made(name: str, end: str, *arguments: Any, needs: tuple = ()) -> Handle:
+def made(name: str, end: str, *arguments: Any, needs: tuple = (), at_exit: bool = True) -> Handle:
     """A new C object of a function that makes one. Its handle stands before the error, behind what is given here."""
     number = c_uint64()
-    call(name, *arguments, number)
-    return Handle(number.value, end, *needs)
+    try:
+        call(name, *arguments, number)
+        return Handle(number.value, end, *needs, at_exit=at_exit)
+    except BaseException:  # such as Ctrl-C, once the object is there
+        if number.value:
+            function(end)(number.value)
+        raise
 

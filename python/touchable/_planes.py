@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -14,16 +14,33 @@ roles = ("depth", "colour", "haptic", "height")
 _samples = {"uint8": U8, "uint16": U16, "float32": F32}
 _types = {U8: "|u1", U16: numpy.dtype(numpy.uint16).str, F32: numpy.dtype(numpy.float32).str}
 
+_Masked = numpy.ma.MaskedArray
+
 
 def refuse(line: str) -> UsageError:
     return UsageError(Status.USAGE, line)
 
 
+def array_from(what: str, given: Any, kind: Any = None, read: Callable[..., Any] = numpy.asarray) -> Any:
+    """An argument as an array, of the type `kind`, or of its own. Raises UsageError where it is none."""
+    try:
+        return read(given, kind)
+    except (TypeError, ValueError, OverflowError) as problem:
+        raise refuse(f"{what}: no array of numbers: {problem}") from None
+
+
+def numbers(what: str, given: ArrayLike) -> NDArray[numpy.float64]:
+    """An argument as an array of float64, NaN where it is masked."""
+    if isinstance(given, _Masked) or (isinstance(given, (list, tuple)) and _Masked in map(type, given)):
+        return array_from(what, given, numpy.float64, numpy.ma.array).filled(numpy.nan)
+    return array_from(what, given, numpy.float64)
+
+
 def _as_stored(given: ArrayLike, role: str) -> NDArray[Any]:
     """An array of a kind that planes have, whose pixels lie side by side; rows may lie anywhere."""
-    if isinstance(given, numpy.ma.MaskedArray):
+    if isinstance(given, _Masked):
         raise refuse(f"the {role} picture is a masked array; fill it first, such as picture.filled(0)")
-    array = numpy.asarray(given)
+    array = array_from(f"the {role} picture", given)
     wide = role == "depth" and array.dtype.kind == "f"
     if not wide and array.dtype.newbyteorder("=").name not in _samples:
         right = "uint16 or uint8 codes, or floats of metres" if role == "depth" else "uint8"

@@ -6,15 +6,16 @@ import ctypes
 import dataclasses
 import fractions
 import json
+import itertools
 import math
-import os
-from typing import Any, Literal, Sequence
+import numbers
+from typing import Any, Iterable, Literal
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._library import CameraStruct, SceneFacts, call, made, text_of
+from ._library import CameraStruct, SceneFacts, call, encoded, made, number, text_of, whole
 from .errors import UsageError, Status
 
 DepthKind = Literal["planar", "range"]
@@ -22,7 +23,8 @@ _kinds: tuple[DepthKind, DepthKind] = ("planar", "range")  # TOUCH_PLANAR, TOUCH
 
 
 def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> NDArray[numpy.float64]:
-    x, y, depth = (numpy.asarray(value, numpy.float64) for value in (x_px, y_px, depth))
+    given = {"x_px": x_px, "y_px": y_px, "depth_m": depth}
+    x, y, depth = (_planes.numbers(name, value) for name, value in given.items())
     ray = numpy.stack(numpy.broadcast_arrays((x - facts.cx_px) / facts.fx_px, (facts.cy_px - y) / facts.fy_px, -1.0), -1)
     if facts.depth_kind == "range":
         ray = ray / numpy.linalg.norm(ray, axis=-1, keepdims=True)
@@ -64,6 +66,8 @@ class Camera:
     depth_kind: DepthKind = "planar"
 
     def __post_init__(self) -> None:
+        for name in "width", "height":
+            whole(name, getattr(self, name))
         fx = self.width / 2 / math.tan(math.radians(30)) if self.fx_px is None else self.fx_px
         middle = (self.width - 1) / 2, (self.height - 1) / 2
         for name, value in ("fx_px", fx), ("fy_px", fx), ("cx_px", middle[0]), ("cy_px", middle[1]):
@@ -76,9 +80,9 @@ class Camera:
     def from_fov(cls, fov_degrees: float, width: int = 640, height: int = 480, **others: Any) -> Camera:
         """A camera that sees `fov_degrees` from left to right, in a picture of width x height pixels. `others`: further
         members. Raises UsageError where the angle is not above 0 and below 180 degrees."""
-        if not 0 < fov_degrees < 180:
+        if not 0 < number("fov_degrees", fov_degrees) < 180:
             raise UsageError(Status.USAGE, f"fov_degrees is {fov_degrees}; right would be above 0 and below 180")
-        return cls(width, height, width / 2 / math.tan(math.radians(fov_degrees) / 2), **others)
+        return cls(width, height, whole("width", width) / 2 / math.tan(math.radians(fov_degrees) / 2), **others)
 
     def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
         """Where pixels at a depth are, metres: X right, Y up, the camera at the origin looks along -Z.
@@ -89,11 +93,7 @@ class Camera:
         return _points(x_px, y_px, depth_m, self)
 
     def _struct(self) -> _library.Struct:
-        members = dataclasses.asdict(self)
-        try:
-            return CameraStruct(**{**members, "depth_kind": _kinds.index(self.depth_kind)})
-        except TypeError as problem:
-            raise UsageError(Status.USAGE, f"a member of the camera is no number: {self} ({problem})") from None
+        return CameraStruct(**{**dataclasses.asdict(self), "depth_kind": _kinds.index(self.depth_kind)})
 
 
 class Scene:
@@ -138,7 +138,7 @@ class Scene:
     @classmethod
     def from_text(cls, text: str) -> Scene:
         """A scene of the text of a scene file (docs/scene_file.md). Raises Error, which names a wrong member."""
-        data = text.encode()
+        data = encoded("the text of the scene", text)
         return cls(made("scene_from_text", "scene_destroy", data, len(data)))
 
     @property
@@ -182,21 +182,28 @@ class Scene:
         call("scene_metres", self._handle.number, plane, metres.ctypes.data, metres.strides[0])
         return metres
 
-    def with_filters(self, frames: Sequence[Any]) -> Scene:
+    def with_filters(self, frames: Iterable[Any]) -> Scene:
         """The scene with the filters that the program would choose by these frames of a recording, from the first on.
 
-        `frames`: up to 16 Frames, depth arrays or dicts of planes; more are not looked at. Filters that the scene
-        states stay. Raises UsageError where a picture has not the scene's size or kind.
+        `frames`: up to 16 Frames, depth arrays or dicts of planes, one after the other; more are not taken. Filters that
+        the scene states stay. Raises UsageError where a picture has not the scene's size or kind.
         """
-        structs = [_planes.frame_struct(frame, number, number) for number, frame in enumerate(frames[:16])]
+        looked_at = list(itertools.islice(frames, 16))
+        structs = [_planes.frame_struct(frame, place, place) for place, frame in enumerate(looked_at)]
         array: Any = (_library.FrameStruct * len(structs))(*structs)
         size = ctypes.sizeof(_library.FrameStruct)
         return Scene(made("scene_with_filters", "scene_destroy", self._handle.number, array, size, len(structs)))
 
     def with_rate(self, frames_per_second: float | fractions.Fraction) -> Scene:
-        """The same scene at another rate, frames per second: a number, or an exact Fraction(30000, 1001)."""
-        rate = fractions.Fraction(frames_per_second).limit_denominator(1_000_000)
+        """The same scene at another rate, frames per second: a number, or an exact Fraction(30000, 1001). Raises
+        UsageError where it is no number, Error where it is out of its range."""
+        exact = isinstance(frames_per_second, numbers.Rational)
+        rate = fractions.Fraction(frames_per_second if exact else number("frames_per_second", frames_per_second))
+        rate = rate.limit_denominator(1_000_000)
         return Scene.from_text(json.dumps({**json.loads(self.text), "rate": [rate.numerator, rate.denominator]}))
+
+    def __reduce__(self) -> tuple:
+        return Scene.from_text, (self.text,)
 
     def __repr__(self) -> str:
         return (f"<touchable.Scene {self.width}x{self.height}, fx {self.fx_px:.6g} px, unit "
@@ -210,8 +217,3 @@ def scene_of(meaning: Camera | Scene | None, what: str = "camera") -> Scene:
     if isinstance(meaning, Camera):
         return Scene.from_camera(meaning)
     raise TypeError(f"{what} is {type(meaning).__name__}; right would be a touchable.Camera or a touchable.Scene")
-
-
-def encoded(path: str | os.PathLike) -> bytes:
-    """A path as the C API takes it: UTF-8."""
-    return os.fsencode(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy
@@ -10,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Frame
-from ._library import SurfaceSettings, call, made
+from ._library import SurfaceSettings, call, made, refuse_copies
 from ._scene import Camera, Scene, scene_of
-from .errors import ClosedError, Status
 
 if TYPE_CHECKING:
     from ._touch import Touched
@@ -26,6 +26,8 @@ class Surface:
 
     scene: the Scene that says what the pictures mean.
     """
+
+    __reduce__ = refuse_copies
 
     def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
                  haptic: ArrayLike | None = None, height: ArrayLike | None = None, threads: int = 1,
@@ -139,8 +141,7 @@ class Surface:
         return self._handle.closed
 
     def _check_open(self) -> None:
-        if self.closed:
-            raise ClosedError(Status.STALE, "the surface was closed; make another one")
+        self._handle.check_open("the surface was closed; make another one")
 
     def __enter__(self) -> Surface:
         return self
@@ -156,8 +157,19 @@ def metres_of(depth: NDArray[Any] | None, scene: Scene) -> NDArray[numpy.float32
     if depth.dtype != numpy.float32:
         return scene.metres(depth)
     # Compared as floats, as the library does it: what is exactly at the far plane has a surface.
-    near, far = (numpy.float32(units * scene.metres_per_scene_unit) for units in (scene.near_units, scene.far_units))
+    near, far = (numpy.float32(units * scene.metres_per_scene_unit) for units in (scene.near_units, _deepest(scene)))
     return numpy.where((depth > 0) & (depth >= near) & (depth <= far), depth, numpy.float32(numpy.nan))
+
+
+def _deepest(scene: Scene) -> float:
+    """Scene units: the far plane, or what is still rounded to the last code before it."""
+    coding = json.loads(scene.text)["depth"]
+    if coding["coding"] != "metric":
+        return scene.far_units
+    step, last = coding["scale"], min(round(scene.far_units / coding["scale"]), coding["code_max"])
+    while last * step > scene.far_units or last in coding["invalid"]:
+        last -= 1
+    return min(scene.far_units, (last + 0.5) * step)
 
 
 def _copy_of(plane: _library.Plane) -> NDArray[Any]:

@@ -8,16 +8,17 @@ import enum
 import functools
 import os
 import sys
+import threading
 from typing import Any
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _clip, _library, _planes
-from ._library import Contact, SolverStruct, Tick, call, made, whole
+from ._library import Contact, SolverStruct, Tick, call, made, number, refuse_copies, whole
 from ._scene import Scene
 from ._surface import Surface, metres_of
-from .errors import ClosedError, Status, error_of
+from .errors import Status, error_of
 
 _tick_ns = 1_000_000
 _contact = numpy.dtype([
@@ -91,12 +92,12 @@ class SolverSettings:
         members = dataclasses.asdict(self)
         if self.metres_per_scene_unit is None:
             members["metres_per_scene_unit"] = 0.0
-        elif not self.metres_per_scene_unit > 0:
+        elif not number("metres_per_scene_unit", self.metres_per_scene_unit) > 0:
             raise _planes.refuse(f"metres_per_scene_unit is {self.metres_per_scene_unit}; right would be above 0")
-        try:
-            return SolverStruct(fingers=fingers, **members)
-        except TypeError as problem:
-            raise _planes.refuse(f"a setting has not its kind of number: {self} ({problem})") from None
+        return SolverStruct(fingers=fingers, **members)
+
+
+_settings = [setting.name for setting in dataclasses.fields(SolverSettings)]
 
 
 class Touched:
@@ -188,10 +189,7 @@ class Touched:
 
 def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
     """A path as the C API takes it: (ticks, fingers, 3) float64, side by side. Raises UsageError where it cannot be."""
-    try:
-        goals = numpy.ascontiguousarray(path, numpy.float64)
-    except (TypeError, ValueError) as problem:
-        raise _planes.refuse(f"the path is no array of numbers: {problem}") from None
+    goals = numpy.ascontiguousarray(_planes.numbers("the path", path))
     if goals.ndim == 2:
         goals = goals[:, None, :]
     if goals.ndim != 3 or goals.shape[2] != 3 or goals.shape[1] == 0:
@@ -208,6 +206,8 @@ class Solver:
         overwritten by the next one.
     """
 
+    __reduce__ = refuse_copies
+
     def __init__(self, surface: Surface, fingers: int = 1, **settings: Any) -> None:
         """Fingers on a surface, of which a picture was pushed (or metres_per_scene_unit is given).
 
@@ -217,16 +217,20 @@ class Solver:
         surface._check_open()
         self.surface = surface
         self.fingers = fingers
+        for name in settings:
+            if name not in _settings:
+                raise _planes.refuse(f"there is no setting {name}; right would be {', '.join(_settings)}")
         self.settings = SolverSettings(**settings)
         struct = self.settings._struct(fingers)
         self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
         self.next_tick = 0
+        self._lock = threading.Lock()  # of what follows, which a tick fills
         self._tick = Tick()
-        self._goals = numpy.full((fingers, 3), numpy.nan)
+        self._no_goals = numpy.full((fingers, 3), numpy.nan)
+        self._goals = self._no_goals.copy()
         self.contacts: NDArray[Any] = numpy.zeros(fingers, _contact)
         self._run = _library.function("solver_run")
-        self._call = (self._handle.number, self._tick, 1, self._goals.ctypes.data, self.contacts.ctypes.data,
-                      _contact.itemsize)
+        self._call = (self._tick, 1, self._goals.ctypes.data, self.contacts.ctypes.data, _contact.itemsize)
 
     def tick(self, goals: ArrayLike | None, *, time_ns: int | None = None, tick: int | None = None, epoch: int = 0,
              epoch_start_ns: int = 0) -> NDArray[numpy.float64]:
@@ -238,22 +242,20 @@ class Solver:
         tick: milliseconds of the hand's time, larger than before; None: the next. Those between were missed.
         epoch, epoch_start_ns: of the surface, and the moment at which it begins; see Surface.begin_epoch.
 
-        `contacts` then has all of it. Raises UsageError where the shape or the tick cannot be (then nothing happened),
-        ClosedError.
+        `contacts` then has all of it. Raises UsageError where the shape or the tick cannot be, Error with Status.BUSY
+        while another thread is in tick() or run(), and ClosedError: then nothing happened.
         """
-        if goals is None:
-            self._goals.fill(numpy.nan)
-        else:
-            given = numpy.asarray(goals, numpy.float64)
-            if given.shape != self._goals.shape and (given.shape != (3,) or self.fingers != 1):
-                raise _planes.refuse(f"goals have the shape {given.shape}; right would be ({self.fingers}, 3)")
+        given = _planes.numbers("goals", self._no_goals if goals is None else goals)
+        if given.shape != self._goals.shape and (given.shape != (3,) or self.fingers != 1):
+            raise _planes.refuse(f"goals have the shape {given.shape}; right would be ({self.fingers}, 3)")
+        with self._free():
             self._goals[...] = given
-        self._set_tick(tick, time_ns, epoch, epoch_start_ns)
-        status = self._run(*self._call)
-        if status:
-            self._refuse(status)
-        self.next_tick = self._tick.tick + 1
-        return self.contacts["force_n"].copy()
+            self._set_tick(tick, time_ns, epoch, epoch_start_ns)
+            status = self._run(self._handle.number, *self._call)
+            if status:
+                self._refuse(status)
+            self.next_tick = self._tick.tick + 1
+            return self.contacts["force_n"].copy()
 
     def run(self, path: ArrayLike, *, time_ns: int | None = None, tick: int | None = None, epoch: int = 0,
             epoch_start_ns: int = 0) -> Touched:
@@ -266,9 +268,10 @@ class Solver:
         if goals.shape[1] != self.fingers:
             raise _planes.refuse(f"the path is of {goals.shape[1]} fingers, the solver of {self.fingers}")
         contacts = numpy.empty(goals.shape[:2], _contact)
-        first = self.next_tick if tick is None else tick
-        self._run_into(goals, contacts, time_ns=time_ns, tick=first, epoch=epoch, epoch_start_ns=epoch_start_ns)
-        return Touched(contacts, self.force_hash, first, self.surface)
+        with self._free():
+            first = self.next_tick if tick is None else tick
+            self._run_into(goals, contacts, time_ns=time_ns, tick=first, epoch=epoch, epoch_start_ns=epoch_start_ns)
+            return Touched(contacts, self.force_hash, first, self.surface)
 
     def _run_into(self, goals: NDArray[Any], contacts: NDArray[Any], *, time_ns: int | None = None, tick: int | None = None,
                   epoch: int = 0, epoch_start_ns: int = 0) -> None:
@@ -286,8 +289,16 @@ class Solver:
         now.epoch = whole("epoch", epoch, 0, 2**64 - 1) if epoch else 0
         now.epoch_start_ns = whole("epoch_start_ns", epoch_start_ns) if epoch_start_ns else 0
 
+    def _free(self) -> threading.Lock:
+        """The lock, to be taken without waiting: where another thread has it, raises Error with Status.BUSY."""
+        if self._lock.locked():
+            self._refuse(Status.BUSY)
+        return self._lock
+
     def _refuse(self, status: int) -> None:
         self._check_open()
+        if status == Status.BUSY:
+            raise error_of(status, "another thread is using the solver; right would be one thread for each solver")
         if status == Status.USAGE:
             raise _planes.refuse(f"tick {self._tick.tick} cannot be; right would be {self.next_tick} or a later one")
         raise error_of(status, _library.line_of(status))
@@ -316,8 +327,7 @@ class Solver:
         return self._handle.closed
 
     def _check_open(self) -> None:
-        if self.closed:
-            raise ClosedError(Status.STALE, "the solver was closed; make another one")
+        self._handle.check_open("the solver was closed; make another one")
 
     def __enter__(self) -> Solver:
         return self

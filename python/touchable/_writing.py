@@ -5,17 +5,18 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import fractions
+import itertools
 import os
 import warnings
 from typing import Any, Iterable
 
 import numpy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Clip, Frame
-from ._library import Handle, Struct, WriterSettings, call, made, status_of
-from ._scene import Camera, Scene, encoded, scene_of
+from ._library import Handle, Struct, WriterSettings, call, encoded, made, status_of
+from ._scene import Camera, Scene, scene_of
 from .errors import Error, ExistingFileError, error_of
 
 
@@ -47,16 +48,16 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     if times_ns is None and fps is None and isinstance(frames, Clip):
         times_ns = frames.times_ns if frames.has_own_times else None
     coming = iter(frames)
-    first = next(coming, None)
-    if first is None:
+    first = list(itertools.islice(coming, 1))
+    if not first:
         raise _planes.refuse("there are no frames to write")
-    meaning = _meaning(first, camera, scene, fps)
-    writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times_ns))
+    meaning = _meaning(first[0], camera, scene, fps)
+    times = None if times_ns is None else _checked(times_ns)
+    writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times))
     count = 0
-    watch = _Times(meaning.frames_per_second) if times_ns is None else None
+    watch = _Times(meaning.frames_per_second) if times is None else None
     try:
-        frame = first
-        while frame is not None:
+        for frame in itertools.chain(first, coming):
             struct = _planes.frame_struct(frame, count, count)
             status, line = status_of("writer_write", writer.number, struct)
             if status:
@@ -64,7 +65,9 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
             if watch and isinstance(frame, Frame):
                 watch.look(count, frame)
             count += 1
-            frame = next(coming, None)
+        if times is not None and len(times) != count:
+            raise _planes.refuse(f"times_ns has {len(times)} times, but there are {count} frames; right would be one for "
+                                 "each")
         writer.ends_itself()
         call("writer_finish", writer.number)
     finally:
@@ -76,7 +79,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
 
 def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -> Scene:
     if camera is not None and fps is not None:
-        camera = dataclasses.replace(camera, frames_per_second=float(fps))
+        camera = dataclasses.replace(camera, frames_per_second=_library.number("fps", fps))
     given = camera if camera is not None else scene
     if given is None and isinstance(first, Frame):
         given = first.scene
@@ -86,21 +89,24 @@ def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -
     return meaning if fps is None or camera is not None else meaning.with_rate(fps)
 
 
-def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayLike | None) -> Struct:
-    settings = WriterSettings()
-    call("writer_settings_defaults", settings, settings.struct_size)
-    settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
-    if times_ns is None:
-        return settings
-    times = numpy.asarray(times_ns)
+def _checked(times_ns: ArrayLike) -> NDArray[numpy.int64]:
+    times = _planes.array_from("times_ns", times_ns)
     if times.ndim != 1 or times.dtype.kind not in "iu":
         raise _planes.refuse(f"times_ns has the shape {times.shape} of {times.dtype}; right would be (frames,) of whole "
                              "nanoseconds")
-    if len(times) == 1:  # of one frame, at any rate
-        return settings
     if (times > _library.farthest).any():  # of uint64
         raise _planes.refuse(f"times_ns has {times.max()}; right would be at most {_library.farthest}")
-    times = numpy.ascontiguousarray(times, numpy.int64)
+    if times[:1].any():
+        raise _planes.refuse(f"times_ns begins with {times[0]}; right would be 0")
+    return numpy.ascontiguousarray(times, numpy.int64)
+
+
+def _settings(overwrite: bool, small: bool, exact_colour: bool, times: NDArray[numpy.int64] | None) -> Struct:
+    settings = WriterSettings()
+    call("writer_settings_defaults", settings, settings.struct_size)
+    settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
+    if times is None or len(times) == 1:  # of one frame, at any rate
+        return settings
     settings.times_ns, settings.times = times.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)), len(times)
     settings.array = times
     return settings
@@ -108,7 +114,7 @@ def _settings(overwrite: bool, small: bool, exact_colour: bool, times_ns: ArrayL
 
 def _create(path: str | os.PathLike, scene: Scene, settings: Struct) -> Handle:
     try:
-        return made("writer_create", "writer_abandon", encoded(path), scene._handle.number, settings)
+        return made("writer_create", "writer_abandon", encoded(f"the path {path!r}", path), scene._handle.number, settings)
     except Error as problem:
         if " is there already; " in problem.line:  # no status tells it from other things that cannot be
             raise ExistingFileError(problem.status, problem.line) from None

@@ -11,6 +11,7 @@ import PIL.Image
 import touchable
 
 source = pathlib.Path(os.environ["TOUCHABLE_SOURCE"])
+longest_s = 60  # of a wait for another process or thread
 _folder = tempfile.TemporaryDirectory()
 
 

@@ -13,10 +13,8 @@ import unittest
 
 import numpy
 import touchable
-from common import globe, hill, source, stroke
+from common import globe, hill, longest_s, source, stroke
 from touchable import _library
-
-longest_s = 60  # of a wait for another process or thread
 
 
 class Refusals(unittest.TestCase):
@@ -45,6 +43,10 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, "fov_degrees", touchable.open, globe(), fov_degrees=500)
         self.refuses(ValueError, "fx_px", touchable.open, globe(), fx_px=-5)
         self.refuses(ValueError, "metres_per_code.*finite", touchable.open, globe(), metres_per_code=float("nan"))
+        self.refuses(touchable.UsageError, "fx_px is '5'; right would be a finite number", touchable.open, globe(), fx_px="5")
+        with touchable.open(globe()) as clip:
+            for index in 1.5, 0.0, "0", None:
+                self.refuses(touchable.UsageError, f"index is {index!r}.*whole", clip.read, index)
         bag = source / "tests/fuzz/seeds/bag/depth_plain.bag"
         self.refuses(touchable.Error, "kinekt", touchable.open, bag, preset="kinekt")
         self.refuses(touchable.Error, "scene_file", touchable.open, globe(), preset="tum")
@@ -59,7 +61,7 @@ class Refusals(unittest.TestCase):
             "64x47|47": depth[:47], "8 bits, 16": depth.astype(numpy.uint8), "masked": numpy.ma.masked_array(depth),
             "2 channels|shape": numpy.zeros((48, 64, 2), numpy.uint16), "shape": depth[:0], "complex": depth.astype(complex),
             "<U": "depth.png", "no depth": {"depth": None}, "picture 'color'": {"depth": depth, "color": depth},
-            "tuple of 5": (depth,) * 5,
+            "tuple of 5": (depth,) * 5, "no array": [[1, 2], [3]],
         }.items():
             with self.subTest(words):
                 self.refuses(ValueError, words, touchable.Surface(camera=camera).push, wrong)
@@ -83,13 +85,36 @@ class Refusals(unittest.TestCase):
 
     def test_Cameras(self):
         for words, wrong in {"size|width": {"width": 0}, "far_m": {"far_m": -1}, "metres_per_code": {"metres_per_code": 0},
-                             "camera": {"fx_px": float("nan")}, "friction": {"dynamic_friction": 2},
+                             "fx_px is nan.*finite": {"fx_px": float("nan")}, "friction": {"dynamic_friction": 2},
                              "width is 64.5.*whole": {"width": 64.5}, "width is 4294967360": {"width": 2**32 + 64}, "frames_per_second": {"frames_per_second": 0}}.items():
             with self.subTest(words):
                 self.refuses(ValueError, words, lambda: touchable.Scene.from_camera(touchable.Camera(**wrong)))
         self.refuses(ValueError, "planar.*range", touchable.Camera, depth_kind="round")
         self.refuses(ValueError, "fov_degrees", touchable.Camera.from_fov, 180)
+        self.refuses(touchable.UsageError, "fov_degrees is 'wide'.*number", touchable.Camera.from_fov, "wide")
+        self.refuses(touchable.UsageError, "width is 'a'; right would be a whole number", touchable.Camera, "a", 24)
+        self.refuses(touchable.UsageError, "width is 'a'.*whole", touchable.Camera.from_fov, 60, "a")
+        scene = touchable.Scene.from_camera(touchable.Camera())
+        for rate in float("nan"), float("inf"), "25", None:
+            self.refuses(touchable.UsageError, f"frames_per_second is {rate!r}.*number", scene.with_rate, rate)
+            if rate is not None:
+                self.refuses(touchable.UsageError, "is .*number", touchable.write, "/tmp/x.mkv", [hill()[0]],
+                             camera=hill()[1], fps=rate)
         self.refuses(touchable.Error, "depht", touchable.Scene.from_text, '{"touchable_scene": 1, "depht": 3}')
+
+    def test_TextThatCWouldCut(self):
+        depth, camera = hill()
+        with tempfile.TemporaryDirectory() as folder:
+            for wrong in folder + "/x.mkv\0y.mkv", folder + "/\ud800.mkv", folder.encode() + b"/x.mkv\0":
+                self.refuses(touchable.UsageError, "the path .*NUL or a lone surrogate", touchable.write, wrong, [depth],
+                             camera=camera)
+                self.refuses(touchable.UsageError, "the path .*NUL or a lone surrogate", touchable.open, wrong)
+            self.assertEqual(os.listdir(folder), [])
+        for wrong in "\0", "\ud800":
+            self.refuses(touchable.UsageError, "the path", touchable.open, globe() + wrong)
+            self.refuses(touchable.UsageError, "scene_file has", touchable.open, globe(), scene_file=wrong)
+            self.refuses(touchable.UsageError, "preset has", touchable.open, globe(), preset="tum" + wrong)
+            self.refuses(touchable.UsageError, "the text", touchable.Scene.from_text, wrong)
 
     def test_Paths(self):
         depth, camera = hill()
@@ -109,7 +134,13 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, "max_force|force", surface.touch, stroke(camera), max_force_n=-1)
         self.refuses(ValueError, "metres_per_scene_unit", surface.touch, stroke(camera), metres_per_scene_unit=0)
         self.refuses(ValueError, "number", surface.touch, stroke(camera), max_force_n="strong")
-        self.refuses(TypeError, "max_farce", surface.touch, stroke(camera), max_farce_n=3)
+        self.refuses(touchable.UsageError, "no setting max_farce_n; right.* max_force_n,", surface.touch, stroke(camera),
+                     max_farce_n=3)
+        for wrong in "1", None, float("nan"), 10**400, 1j:
+            self.refuses(touchable.UsageError, "max_force_n is .*a finite number", touchable.Solver, surface, max_force_n=wrong)
+            if wrong is not None:
+                self.refuses(touchable.UsageError, "metres_per_scene_unit is .*a finite number", touchable.Solver, surface,
+                             metres_per_scene_unit=wrong)
         self.refuses(ValueError, "threads", touchable.Surface, depth, camera, threads=0)
 
     def test_Ticks(self):
@@ -117,6 +148,9 @@ class Refusals(unittest.TestCase):
         with touchable.Solver(touchable.Surface(depth, camera), 2) as solver:
             self.refuses(ValueError, r"\(3,\).*\(2, 3\)", solver.tick, (0, 0, 0))
             self.refuses(ValueError, "2", solver.run, stroke(camera))
+            for wrong in [(1, 2), (3,)], "goals", [1j, 2, 3], [10**400, 0, 0], [numpy.ma.ones(3), (1, 2)]:
+                self.refuses(touchable.UsageError, "goals.*no array of numbers", solver.tick, wrong)
+            self.refuses(touchable.UsageError, "time_ns is 1.0.*whole", solver.tick, None, time_ns=1.0)
             solver.tick(None, tick=10)
             self.refuses(ValueError, "tick 10.*11", solver.tick, None, tick=10)
             self.assertEqual(solver.next_tick, 11)

@@ -1,4 +1,6 @@
+import concurrent.futures
 import gc
+import itertools
 import os
 import re
 import tempfile
@@ -8,7 +10,7 @@ import weakref
 
 import numpy
 import touchable
-from common import globe, hill, made, recording, run, stroke
+from common import globe, hill, longest_s, made, recording, run, stroke
 from touchable import _library
 
 
@@ -139,6 +141,47 @@ class Surfaces(unittest.TestCase):
                 self.assertTrue(numpy.isfinite(after).all())
                 self.assertTrue(solver.contacts["guard"][0] & touchable.Guard.FAULT)
 
+    def test_AMaskedGoalIsMissing(self):
+        depth, camera = hill()
+        goals = stroke(camera)
+        masked = numpy.ma.masked_array(goals, mask=numpy.zeros_like(goals, bool))
+        masked[150:] = numpy.ma.masked
+        missing = masked.filled(numpy.nan)
+        surface = touchable.Surface(depth, camera)
+        expected = surface.touch(missing)
+        self.assertTrue(expected.force_n[149].any() and not expected.force_n[-1].any())
+        for path in masked, list(masked):
+            self.assertEqual(surface.touch(path).force_hash, expected.force_hash)
+        for given in (lambda goal: goal), (lambda goal: [goal]):
+            with touchable.Solver(surface) as solver:
+                for goal in masked:
+                    solver.tick(given(goal))
+                self.assertEqual(solver.force_hash, expected.force_hash)
+        points = camera.points(numpy.ma.masked_array([1, 2], mask=[False, True]), 3, 0.5)
+        self.assertEqual(numpy.isnan(points[:, 0]).tolist(), [False, True])
+
+    def test_OfTwoThreadsInOneSolverTheSecondIsRefusedAndChangesNothing(self):
+        depth, camera = hill()
+        free, deep = numpy.tile(camera.points(32, 24, 0.4), (2, 1)), numpy.tile(camera.points(32, 24, 0.48), (2, 1))
+        with touchable.Solver(touchable.Surface(depth, camera), 2, ramp_in_ticks=0) as solver, \
+                concurrent.futures.ThreadPoolExecutor(1) as other:
+            in_c = solver._run
+
+            def while_the_other_comes(*arguments):
+                for called, goals in (solver.tick, deep), (solver.run, deep[None]):
+                    refused = other.submit(called, goals, tick=1000, time_ns=10**9).exception(longest_s)
+                    self.assertIsInstance(refused, touchable.Error)
+                    self.assertEqual(refused.status, touchable.Status.BUSY)
+                return in_c(*arguments)
+
+            solver._run = while_the_other_comes
+            self.assertFalse(solver.tick(free).any())
+            self.assertEqual((solver.next_tick, solver.contacts["goal"].tolist()), (1, free.tolist()))
+            self.assertFalse(solver.run(free[None]).force_n.any())
+            self.assertEqual(solver.next_tick, 2)
+            solver._run = in_c
+            self.assertTrue(other.submit(solver.tick, deep).result(longest_s).any())
+
     def test_NoForceIsLongerThanItsLimit(self):
         depth, camera = hill()
         path = stroke(camera, depth_m=0.6)
@@ -263,6 +306,10 @@ class CamerasAndScenes(unittest.TestCase):
             self.assertTrue(clip.scene.has_unstated_filters)
             chosen = clip.scene.with_filters(clip[:10])
             self.assertEqual(chosen.text, clip.touched_scene.text)
+            for frames in clip, (frame for frame in clip), ({"depth": frame.depth.copy()} for frame in clip):
+                self.assertEqual(clip.scene.with_filters(frames).text, chosen.text)
+            endless = itertools.repeat(clip[0])
+            self.assertFalse(clip.scene.with_filters(endless).has_unstated_filters)
             self.assertFalse(chosen.has_unstated_filters)
             self.assertNotEqual(chosen.text, clip.scene.text)
 

@@ -82,6 +82,19 @@ class Writing(unittest.TestCase):
                 pushed = touchable.Surface(metres, camera).first_metres
                 self.assertEqual(pushed.tobytes(), metres.tobytes())
 
+    def test_MetresBeyondTheLastCodeAreNoSurface(self):
+        for far_m, metres_per_code in (10, 0.0001), (10.0009, 0.001), (10, 0.001), (0.6, 0.0001):
+            camera = touchable.Camera(32, 24, far_m=far_m, metres_per_code=metres_per_code)
+            last = min(65535 * metres_per_code, far_m)
+            metres = (last + numpy.linspace(-2.2, 2.3, 24 * 32) * metres_per_code).astype(numpy.float32).reshape(24, 32)
+            with self.subTest(far_m=far_m, metres_per_code=metres_per_code):
+                touchable.write(self.path(), [metres], camera=camera, overwrite=True)
+                with touchable.open(self.path()) as clip:
+                    valid = clip[0].valid
+                self.assertTrue(valid[0, 0] and not valid[-1, -1])
+                surface = touchable.Surface(metres, camera)
+                self.assertEqual(numpy.isfinite(surface.first_metres).tolist(), valid.tolist())
+
     def test_DictsAndTuplesHavePicturesBesideDepth(self):
         colour = numpy.arange(24 * 32 * 3, dtype=numpy.uint8).reshape(24, 32, 3)
         depth = ramp(1)[0]
@@ -125,6 +138,21 @@ class Writing(unittest.TestCase):
                     touchable.write(self.path(name), ramp(1), camera=self.camera)
                 self.assertNotIsInstance(refused.exception, FileExistsError, name)
             self.assertEqual(len(clip), 1)
+
+    def test_NoneIsNoFrameAndEndsNoClip(self):
+        for wrong in [None], [ramp(1)[0], None, ramp(1)[0]], iter([ramp(1)[0], None]):
+            with self.assertRaisesRegex(touchable.UsageError, "no depth"):
+                touchable.write(self.path(), wrong, camera=self.camera)
+            self.assertEqual(os.listdir(os.path.dirname(self.path())), [])
+
+    def test_EachFrameHasOneTime(self):
+        for times, frames, words in ([7], 3, "begins with 7"), ([7], 1, "begins with 7"), ([0], 3, "1 times.* 3 frames"), (
+                [0, 10**7], 1, "2 times.* 1 frames"), ([0, 10**7], 3, "2 times.* 3 frames"), ([], 1, "times_ns"), (
+                [[0], [1, 2]], 2, "times_ns: no array"), (numpy.zeros(0, int), 1, "0 times.* 1 frames|times is not 2"):
+            with self.subTest(times=times, frames=frames), self.assertRaisesRegex(touchable.UsageError, words):
+                touchable.write(self.path(), ramp(frames), camera=self.camera, times_ns=times)
+            self.assertEqual(os.listdir(os.path.dirname(self.path())), [])
+        self.assertEqual(touchable.write(self.path(), ramp(1), camera=self.camera, times_ns=[0]), 1)
 
     def test_RateAndTimesAreKept(self):
         touchable.write(self.path(), ramp(3), camera=self.camera, fps=12.5)
