@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What Python costs over the C library, as ratios within one run: python3 python/bench.py [--rounds N] [--program PATH]
+"""What Python costs over the C library, as ratios within one run: python3 bench/python_api.py [--rounds N] [--program PATH]
 
 A batch of 1000 ticks by Solver.run against touch_solver_run with memory that is there already; ticks one by one against the
 same; frames of a turning globe read into numpy (depth, colour, haptic, height), and as metres, against reading alone
