@@ -39,7 +39,11 @@ void record_copy(GpuCommands& commands, const GpuBuffer& pixels, int pitch, cons
 }  // namespace
 
 SurfaceDrawing::SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
-    : device_(std::move(device)), lattices_(device_), lighting_(device_), fingers_(std::move(fingers)) {}
+    : device_(std::move(device)),
+      lattices_(device_),
+      lighting_(device_),
+      fingers_(std::move(fingers)),
+      pictures_(device_) {}
 
 Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
                                                                std::string_view painter) {
@@ -60,8 +64,10 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
         auto raster = SurfaceRaster::create(*device);
         if (!raster.ok()) return raster.error();
         made->raster_ = std::move(*raster);
-        if (device->facts().kind == GpuKind::software && device->facts().unified_memory)
+        if (device->facts().kind == GpuKind::software && device->facts().unified_memory) {
             made->by_cpu_.emplace(CpuLattices::usual_threads());
+            made->turned_view_.emplace(CpuLattices::usual_threads());
+        }
     }
     auto background = background_program(*device);
     if (!background.ok()) return background.error();
@@ -171,17 +177,35 @@ bool SurfaceDrawing::is_drawn(const ViewCamera& camera) const {
 Result<void> SurfaceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
     if (is_drawn(camera)) return {};
     drawn_.reset();
-    if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
-    if (by_cpu_ && OwnViewPicture::draws(camera)) {
-        own_view_.draw(lattice_, camera, rows_.mapped<PackedColour>(),
-                       SurfaceRaster::resolve_pitch(camera.width), colours_.mapped<PackedColour>(),
-                       z_values_.mapped<float>());
-    } else if (auto rastered = record_raster(commands, camera); !rastered.ok()) {
-        return rastered;
+    if (by_cpu_) {
+        if (auto drawn = draw_by_cpu(camera); !drawn.ok()) return drawn;
+    } else {
+        if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
+        if (auto rastered = record_raster(commands, camera); !rastered.ok()) return rastered;
     }
     drawn_ = camera.clip_from_lattice;
     drawn_width_ = camera.width;
     drawn_height_ = camera.height;
+    return {};
+}
+
+/// Into memory that nobody reads any more: pictures that were recorded before keep theirs.
+Result<void> SurfaceDrawing::draw_by_cpu(const ViewCamera& camera) {
+    const int pitch = SurfaceRaster::resolve_pitch(camera.width);
+    const std::size_t bytes = 4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
+    for (auto& [buffer, name] :
+         {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
+        buffer = {};
+        auto taken = pictures_.take(name, bytes);
+        if (!taken.ok()) return taken.error();
+        buffer = std::move(*taken);
+    }
+    const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
+    const auto z = z_values_.mapped<float>();
+    if (OwnViewPicture::draws(camera))
+        own_view_.draw(lattice_, camera, background, pitch, colours, z);
+    else
+        turned_view_->draw(lattice_, camera, background, pitch, colours, z);
     return {};
 }
 

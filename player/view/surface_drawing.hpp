@@ -8,10 +8,12 @@
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
+#include "player/view/lattice_raster.hpp"
 #include "player/view/mesh_pipeline.hpp"
 #include "player/view/own_view_picture.hpp"
 #include "player/view/surface_lighting.hpp"
 #include "player/view/surface_raster.hpp"
+#include "player/view/upload_pool.hpp"
 
 namespace touchable {
 
@@ -38,10 +40,9 @@ public:
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                       const PlaneView& colour, Lighting lighting);
 
-    /// From the clip's own place the CPU of a software device draws the surface at once, from what `show`
-    /// left: what was recorded before has completed then. Records the drawing of surface, background and
-    /// fingers (before the first `show` of these two) into `target` (VK_FORMAT_R8G8B8A8_UNORM, of the
-    /// camera's size), all of which is written, and which is left in
+    /// The CPU of a software device draws the surface at once, from what `show` left. Records the drawing of
+    /// surface, background and fingers (before the first `show` of these two) into `target`
+    /// (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size), all of which is written, and which is left in
     /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
     /// record_transition does. Fails (ErrorKind::gpu) where the picture is too large for the painter on this
     /// device.
@@ -55,6 +56,7 @@ private:
                              Lighting lighting);
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
+    Result<void> draw_by_cpu(const ViewCamera& camera);
     bool is_drawn(const ViewCamera& camera) const;
     Result<void> list_tiles(GpuCommands& commands);
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
@@ -64,8 +66,9 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
-    std::optional<MeshPipeline> mesh_;  // one of the two
-    OwnViewPicture own_view_;           // in the raster's place there, where it can
+    std::optional<MeshPipeline> mesh_;          // one of the two
+    OwnViewPicture own_view_;                   // in the raster's place there, where it can
+    std::optional<LatticeRaster> turned_view_;  // and from elsewhere, on a software device
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     std::optional<CpuLattices> by_cpu_;  // makes what is shown in their place, on a software device
@@ -77,6 +80,7 @@ private:
     bool has_tiles_ = false;           // of that surface
     GpuBuffer pixels_, large_;         // of the raster
     GpuBuffer colours_, z_values_;     // the surface and its background, as they are copied into images
+    UploadPool pictures_;              // of these, where the CPU writes them
     std::optional<glm::dmat4> drawn_;  // clip_from_lattice that they are of
     int drawn_width_ = 0, drawn_height_ = 0;
     GpuBuffer rows_;  // colours of the background

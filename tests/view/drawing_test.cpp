@@ -208,6 +208,46 @@ TEST_F(Drawing, OwnViewIsTheSameByAllVectors) {
     EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
 }
 
+/// From the side, from behind, from so near that cells are large and reach before the eye.
+TEST_F(Drawing, AnyViewIsTheCpuPaintersToTheBit) {
+    for (const char* scene : {"globe", "cliffs", "noise"}) {
+        const auto shown = shown_scene(scene, 203, 133);
+        const HeightField field = shown->field();
+        const Subject subject = subject_of(field);
+        const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+        GpuLattices lattices(gpu);
+        const GpuLattice lattice = must(lattices.lattice_of(surface));
+        for (const char* words :
+             {"own", "orbit:az=7,el=3", "orbit:az=70,el=5", "orbit:az=-60,el=30,zoom=2", "orbit:az=180,el=0",
+              "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
+            const ViewCamera camera =
+                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
+            const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
+            const std::vector<PackedColour> background(200, 7);
+            std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
+            for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
+            for (const auto& [threads, unit] : ways) {
+                std::vector<PackedColour> colours(304 * 200);
+                std::vector<float> z(colours.size(), 9);
+                LatticeRaster(threads, unit).draw(lattice, camera, background, 304, colours, z);
+                std::size_t others = 0;
+                for (int y = 0; y < 200; ++y)
+                    for (int x = 0; x < 301; ++x) {
+                        const std::size_t at =
+                            static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
+                        const std::size_t pixel = expected.index(x, y);
+                        const bool is_empty = !(expected.z[pixel] > 0);
+                        others += z[at] != expected.z[pixel] ||
+                                  colours[at] != (is_empty ? 7U : expected.colours[pixel]);
+                    }
+                EXPECT_EQ(others, 0U) << scene << ", " << words << ", by " << threads;
+            }
+            EXPECT_GT(std::count_if(expected.z.begin(), expected.z.end(), [](float z) { return z > 0; }), 50)
+                << scene << ", " << words;
+        }
+    }
+}
+
 TEST_F(Drawing, RepeatsItself) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/row_bands.hpp"
+#include "engine/surface/vector_unit.hpp"
+#include "player/view/gpu_lattice.hpp"
+#include "player/view/light_picture.hpp"
+#include "player/view/view_camera.hpp"
+
+namespace touchable {
+
+/// Triangles of a lattice from any view, drawn by the CPU on threads: the picture that make_cpu_painter
+/// draws, to the bit, with any number of threads and any vectors. On a device that computes on the CPU it
+/// takes the place of the kernels raster and resolve: a lane there waits for the largest cell of sixteen,
+/// which in a view from the side covers hundreds of pixels.
+class LatticeRaster {
+public:
+    explicit LatticeRaster(int threads, VectorUnit vectors = usable_vector_units().front());
+
+    /// Writes colours and z (0 is empty) of the camera's pixels, rows of `pitch`. `lattice` is in memory that
+    /// is mapped; `background`: a colour for each row.
+    void draw(const GpuLattice& lattice, const ViewCamera& camera, std::span<const PackedColour> background,
+              int pitch, std::span<PackedColour> colours, std::span<float> z);
+
+private:
+    class Band;
+    /// A row of vertices on the screen. Colours are times share, 1 / w.
+    struct Row {
+        void resize(std::size_t vertices);
+        std::vector<std::int32_t> x, y;      ///< subpixels
+        std::vector<std::int32_t> in_front;  ///< -1 where it is not before the near plane, otherwise 0
+        std::vector<float> q, z, share, red, green, blue;
+        std::vector<PackedColour> colours;
+        std::int32_t least_y = 0, most_y = 0;  ///< of what is there
+        bool is_in_front = false;              ///< all of it
+    };
+    /// Of a thread.
+    struct Rows {
+        Row upper, lower;
+    };
+
+    VectorUnit unit_;
+    RowBands bands_;
+    std::vector<Rows> rows_;
+    std::vector<std::uint64_t> pixels_;  ///< z's bits above the colour's, as shaders/raster.h has them
+};
+
+}  // namespace touchable
