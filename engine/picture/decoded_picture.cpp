@@ -23,6 +23,12 @@ Image rgb_of_size(int width, int height) {
     return image;
 }
 
+/// swscale may write whole vectors past a row's end, so rows have room for that.
+constexpr int vector_bytes = 64;
+int rgb_stride(int width) {
+    return (3 * width + vector_bytes - 1) / vector_bytes * vector_bytes;
+}
+
 std::uint8_t* row_of(Image& image, int y) {
     return image.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 3;
 }
@@ -176,6 +182,11 @@ bool RgbConverter::set_up_for(const AVFrame& frame) {
         sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(frame.colorspace), source_full, forward,
                                  1, brightness, contrast, saturation);
     }
+    pool_.reset(av_buffer_pool_init(static_cast<std::size_t>(rgb_stride(frame.width)) *
+                                            static_cast<std::size_t>(frame.height) +
+                                        vector_bytes,
+                                    nullptr),
+                [](AVBufferPool* pool) { av_buffer_pool_uninit(&pool); });
     width_ = frame.width;
     height_ = frame.height;
     format_ = frame.format;
@@ -184,17 +195,27 @@ bool RgbConverter::set_up_for(const AVFrame& frame) {
     return true;
 }
 
+/// Null: out of memory.
+FramePtr RgbConverter::new_rgb() const {
+    FramePtr rgb(av_frame_alloc());
+    if (!rgb || !pool_) return nullptr;
+    rgb->format = AV_PIX_FMT_RGB24;
+    rgb->width = width_;
+    rgb->height = height_;
+    rgb->linesize[0] = rgb_stride(width_);
+    rgb->buf[0] = av_buffer_pool_get(pool_.get());
+    if (rgb->buf[0] == nullptr) return nullptr;
+    rgb->data[0] = rgb->buf[0]->data;
+    rgb->extended_data = rgb->data;
+    return rgb;
+}
+
 Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
     const Error unsupported =
         input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
     if (!set_up_for(frame)) return unsupported;
-    // swscale may write whole vectors past a row's end, so it gets rows of its own.
-    FramePtr rgb(av_frame_alloc());
+    FramePtr rgb = new_rgb();
     if (!rgb) return Error{ErrorKind::internal, "out of memory"};
-    rgb->format = AV_PIX_FMT_RGB24;
-    rgb->width = frame.width;
-    rgb->height = frame.height;
-    if (av_frame_get_buffer(rgb.get(), 0) < 0) return Error{ErrorKind::internal, "out of memory"};
     if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rgb->data, rgb->linesize) !=
         frame.height)
         return unsupported;

@@ -46,8 +46,10 @@ public:
 
 private:
     bool set_up_for(const AVFrame& frame);
+    FramePtr new_rgb() const;
 
     ScalerPtr scaler_;
+    std::shared_ptr<AVBufferPool> pool_;  // of RGB pictures: fresh memory costs a page fault every 4096 bytes
     int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
     AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
     AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;

@@ -19,6 +19,12 @@ ViewCamera WindowView::camera(int width, int height) const {
     return make_view(viewpoint, scene_, centre_, width, height);
 }
 
+double WindowView::pixels_per_vertex(int width, int height) const {
+    const double whole =
+        std::min(static_cast<double>(width) / scene_.width, static_cast<double>(height) / scene_.height);
+    return own_ ? whole : whole * orbit_.zoom.value_or(1);
+}
+
 void WindowView::leave_own() {
     own_ = false;
 }

@@ -17,6 +17,9 @@ public:
     /// Whether it is the clip's own camera.
     bool own() const { return own_; }
     const Viewpoint& orbit() const { return orbit_; }
+    /// How far apart neighbouring vertices lie in the middle of a picture of that size, as long as the view
+    /// is not turned; a turned one has some of them closer.
+    double pixels_per_vertex(int width, int height) const;
 
     /// Turns the view by so many degrees to the right and up.
     void turn(double azimuth, double elevation);

@@ -11,6 +11,7 @@
 #include "player/overlay/overlays.hpp"
 #include "player/screen/window_graphics.hpp"
 #include "player/session/watched_session.hpp"
+#include "player/view/decimation.hpp"
 #include "player/window/segment_tint.hpp"
 
 namespace touchable {
@@ -19,10 +20,12 @@ namespace touchable {
 class ClipPicture {
 public:
     /// Between `begin` and `finish` of the graphics: of the camera's size, stretched over a canvas of width x
-    /// height. The surface is made anew only where frames, blend or overlay are others than before; the
-    /// moment stays as it is until the picture is finished.
+    /// height; every `step`th vertex of the surface, across and down, where that can be (Decimation). The
+    /// surface is made anew only where frames, blend or overlay are others than before; the moment stays as
+    /// it is until the picture is finished.
     Result<void> draw(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera,
-                      std::span<const FingerMark> fingers, const MarkSizes& sizes, int width, int height);
+                      std::span<const FingerMark> fingers, const MarkSizes& sizes, int width, int height,
+                      int step = 1);
     /// Other graphics from now on; none: nothing is drawn until there are others. Those before end first.
     void use(std::unique_ptr<WindowGraphics> graphics) {
         graphics_ = std::move(graphics);
@@ -43,7 +46,9 @@ public:
     void forget();
 
 private:
-    Result<void> show(const WatchedMoment& moment, const HeightField& field);
+    Result<void> show(const WatchedMoment& moment, const HeightField& field, int step);
+    Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting, int step);
 
     struct Shown {
         std::uint64_t epoch = 0;
@@ -51,12 +56,14 @@ private:
         double blend = 0;
         const void* colour = nullptr;
         std::shared_ptr<const PaintedSegments> tinted;
+        int step = 1;
         bool operator==(const Shown&) const = default;
     };
     std::unique_ptr<WindowGraphics> graphics_;
     std::shared_ptr<const PaintedSegments> tinted_;
     SegmentTint tint_;
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
+    Decimation decimation_;
     int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;
     OverlayScale scale_;

@@ -14,7 +14,11 @@ void PictureGovernor::go_to(std::size_t level, double now_s) {
     changed_s_ = now_s;
 }
 
-void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, double drawing) {
+void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, double drawing,
+                          bool coarse_saves) {
+    // Where both are the same, coarse is the first level.
+    const std::size_t least = coarse_saves ? 0 : 1;
+    level_ = std::max(level_, least);
     due_ += due;
     in_time_ += in_time;
     drawing_ += drawing;
@@ -23,18 +27,26 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
     const bool is_late =
         drawing_each > cause && static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);
-    const double before = std::exchange(before_, 0);
     due_ = in_time_ = pictures_ = 0;
     drawing_ = 0;
-    if (before > 0 && drawing_each > worth * before) {
-        go_to(level_ - 1, now_s);
-        not_before_s_ = now_s + most_s;
-    } else if (is_late && level_ + 1 < shares.size() && now_s >= not_before_s_) {
+    const bool is_lowest = level_ + 1 == levels.size();
+    if (before_ > 0 && (is_lowest || !is_late)) {
+        // Judged at the end of the way down: a step of it may save too little to be seen in the time, as long
+        // as decoding wants what it leaves.
+        if (drawing_each > worth * std::exchange(before_, 0)) {
+            go_to(from_, now_s);
+            not_before_s_ = now_s + most_s;
+        }
+    } else if (is_late && !is_lowest && now_s >= not_before_s_) {
+        if (before_ == 0) {
+            before_ = drawing_each;
+            from_ = level_;
+        }
         go_to(level_ + 1, now_s);
-        before_ = drawing_each;
-    } else if (!is_late && level_ > 0 && now_s - changed_s_ >= wait_s_) {
-        const double larger = shares[level_ - 1] / shares[level_];
-        if (drawing_each * larger * larger < room) go_to(level_ - 1, now_s);
+    } else if (!is_late && level_ > least && now_s - changed_s_ >= wait_s_) {
+        const double larger = levels[level_ - 1].share / levels[level_].share;
+        const double more = level_ == 1 ? all_vertices : larger * larger;
+        if (drawing_each * more < room) go_to(level_ - 1, now_s);
     }
 }
 

@@ -6,34 +6,43 @@
 
 namespace touchable {
 
-/// How large the surface is drawn, where pictures would come late otherwise: as large as it is shown, or
-/// smaller and stretched. It goes down at once and comes back slowly; but at once where being smaller saves
-/// little, since stretching costs time too.
+/// In how much detail the surface is drawn, so that pictures come in time: with all of its vertices or no
+/// more than the window's pixels tell apart (`coarse`), as large as it is shown or smaller and stretched. It
+/// begins coarse, goes down at once and up slowly; but at once where being smaller saves little, since
+/// stretching costs time too.
 class PictureGovernor {
 public:
     /// Of the shown width and height.
-    double share() const { return shares[level_]; }
+    double share() const { return levels[level_].share; }
+    bool coarse() const { return levels[level_].coarse; }
 
     /// After a picture at `now_s`: of the frames that have been due since the picture before, how many were
-    /// shown in time; and what part of a frame's time the drawing took.
-    void add(double now_s, std::int64_t due, std::int64_t in_time, double drawing);
+    /// shown in time; and what part of a frame's time the drawing took. `coarse_saves`: there are more
+    /// vertices than the window tells apart.
+    void add(double now_s, std::int64_t due, std::int64_t in_time, double drawing, bool coarse_saves);
 
 private:
-    static constexpr std::array<double, 3> shares{1, 0.75, 0.5};
-    static constexpr std::int64_t few = 15;   // frames that are judged together
-    static constexpr double tolerated = 0.8;  // of them in time
-    static constexpr double cause = 0.5;      // of a frame's time: what takes less makes nothing late
-    static constexpr double room = 0.8;       // of a frame's time, for a larger picture
-    static constexpr double worth = 0.9;      // of the time before, for a smaller one
+    struct Level {
+        double share;
+        bool coarse;
+    };
+    static constexpr std::array<Level, 4> levels{{{1, false}, {1, true}, {0.75, true}, {0.5, true}}};
+    static constexpr double all_vertices = 3;  // times the drawing of a coarse picture
+    static constexpr std::int64_t few = 10;    // frames that are judged together
+    static constexpr double tolerated = 0.8;   // of them in time
+    static constexpr double cause = 0.5;       // of a frame's time: what takes less makes nothing late
+    static constexpr double room = 0.8;        // of a frame's time, for a larger picture
+    static constexpr double worth = 0.9;       // of the time before, for a smaller one
     static constexpr double least_s = 3, most_s = 60;  // until it is tried
 
     void go_to(std::size_t level, double now_s);
 
-    std::size_t level_ = 0;
+    std::size_t level_ = 1;
     std::int64_t due_ = 0, in_time_ = 0, pictures_ = 0;
     double drawing_ = 0;  // sum over those pictures
     double changed_s_ = 0, wait_s_ = least_s;
-    double before_ = 0;        // drawing_ of a picture before it went down, until that was judged
+    double before_ = 0;  // drawing_ of a picture before it went down from there, until that was judged
+    std::size_t from_ = 0;
     double not_before_s_ = 0;  // it goes down
     bool rose_ = false;        // at the last change
 };

@@ -119,6 +119,7 @@ private:
     void watch(const WatchedMoment* moment, Clock::time_point now);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
+    int vertex_step(const ViewCamera& camera);
     Result<void> draw_opening();
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
@@ -180,6 +181,7 @@ private:
     Clock::time_point frame_came_at_;
     FramesShown frames_shown_;
     PictureGovernor governor_;
+    bool coarse_saves_ = false;  // vertices of the last picture, if it is coarse
     ForceScale force_scale_;
     PlayFigures figures_;
     WindowBrush brush_{options_};

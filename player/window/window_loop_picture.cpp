@@ -70,6 +70,15 @@ ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
     return clip_->view().camera(side(size.width), side(size.height));
 }
 
+/// Which of the surface's vertices are drawn: while the clip plays no more than there is time for, at rest
+/// all.
+int WindowLoop::vertex_step(const ViewCamera& camera) {
+    const int coarse = Decimation::step_for(clip_->view().pixels_per_vertex(camera.width, camera.height));
+    coarse_saves_ = coarse > 1;
+    const PlaybackState playback = clip_->session().playback();
+    return governor_.coarse() && playback.playing && !playback.at_end ? coarse : 1;
+}
+
 /// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch: compiling
 /// what they are drawn by would make the first touch come late.
 Result<void> WindowLoop::draw_opening() {
@@ -126,8 +135,9 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
                                              options_.hand ? nearest_of_hand : nearest_of_pointer);
     const auto marked = Clock::now();
     picture_.set_tint(brush_.tint());
-    if (auto drawn =
-            picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
+    const ViewCamera drawn_from = drawn_camera(size);
+    if (auto drawn = picture_.draw(moment, field, drawn_from, marks, clip_->sizes(), size.width, size.height,
+                                   vertex_step(drawn_from));
         !drawn.ok())
         return drawn;
     const auto drawn = Clock::now();
@@ -238,7 +248,7 @@ void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
     frames_shown_.add(moment.held.pair, playback.moment.time_ns, lasts_ns);
     if (playback.playing)
         governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
-                      last_draw_ms_ / frame_ms());
+                      last_draw_ms_ / frame_ms(), coarse_saves_);
     figures_.least_share = std::min(figures_.least_share, governor_.share());
 }
 

@@ -7,14 +7,17 @@
 namespace touchable::test {
 namespace {
 
-/// Plays so long, with pictures that take `full` of a frame's time at full size and `rest` of it at any.
-/// Gives when the share was first another than at the start.
-double play(PictureGovernor& governor, double& now_s, double seconds, double full, double rest) {
+/// Plays so long, with pictures that take `full` of a frame's time at full size and `rest` of it at any; with
+/// all vertices `vertices` more, if a coarse picture saves any. Gives when the share was first another than
+/// at the start.
+double play(PictureGovernor& governor, double& now_s, double seconds, double full, double rest,
+            double vertices = 0) {
     const double end = now_s + seconds, share = governor.share();
     double changed = 0;
     for (; now_s < end; now_s += 1.0 / 30) {
-        const double drawing = rest + full * governor.share() * governor.share();
-        governor.add(now_s, 1, drawing <= 1 ? 1 : 0, drawing);
+        const double drawing =
+            rest + full * governor.share() * governor.share() + (governor.coarse() ? 0 : vertices);
+        governor.add(now_s, 1, drawing <= 1 ? 1 : 0, drawing, vertices > 0);
         if (changed == 0 && governor.share() != share) changed = now_s;
     }
     return changed;
@@ -29,7 +32,7 @@ TEST(PictureGovernor, StaysAtFullSizeWhereThereIsTime) {
 
 TEST(PictureGovernor, StaysAtFullSizeWhereOtherThingsAreLate) {
     PictureGovernor governor;
-    for (int k = 0; k < 300; ++k) governor.add(k / 30.0, 2, 0, 0.1);
+    for (int k = 0; k < 300; ++k) governor.add(k / 30.0, 2, 0, 0.1, false);
     EXPECT_EQ(governor.share(), 1);
 }
 
@@ -52,6 +55,32 @@ TEST(PictureGovernor, GivesUpWhereASmallerPictureSavesLittle) {
     const double begin = now;
     const double tried = play(governor, now, 80, 0.1, 1.5);
     EXPECT_GT(tried, begin + 30) << "not at once again";
+}
+
+TEST(PictureGovernor, BeginsCoarseAndShowsAllVerticesWhereThereIsTime) {
+    PictureGovernor governor;
+    double now = 0;
+    EXPECT_TRUE(governor.coarse());
+    play(governor, now, 2, 0.1, 0.1, 0.3);
+    EXPECT_TRUE(governor.coarse()) << "not at once: that would be seen";
+    play(governor, now, 10, 0.1, 0.1, 0.3);
+    EXPECT_FALSE(governor.coarse());
+    play(governor, now, 2, 0.1, 0.1, 1.2);
+    EXPECT_TRUE(governor.coarse());
+    EXPECT_EQ(governor.share(), 1) << "which is enough";
+    PictureGovernor slow;
+    play(slow, now, 30, 0.2, 0.1, 2);
+    EXPECT_TRUE(slow.coarse()) << "three times as much has no room";
+}
+
+TEST(PictureGovernor, GoesAllTheWayDownWhereAStepOfItSavesLittle) {
+    PictureGovernor governor;
+    double now = 0;
+    // Decoding takes what the first step leaves.
+    const auto drawing = [&] { return governor.share() == 1 ? 1.5 : governor.share() == 0.75 ? 1.45 : 0.9; };
+    for (const double end = now + 3; now < end; now += 1.0 / 30)
+        governor.add(now, 1, drawing() <= 1 ? 1 : 0, drawing(), true);
+    EXPECT_EQ(governor.share(), 0.5);
 }
 
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {

@@ -1,0 +1,151 @@
+#include "player/view/decimation.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <glm/matrix.hpp>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+constexpr double most_apart = 1.5;  // pixels
+
+/// Of every second one, so many that the last lies at the last vertex, or beyond it: it is that one then.
+int half_of(int vertices) {
+    return vertices / 2 + 1;
+}
+
+template <class Values>
+void halve_values(const Values& from, int from_width, int from_height, Values& to) {
+    const int width = half_of(from_width), height = half_of(from_height);
+    to.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::uint16_t* __restrict values = to.data();
+    for (int y = 0; y < height; ++y, values += width) {
+        const std::uint16_t* row =
+            from.data() + static_cast<std::ptrdiff_t>(std::min(2 * y, from_height - 1)) * from_width;
+        for (int x = 0; x + 1 < width; ++x) values[x] = row[2 * x];
+        values[width - 1] = row[from_width - 1];
+    }
+}
+
+/// Bits 0, 2, 4, ... side by side.
+std::uint32_t even_bits(std::uint64_t bits) {
+    bits &= 0x5555555555555555U;
+    bits = (bits | bits >> 1) & 0x3333333333333333U;
+    bits = (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0fU;
+    bits = (bits | bits >> 4) & 0x00ff00ff00ff00ffU;
+    bits = (bits | bits >> 8) & 0x0000ffff0000ffffU;
+    return static_cast<std::uint32_t>(bits | bits >> 16);
+}
+
+void halve_validity(const SurfaceFrame& from, SurfaceFrame& to) {
+    const int words = to.validity_words_per_row(), from_words = from.validity_words_per_row();
+    to.validity.resize(static_cast<std::size_t>(words) * static_cast<std::size_t>(to.height));
+    for (int y = 0; y < to.height; ++y) {
+        const int row = std::min(2 * y, from.height - 1);
+        const std::uint32_t* bits = from.validity_row(row);
+        std::uint32_t* const half = to.validity_row(y);
+        for (int word = 0; word < words; ++word) {
+            const std::uint64_t low = 2 * word < from_words ? bits[2 * word] : 0U,
+                                high = 2 * word + 1 < from_words ? bits[2 * word + 1] : 0U;
+            half[word] = even_bits(low | high << 32);
+        }
+        const int last = to.width - 1;
+        half[last >> 5] &= ~(1U << (last & 31));
+        half[last >> 5] |= std::uint32_t{from.is_valid(from.width - 1, row)} << (last & 31);
+    }
+}
+
+void halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
+    to.width = half_of(from.width);
+    to.height = half_of(from.height);
+    to.coding = from.coding;
+    halve_values(from.codes, from.width, from.height, to.codes);
+    to.heights.clear();
+    if (!from.heights.empty()) halve_values(from.heights, from.width, from.height, to.heights);
+    halve_validity(from, to);
+    if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
+}
+
+}  // namespace
+
+int Decimation::step_for(double pixels_per_vertex) {
+    constexpr int most = 8;
+    int step = 1;
+    while (step < most && pixels_per_vertex * 2 * step <= most_apart) step *= 2;
+    return step;
+}
+
+/// Kept from the moment before, where it was part of that too.
+const SurfaceFrame* Decimation::decimated_frame(const TimedFrame& frame, std::uint64_t epoch, int step,
+                                                Level& level) {
+    const Key key{frame.frame, frame.number, epoch, step};
+    if (level.key == key) return level.made;
+    level.key = key;
+    level.made = frame.frame;
+    for (int halves = 0; 1 << halves < step; ++halves) {
+        SurfaceFrame& half = *level.halves[halves % 2];
+        halve_frame(*level.made, half);
+        level.made = &half;
+    }
+    return level.made;
+}
+
+/// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
+void Decimation::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
+    const int width = half_of(from.width), height = half_of(from.height);
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(from.width);
+    to.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    sums_.resize(row_bytes + 9);  // a pixel before the first, two after the last
+    std::uint8_t* out = to.data();
+    for (int y = 0; y < height; ++y) {
+        const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
+        const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
+        std::uint16_t* const sums = sums_.data() + 3;
+        for (std::size_t k = 0; k < row_bytes; ++k)
+            sums[k] = static_cast<std::uint16_t>(upper[k] + 2 * middle[k] + lower[k]);
+        for (int channel = 0; channel < 3; ++channel) {
+            sums[channel - 3] = sums[channel];
+            for (std::size_t beyond : {row_bytes, row_bytes + 3})
+                sums[beyond + static_cast<std::size_t>(channel)] =
+                    sums[row_bytes - 3 + static_cast<std::size_t>(channel)];
+        }
+        const std::uint16_t* at = sums;
+        for (int x = 0; x < width; ++x, at += 6, out += 3)
+            for (int channel = 0; channel < 3; ++channel)
+                out[channel] =
+                    static_cast<std::uint8_t>((at[channel - 3] + 2 * at[channel] + at[channel + 3] + 8) >> 4);
+    }
+}
+
+void Decimation::make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step) {
+    // What comes next now is what was before next time.
+    if (levels_[1].key.frame == pair.prev.frame) std::swap(levels_[0], levels_[1]);
+    pair_ = pair;
+    pair_.prev.frame = decimated_frame(pair.prev, pair.epoch, step, levels_[0]);
+    pair_.next.frame = pair.next.frame == pair.prev.frame
+                           ? pair_.prev.frame
+                           : decimated_frame(pair.next, pair.epoch, step, levels_[1]);
+    scene_ = field.scene();
+    scene_.width = pair_.prev.frame->width;
+    scene_.height = pair_.prev.frame->height;
+    for (double* const each : {&scene_.camera.fx, &scene_.camera.fy, &scene_.camera.cx, &scene_.camera.cy})
+        *each /= step;
+    field_.emplace(scene_, pair_);
+    colour_ = colour;
+    if (colour.empty()) return;
+    for (int halves = 0; 1 << halves < step; ++halves) {
+        std::vector<std::uint8_t>& half = halves_[halves % 2];
+        halve_colour(colour_, half);
+        const int width = half_of(colour_.width);
+        colour_ = {half.data(), std::ptrdiff_t{3} * width, width, half_of(colour_.height), 1, 3};
+    }
+}
+
+ViewCamera decimated(ViewCamera camera, int step) {
+    camera.clip_from_lattice[0] *= step;
+    camera.clip_from_lattice[1] *= step;
+    return camera;
+}
+
+}  // namespace touchable
