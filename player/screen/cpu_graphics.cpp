@@ -13,7 +13,7 @@ public:
 
     Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                      Lighting lighting) override {
+                      Lighting lighting, int) override {
         drawing_.show(field, pair, colour, lighting);
         return {};
     }

@@ -271,14 +271,15 @@ public:
     }
 
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                      Lighting lighting) override {
+                      Lighting lighting, int step) override {
         if (!drawing_) {
             by_cpu_->show(field, pair, colour, lighting);
             return {};
         }
         auto commands = GpuCommands::begin(device_, "surface");
         if (!commands.ok()) return commands.error();
-        if (auto shown = drawing_->show(*commands, field, pair, colour, lighting); !shown.ok()) return shown;
+        if (auto shown = drawing_->show(*commands, field, pair, colour, lighting, step); !shown.ok())
+            return shown;
         return std::move(*commands).run();
     }
 

@@ -28,7 +28,7 @@ public:
     virtual Result<void> begin() = 0;
     /// As SurfaceDrawing::show.
     virtual Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                              Lighting lighting) = 0;
+                              Lighting lighting, int step) = 0;
     /// As SurfaceDrawing::draw, stretched over a picture of width x height.
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes, int width, int height) = 0;

@@ -186,10 +186,11 @@ ViewTiles CpuLattices::tiles_of(int width, int height, const std::vector<float>&
 }
 
 void CpuLattices::light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
-                        Lighting lighting, PackedColour* colours) {
+                        Lighting lighting, PackedColour* colours, float cut_ratio) {
     const Scene& scene = field.scene();
     LightTerms terms{
         scene.camera, static_cast<float>(scene.depth.far), q, field.width(), field.height(), pitch, colour};
+    terms.cut_ratio = cut_ratio;
     if (colour.empty())
         terms.usual = usual_q(terms.width, terms.height, [q, pitch](int x, int y) {
             return q[static_cast<std::ptrdiff_t>(y) * pitch + x];

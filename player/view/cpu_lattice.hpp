@@ -7,6 +7,7 @@
 #include "engine/surface/vector_unit.hpp"
 #include "player/view/cpu_light.hpp"
 #include "player/view/view_surface.hpp"
+#include "shaders/cut_rule.h"
 
 namespace touchable {
 
@@ -30,7 +31,7 @@ public:
     /// Colours of the vertices of `field`, whose q is there, as LightRows makes them; both in rows of
     /// `pitch`. `colour`: RGB of 8 bits, of the field's size, or empty for clay, which is always lit.
     void light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
-               Lighting lighting, PackedColour* colours);
+               Lighting lighting, PackedColour* colours, float cut_ratio = CUT_RULE_RATIO);
 
     /// `make_view_surface`, with q and tiles as above where the frames have codes.
     ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);

@@ -22,21 +22,21 @@ constexpr int sides = 2 * reach + 1;
 
 /// What the normal of a triangle takes of the camera.
 struct Lens {
-    float fx, fy, cx, cy, unit;
+    float fx, fy, cx, cy, unit, cut_ratio;
 };
 
 /// 1 where a triangle is drawn, 0 where it is cut: `triangle_is_cut` without a branch.
-[[gnu::always_inline]] inline float drawn(float q0, float q1, float q2) {
+[[gnu::always_inline]] inline float drawn(float q0, float q1, float q2, float ratio) {
     float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
     least = q2 < least ? q2 : least;
     greatest = q2 > greatest ? q2 : greatest;
     const float is_valid = least > 0.0F ? 1.0F : 0.0F;
-    return greatest <= CUT_RULE_RATIO * least ? is_valid : 0.0F;
+    return greatest <= ratio * least ? is_valid : 0.0F;
 }
 
 /// By how much a triangle's normal is longer than (difference of q, ...), 0 where it is cut.
-[[gnu::always_inline]] inline float weight(float q0, float q1, float q2, float unit) {
-    const float is_drawn = drawn(q0, q1, q2);
+[[gnu::always_inline]] inline float weight(float q0, float q1, float q2, const Lens& lens) {
+    const float is_drawn = drawn(q0, q1, q2, lens.cut_ratio), unit = lens.unit;
     const float volume = q0 * unit * (q1 * unit) * (q2 * unit);
     return is_drawn > 0.0F ? unit / (is_drawn > 0.0F ? volume : 1.0F) : 0.0F;
 }
@@ -47,11 +47,11 @@ struct Lens {
                                                     float* __restrict ry, float* __restrict rz,
                                                     float* __restrict lx, float* __restrict ly,
                                                     float* __restrict lz) {
-    const float fx = lens.fx, fy = lens.fy, cx = lens.cx, v = y - lens.cy, unit = lens.unit;
+    const float fx = lens.fx, fy = lens.fy, cx = lens.cx, v = y - lens.cy;
     for (int x = 0; x < cells; ++x) {
         const float q00 = upper[x], q10 = upper[x + 1], q01 = lower[x], q11 = lower[x + 1];
         const float u = static_cast<float>(x) - cx;
-        const float right = weight(q00, q10, q11, unit), left = weight(q00, q01, q11, unit);
+        const float right = weight(q00, q10, q11, lens), left = weight(q00, q01, q11, lens);
         const float right_x = q10 - q00, right_y = q11 - q10, left_x = q11 - q01, left_y = q01 - q00;
         rx[x] = -fx * right_x * right;
         ry[x] = fy * right_y * right;
@@ -131,8 +131,12 @@ void LightRows::light(const LightTerms& terms, int first, int end, VectorUnit un
     floats_.assign(3 * (5 + sides) * stride_, 0.0F);
     const Row right = row(0), left = row(1), above = row(2), at_vertices = row(3), sum = row(4);
     const Camera& camera = terms.camera;
-    const Lens lens{static_cast<float>(camera.fx), static_cast<float>(camera.fy),
-                    static_cast<float>(camera.cx), static_cast<float>(camera.cy), terms.farthest};
+    const Lens lens{static_cast<float>(camera.fx),
+                    static_cast<float>(camera.fy),
+                    static_cast<float>(camera.cx),
+                    static_cast<float>(camera.cy),
+                    terms.farthest,
+                    terms.cut_ratio};
     const auto q_row = [&](int y) { return terms.q + static_cast<std::ptrdiff_t>(y) * terms.pitch; };
     const auto along = [&](int y) { return row(5 + (y + sides) % sides); };
 

@@ -6,6 +6,7 @@
 #include "engine/scene/camera.hpp"
 #include "engine/surface/vector_unit.hpp"
 #include "player/view/surface_light.hpp"
+#include "shaders/cut_rule.h"
 
 namespace touchable {
 
@@ -17,6 +18,7 @@ struct LightTerms {
     int width = 0, height = 0, pitch = 0;
     PlaneView colour;  ///< RGB of 8 bits, of that size; or empty: clay
     UsualQ usual{};    ///< of clay: where it is cool and where it is warm
+    float cut_ratio = CUT_RULE_RATIO;
 };
 
 /// Lights rows of vertices by the CPU's vectors, with the arithmetic of shaders/light.h: the twin of

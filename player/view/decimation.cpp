@@ -5,6 +5,8 @@
 #include <glm/matrix.hpp>
 #include <utility>
 
+#include "shaders/cut_rule.h"
+
 namespace touchable {
 namespace {
 
@@ -76,19 +78,14 @@ int Decimation::step_for(double pixels_per_vertex) {
     return step;
 }
 
-/// Kept from the moment before, where it was part of that too.
-const SurfaceFrame* Decimation::decimated_frame(const TimedFrame& frame, std::uint64_t epoch, int step,
-                                                Level& level) {
-    const Key key{frame.frame, frame.number, epoch, step};
-    if (level.key == key) return level.made;
-    level.key = key;
-    level.made = frame.frame;
-    for (int halves = 0; 1 << halves < step; ++halves) {
-        SurfaceFrame& half = *level.halves[halves % 2];
-        halve_frame(*level.made, half);
-        level.made = &half;
+const SurfaceFrame* Decimation::decimated_frame(const SurfaceFrame& frame, int step, Halves& halves) {
+    const SurfaceFrame* made = &frame;
+    for (int halvings = 0; 1 << halvings < step; ++halvings) {
+        SurfaceFrame& half = halves[static_cast<std::size_t>(halvings % 2)];
+        halve_frame(*made, half);
+        made = &half;
     }
-    return level.made;
+    return made;
 }
 
 /// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
@@ -119,13 +116,10 @@ void Decimation::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& 
 }
 
 void Decimation::make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step) {
-    // What comes next now is what was before next time.
-    if (levels_[1].key.frame == pair.prev.frame) std::swap(levels_[0], levels_[1]);
     pair_ = pair;
-    pair_.prev.frame = decimated_frame(pair.prev, pair.epoch, step, levels_[0]);
-    pair_.next.frame = pair.next.frame == pair.prev.frame
-                           ? pair_.prev.frame
-                           : decimated_frame(pair.next, pair.epoch, step, levels_[1]);
+    pair_.prev.frame = decimated_frame(*pair.prev.frame, step, prev_);
+    pair_.next.frame = pair.next.frame == pair.prev.frame ? pair_.prev.frame
+                                                          : decimated_frame(*pair.next.frame, step, next_);
     scene_ = field.scene();
     scene_.width = pair_.prev.frame->width;
     scene_.height = pair_.prev.frame->height;
@@ -140,6 +134,12 @@ void Decimation::make(const HeightField& field, const FramePair& pair, const Pla
         const int width = half_of(colour_.width);
         colour_ = {half.data(), std::ptrdiff_t{3} * width, width, half_of(colour_.height), 1, 3};
     }
+}
+
+float cut_ratio(int step) {
+    float ratio = CUT_RULE_RATIO;
+    for (; step > 1; step /= 2) ratio *= ratio;
+    return ratio;
 }
 
 ViewCamera decimated(ViewCamera camera, int step) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -27,30 +26,14 @@ public:
     const FramePair& pair() const { return pair_; }
     /// Means of the pixels around each vertex; or empty.
     const PlaneView& colour() const { return colour_; }
-    /// Nothing of the frames before serves: another clip.
-    void forget() {
-        for (Level& level : levels_) level.key = {};
-    }
 
 private:
-    struct Key {
-        const SurfaceFrame* frame = nullptr;
-        std::int64_t number = -1;
-        std::uint64_t epoch = 0;
-        int step = 1;
-        bool operator==(const Key&) const = default;
-    };
-    struct Level {
-        Key key;
-        std::array<std::unique_ptr<SurfaceFrame>, 2> halves{std::make_unique<SurfaceFrame>(),
-                                                            std::make_unique<SurfaceFrame>()};
-        const SurfaceFrame* made = nullptr;  // one of them
-    };
-    static const SurfaceFrame* decimated_frame(const TimedFrame& frame, std::uint64_t epoch, int step,
-                                               Level& level);
+    /// A frame's halves, and theirs.
+    using Halves = std::array<SurfaceFrame, 2>;
+    static const SurfaceFrame* decimated_frame(const SurfaceFrame& frame, int step, Halves& halves);
     void halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to);
 
-    std::array<Level, 2> levels_;  // of the earlier and the later frame
+    Halves prev_, next_;
     Scene scene_;
     FramePair pair_;
     std::optional<HeightField> field_;
@@ -58,6 +41,9 @@ private:
     std::vector<std::uint8_t> halves_[2];  // each made of the other
     std::vector<std::uint16_t> sums_;      // of three rows
 };
+
+/// In place of CUT_RULE_RATIO: neighbours that lie farther apart may differ more.
+float cut_ratio(int step);
 
 /// The same view of a lattice that has every `step`th vertex of another.
 ViewCamera decimated(ViewCamera camera, int step);

@@ -51,6 +51,7 @@ void GpuLattices::set_size(const HeightField& field, GpuLattice& lattice) const 
     lattice.width = field.width();
     lattice.height = field.height();
     lattice.pitch = SurfaceUnproject::pitch(lattice.width);
+    lattice.step = 1;
 }
 
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {

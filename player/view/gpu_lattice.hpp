@@ -14,6 +14,7 @@ struct GpuLattice {
     std::shared_ptr<VulkanDevice> vulkan;  ///< whose memory it is
     int width = 0, height = 0;
     int pitch = 0;      ///< vertices from one row of q and colours to the next
+    int step = 1;       ///< of the clip's pixels, from vertex to vertex (Decimation)
     GpuBuffer q;        ///< floats, row-major
     GpuBuffer colours;  ///< PackedColour, row-major
     GpuBuffer tiles;    ///< which ones to draw: shaders/tile_lists.h

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/surface/vectors.hpp"
+#include "player/view/decimation.hpp"
 #include "player/view/triangle_fill.hpp"
 #include "player/view/triangle_lanes.hpp"
 #include "player/view/view_rows.hpp"
@@ -44,6 +45,7 @@ public:
           last_(band.last - 1),
           height_(camera.height),
           pitch_(pitch),
+          cut_ratio_(cut_ratio(lattice.step)),
           pixels_(pixels) {}
 
     void draw(VectorUnit unit, Rows& rows) {
@@ -124,7 +126,7 @@ private:
         const Row &up = rows.upper, &low = rows.lower;
         const F q00 = load<F>(&up.q[x]), q10 = load<F>(&up.q[x + 1]), q01 = load<F>(&low.q[x]),
                 q11 = load<F>(&low.q[x + 1]);
-        const I no_right = cut(q00, q10, q11), no_left = cut(q00, q11, q01);
+        const I no_right = cut(q00, q10, q11, cut_ratio_), no_left = cut(q00, q11, q01, cut_ratio_);
         I is_drawn = ~(no_right & no_left);
         if (or_of(is_drawn) == 0) return;
         Corners<n> top_left = corners<n>(up, x), top_right = corners<n>(up, x + 1),
@@ -299,6 +301,7 @@ private:
     const float* const q_;
     const PackedColour* const colours_;
     const int width_, first_, last_, height_, pitch_;
+    const float cut_ratio_;
     std::uint64_t* const pixels_;
 };
 

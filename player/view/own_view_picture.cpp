@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "engine/surface/vectors.hpp"
+#include "player/view/decimation.hpp"
 #include "player/view/view_rows.hpp"
-#include "shaders/cut_rule.h"
 #include "shaders/raster.h"
 
 // Compiled without errno and traps: the loop over a row's pixels becomes vectors by itself.
@@ -22,7 +22,7 @@ struct PixelRow {
     const float *upper_left_q, *upper_right_q, *lower_left_q, *lower_right_q;
     const float* into;  ///< the cell, from the left
     float down;         ///< likewise from above
-    float z_per_q;
+    float z_per_q, cut_ratio;
     PackedColour background;
 };
 
@@ -72,7 +72,7 @@ struct PixelRow {
         least = c_q < least ? c_q : least;
         greatest = c_q > greatest ? c_q : greatest;
         const std::int32_t is_drawn =
-            mask_of(least > 0.0F) & mask_of(greatest <= CUT_RULE_RATIO * least) & mask_of(nearness <= 1.0F);
+            mask_of(least > 0.0F) & mask_of(greatest <= from.cut_ratio * least) & mask_of(nearness <= 1.0F);
         colours[x] = chosen(is_drawn, colour, from.background);
         z[x] = chosen(is_drawn, nearness, 0.0F);
     }
@@ -172,6 +172,7 @@ void OwnViewPicture::draw(const GpuLattice& lattice, const ViewCamera& camera,
                               columns_.into.data() + first,
                               rows_.into[static_cast<std::size_t>(y)],
                               view.z.w,
+                              cut_ratio(lattice.step),
                               empty};
         const auto draw_pixels = [&](auto) __attribute__((always_inline)) {
             draw_row(pixels, end - first, to + first, to_z + first);

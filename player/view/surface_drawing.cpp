@@ -76,7 +76,7 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
 }
 
 Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                                  const PlaneView& colour, Lighting lighting) {
+                                  const PlaneView& colour, Lighting lighting, int step) {
     is_shown_ = has_tiles_ = false;
     drawn_.reset();
     if (auto fits = check_colour(colour, field.width(), field.height()); !fits.ok()) return fits;
@@ -84,7 +84,13 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
         commands.barrier(reader, GpuStage::compute);
     if (by_cpu_) {
-        if (auto made = make_by_cpu(field, pair, colour, lighting); !made.ok()) return made;
+        const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
+        if (is_part) decimation_.make(field, pair, colour, step);
+        if (auto made = is_part ? make_by_cpu(decimation_.field(), decimation_.pair(), decimation_.colour(),
+                                              lighting, step)
+                                : make_by_cpu(field, pair, colour, lighting, 1);
+            !made.ok())
+            return made;
         is_shown_ = true;
         return {};
     }
@@ -98,15 +104,16 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
 
 /// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
 Result<void> SurfaceDrawing::make_by_cpu(const HeightField& field, const FramePair& pair,
-                                         const PlaneView& colour, Lighting lighting) {
+                                         const PlaneView& colour, Lighting lighting, int step) {
     if (auto made = lattices_.renew(field, lattice_); !made.ok()) return made;
+    lattice_.step = step;
     float* const q = lattice_.q.mapped<float>().data();
     if (SurfaceUnproject::has_codes(field, pair))
         by_cpu_->q_of(field, pair, q, lattice_.pitch);
     else
         put_q(q_of(field), lattice_);
-    by_cpu_->light(field, q, lattice_.pitch, colour, lighting,
-                   lattice_.colours.mapped<PackedColour>().data());
+    by_cpu_->light(field, q, lattice_.pitch, colour, lighting, lattice_.colours.mapped<PackedColour>().data(),
+                   cut_ratio(step));
     return {};
 }
 
@@ -202,10 +209,11 @@ Result<void> SurfaceDrawing::draw_by_cpu(const ViewCamera& camera) {
     }
     const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
     const auto z = z_values_.mapped<float>();
-    if (OwnViewPicture::draws(camera))
-        own_view_.draw(lattice_, camera, background, pitch, colours, z);
+    const ViewCamera seen = decimated(camera, lattice_.step);
+    if (OwnViewPicture::draws(seen))
+        own_view_.draw(lattice_, seen, background, pitch, colours, z);
     else
-        turned_view_->draw(lattice_, camera, background, pitch, colours, z);
+        turned_view_->draw(lattice_, seen, background, pitch, colours, z);
     return {};
 }
 

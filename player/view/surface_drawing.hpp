@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "player/view/cpu_lattice.hpp"
+#include "player/view/decimation.hpp"
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/lattice_raster.hpp"
@@ -33,12 +34,13 @@ public:
     std::string_view painter() const { return raster_ ? "raster" : "mesh"; }
 
     /// From now on this surface is drawn: records what makes q and colours of the pair that `field` is of.
-    /// For the raster of a software device the CPU makes them at once. `colour`: RGB of 8 bits, of the
-    /// field's size, or empty for light and depth alone. It is read at once; the pair's frames stay until
+    /// For the raster of a software device the CPU makes them at once, and there no more than every `step`th
+    /// vertex across and down, a power of two: a level of detail (Decimation). `colour`: RGB of 8 bits, of
+    /// the field's size, or empty for light and depth alone. It is read at once; the pair's frames stay until
     /// what is recorded has completed. Fails (ErrorKind::gpu) where the surface is larger than a kernel may
     /// read.
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                      const PlaneView& colour, Lighting lighting);
+                      const PlaneView& colour, Lighting lighting, int step = 1);
 
     /// The CPU of a software device draws the surface at once, from what `show` left. Records the drawing of
     /// surface, background and fingers (before the first `show` of these two) into `target`
@@ -53,7 +55,7 @@ private:
     SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
 
     Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                             Lighting lighting);
+                             Lighting lighting, int step);
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
     Result<void> draw_by_cpu(const ViewCamera& camera);
@@ -71,6 +73,7 @@ private:
     std::optional<LatticeRaster> turned_view_;  // and from elsewhere, on a software device
     GpuLattices lattices_;
     SurfaceLighting lighting_;
+    Decimation decimation_;              // of what is shown
     std::optional<CpuLattices> by_cpu_;  // makes what is shown in their place, on a software device
     FingerDrawing fingers_;
     GraphicsProgram background_;

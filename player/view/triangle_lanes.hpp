@@ -7,7 +7,6 @@
 #include <glm/vec4.hpp>
 
 #include "engine/surface/vectors.hpp"
-#include "shaders/cut_rule.h"
 #include "shaders/view_project.h"
 
 // Triangles side by side, one in each lane of a vector, with the arithmetic of triangle_fill.hpp. Vectors
@@ -65,13 +64,13 @@ template <class T>
     return (subpixels - half_pixel) >> 8;
 }
 
-/// `triangle_is_cut` of many.
+/// `triangle_is_cut` of many, by this ratio.
 template <class F>
-[[gnu::always_inline]] inline auto cut(const F& q0, const F& q1, const F& q2) {
+[[gnu::always_inline]] inline auto cut(const F& q0, const F& q1, const F& q2, float ratio) {
     F least = lesser(q0, q1), most = greater(q0, q1);
     least = lesser(q2, least);
     most = greater(q2, most);
-    return ~(least > 0.0F) | (most > CUT_RULE_RATIO * least);
+    return ~(least > 0.0F) | (most > ratio * least);
 }
 
 /// `view_row` of many.

@@ -16,14 +16,6 @@ void ClipPicture::set_overlay(Overlay overlay) {
 void ClipPicture::forget() {
     shown_.reset();
     overlays_ = std::make_unique<Overlays>();
-    decimation_.forget();
-}
-
-Result<void> ClipPicture::show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                               Lighting lighting, int step) {
-    if (step == 1) return graphics_->show(field, pair, colour, lighting);
-    decimation_.make(field, pair, colour, step);
-    return graphics_->show(decimation_.field(), decimation_.pair(), decimation_.colour(), lighting);
 }
 
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field, int step) {
@@ -35,11 +27,11 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
     Result<void> shown;
     if (overlay_ == Overlay::colour) {
         const PlaneView seen = tinted_ ? tint_.paint(tinted_, pair.prev.number, colour) : colour;
-        shown = show(field, pair, seen, Lighting::lit, step);
+        shown = graphics_->show(field, pair, seen, Lighting::lit, step);
     } else {
         const OverlayPicture& picture = overlays_->paint(overlay_, field, pair);
         scale_ = picture.scale;
-        shown = show(field, pair, picture.view(), Lighting::plain, step);
+        shown = graphics_->show(field, pair, picture.view(), Lighting::plain, step);
     }
     if (shown.ok()) shown_ = now;
     return shown;
@@ -48,11 +40,10 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
 Result<void> ClipPicture::draw(const WatchedMoment& moment, const HeightField& field,
                                const ViewCamera& camera, std::span<const FingerMark> fingers,
                                const MarkSizes& sizes, int width, int height, int step) {
-    if (!SurfaceUnproject::has_codes(field, moment.held.pair)) step = 1;
     if (auto shown = show(moment, field, step); !shown.ok()) return shown;
     drawn_width_ = camera.width;
     drawn_height_ = camera.height;
-    return graphics_->draw(decimated(camera, step), fingers, sizes, width, height);
+    return graphics_->draw(camera, fingers, sizes, width, height);
 }
 
 namespace {

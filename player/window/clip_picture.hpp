@@ -11,7 +11,6 @@
 #include "player/overlay/overlays.hpp"
 #include "player/screen/window_graphics.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/view/decimation.hpp"
 #include "player/window/segment_tint.hpp"
 
 namespace touchable {
@@ -20,7 +19,7 @@ namespace touchable {
 class ClipPicture {
 public:
     /// Between `begin` and `finish` of the graphics: of the camera's size, stretched over a canvas of width x
-    /// height; every `step`th vertex of the surface, across and down, where that can be (Decimation). The
+    /// height; of the surface every `step`th vertex, as SurfaceDrawing::show. The
     /// surface is made anew only where frames, blend or overlay are others than before; the moment stays as
     /// it is until the picture is finished.
     Result<void> draw(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera,
@@ -47,8 +46,6 @@ public:
 
 private:
     Result<void> show(const WatchedMoment& moment, const HeightField& field, int step);
-    Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                      Lighting lighting, int step);
 
     struct Shown {
         std::uint64_t epoch = 0;
@@ -63,7 +60,6 @@ private:
     std::shared_ptr<const PaintedSegments> tinted_;
     SegmentTint tint_;
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
-    Decimation decimation_;
     int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;
     OverlayScale scale_;

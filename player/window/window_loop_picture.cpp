@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "player/view/decimation.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/window_loop.hpp"

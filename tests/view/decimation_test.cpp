@@ -90,27 +90,6 @@ TEST(Decimation, MeansColoursAroundEachVertex) {
     EXPECT_EQ(decimation.colour().height, decimation.field().height());
 }
 
-/// What is next becomes what was before.
-TEST(Decimation, KeepsWhatItHasMadeOfAFrameAndNoMore) {
-    const auto shown = shown_scene("globe", 64, 48), other = shown_scene("noise", 64, 48);
-    Decimation decimation;
-    decimation.make(shown->field(0.5), shown->pair(0.5), {}, 2);
-    FramePair pair{{1, 33'000'000, &shown->next}, {2, 66'000'000, &other->prev}, 0};
-    const HeightField whole(shown->scene, pair);
-    decimation.make(whole, pair, {}, 2);
-    const auto expect_same = [&](const HeightField& wanted) {
-        for (int y = 0; y < 24; ++y)
-            for (int x = 0; x < 32; ++x)
-                ASSERT_EQ(decimation.field().vertex(x, y).depth, wanted.vertex(2 * x, 2 * y).depth);
-    };
-    expect_same(whole);
-    // Another clip, whose frames lie where the last one's did and have their numbers.
-    std::swap(shown->next.codes, other->next.codes);
-    decimation.forget();
-    decimation.make(whole, pair, {}, 2);
-    expect_same(whole);
-}
-
 TEST(Decimation, IsOfWhatAWindowDoesNotTellApart) {
     EXPECT_EQ(Decimation::step_for(1280.0 / 720), 1);
     EXPECT_EQ(Decimation::step_for(0.76), 1);
