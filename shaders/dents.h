@@ -43,7 +43,7 @@ struct DentHeader {
 /// How much of a finger's way a place at `share` (from its middle, in shares of the reach) goes along, 1 to 0.
 DENT_FUNCTION float dent_share(vec3 share) {
     const float rest = 1.0f - dot(share, share);
-    return rest > 0.0f ? rest * rest : 0.0f;
+    return rest > 0.0f ? rest * rest * rest : 0.0f;
 }
 
 /// What is to be added to a surface's unit normal there: the slope of the dent, twice as steep as it is, as
@@ -51,7 +51,7 @@ DENT_FUNCTION float dent_share(vec3 share) {
 DENT_FUNCTION vec3 dent_slope(vec3 share, vec3 normal, vec3 moved) {
     const float rest = 1.0f - dot(share, share), depth = -dot(moved, normal);
     if (!(rest > 0.0f)) return vec3(0.0f);
-    return (-8.0f * rest * depth) * (share - normal * dot(share, normal));
+    return (-12.0f * rest * rest * depth) * (share - normal * dot(share, normal));
 }
 
 /// A colour (brightness, 0 to 1 a channel) of a surface whose unit normal becomes another: by twice the change

@@ -12,11 +12,11 @@ namespace touchable {
 /// What a person finds again in the next window, whatever the clip.
 struct KeptSettings {
     bool panel = false;  ///< shown
-    bool dent = true;    ///< a surface that gives way is drawn so
     int fingers = 1;
     int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: nobody knows
     SessionSettings a;
     std::optional<SessionSettings> b;
+    bool dent = true;  ///< a surface that gives way is drawn so
     bool operator==(const KeptSettings&) const = default;
 };
 

@@ -122,10 +122,10 @@ protected:
 
 TEST_F(DentedPlane, ColoursGoAlongWithTheFinger) {
     const LightPicture flat = dented({}), picture = dented({finger_at(120, 80, {6, 0, 0})});
-    // What was 6 pixels to the left is there now; half a reach (26 pixels) away, 6 (1 - 1/4)^2 to the left.
+    // What was 6 pixels to the left is there now; half a reach (26 pixels) away, 6 (1 - 1/4)^3 to the left.
     EXPECT_NEAR(bytes_at(picture, 120, 80).x, bytes_at(flat, 120, 80).x - 6, 0.7);
     EXPECT_NEAR(bytes_at(picture, 120, 80).y, bytes_at(flat, 120, 80).y, 0.7);
-    EXPECT_NEAR(bytes_at(picture, 120, 54).x, bytes_at(flat, 120, 54).x - 6 * 0.5625, 0.7);
+    EXPECT_NEAR(bytes_at(picture, 120, 54).x, bytes_at(flat, 120, 54).x - 6 * 0.4219, 0.7);
     // Where it does not reach (2.6 radii of 20 pixels) all is as it was, to the bit.
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -137,13 +137,13 @@ TEST_F(DentedPlane, ColoursGoAlongWithTheFinger) {
 TEST_F(DentedPlane, IsLitAsItsSlopesAre) {
     const LightPicture flat = dented({}), picture = dented({finger_at(120, 80, {0, 0, -12})});
     const auto light = [&](int x, int y) { return bytes_at(picture, x, y).z / bytes_at(flat, x, y).z; };
-    // 12 pixels deep, 52 wide: at 26 pixels the slope is 4 (12/52) (3/4) (1/2) = 0.346, and twice that in the
-    // light, which comes from the upper left. By hand from shaders/surface_light.h and dents.h, of 100.
+    // 12 pixels deep, 52 wide: at 26 pixels the slope is 6 (12/52) (3/4)^2 (1/2) = 0.389, and twice that in
+    // the light, which comes from the upper left. By hand from shaders/surface_light.h and dents.h, of 100.
     EXPECT_NEAR(light(120, 80), 1, 0.01) << "the ground is level";
-    EXPECT_NEAR(light(120, 106), 1.425, 0.01);
-    EXPECT_NEAR(light(120, 54), 0.590, 0.01);
-    EXPECT_NEAR(light(146, 80), 1.116, 0.01);
-    EXPECT_NEAR(light(94, 80), 0.744, 0.01);
+    EXPECT_NEAR(light(120, 106), 1.443, 0.01);
+    EXPECT_NEAR(light(120, 54), 0.554, 0.01);
+    EXPECT_NEAR(light(146, 80), 1.120, 0.01);
+    EXPECT_NEAR(light(94, 80), 0.716, 0.01);
 }
 
 TEST_F(DentedPlane, IsNeverDeeperThanCanBeDrawn) {
