@@ -54,12 +54,19 @@ DENT_FUNCTION vec3 dent_slope(vec3 share, vec3 normal, vec3 moved) {
     return (-12.0f * rest * rest * depth) * (share - normal * dot(share, normal));
 }
 
-/// A colour (brightness, 0 to 1 a channel) of a surface whose unit normal becomes another: by twice the change
-/// of light, and with some gloss, without which nothing would be seen on a dark one.
-DENT_FUNCTION vec3 dented_colour(vec3 colour, vec3 before, vec3 after) {
+/// What a surface's colour (brightness, 0 to 1 a channel) is multiplied by where its unit normal becomes
+/// another, and what is added: twice the change of light, and some gloss, without which nothing would be seen
+/// on a dark one.
+struct DentLight {
+    float factor, gloss;
+};
+DENT_FUNCTION DentLight dent_light(vec3 before, vec3 after) {
     const float change = (0.45f + 0.7f * light_on(after)) / (0.45f + 0.7f * light_on(before));
-    const float light = change * change;
-    return colour * light + vec3(0.2f * max(0.0f, light - 1.0f));
+    const float factor = change * change;
+    DentLight light;
+    light.factor = factor;
+    light.gloss = 0.2f * max(0.0f, factor - 1.0f);
+    return light;
 }
 
 #ifdef __cplusplus

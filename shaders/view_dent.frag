@@ -50,5 +50,6 @@ void main() {
     const float source_z = texelFetch(z_image, clamp(ivec2(source), ivec2(0), last), 0).x;
     if (source_z > z * CUT_RULE_RATIO) source = pixel;
     const vec3 normal = normalize(normals);
-    drawn = vec4(dented_colour(colour_at(source), normal, normalize(normal + slope)), 1.0f);
+    const DentLight light = dent_light(normal, normalize(normal + slope));
+    drawn = vec4(colour_at(source) * light.factor + light.gloss, 1.0f);
 }

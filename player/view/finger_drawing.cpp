@@ -63,9 +63,7 @@ MarksPush push_of(const ViewCamera& camera, bool is_ball, bool is_veil, bool is_
 }  // namespace
 
 Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& device) {
-    auto dents = DentDrawing::create(device);
-    if (!dents.ok()) return dents.error();
-    FingerDrawing made(device, std::move(*dents));
+    FingerDrawing made(device);
     constexpr VkDescriptorType buffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     const struct {
         const char* name;
@@ -210,7 +208,6 @@ Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const Finger
                                    const MarkSizes& sizes, const ViewCamera& camera, const GpuImage& colour,
                                    const GpuImage& z) {
     if (fingers.empty()) return {};
-    if (auto dented = dents_.record(commands, fingers, sizes, camera, colour, z); !dented.ok()) return dented;
     shape_fingers(fingers, sizes, shapes_);
     sort_solids();
     Parts parts;

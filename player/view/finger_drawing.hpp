@@ -2,9 +2,7 @@
 
 #include <memory>
 #include <span>
-#include <utility>
 
-#include "player/view/dent_drawing.hpp"
 #include "player/view/finger_marks.hpp"
 #include "player/view/graphics_program.hpp"
 #include "player/view/upload_pool.hpp"
@@ -24,8 +22,7 @@ public:
                         const ViewCamera& camera, const GpuImage& colour, const GpuImage& z);
 
 private:
-    FingerDrawing(const std::shared_ptr<GpuDevice>& device, DentDrawing dents)
-        : dents_(std::move(dents)), uploads_(device) {}
+    explicit FingerDrawing(const std::shared_ptr<GpuDevice>& device) : uploads_(device) {}
 
     struct Part {
         std::size_t offset = 0, bytes = 0;
@@ -40,7 +37,6 @@ private:
     void draw_solids(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& records,
                      const Parts& parts) const;
 
-    DentDrawing dents_;
     UploadPool uploads_;
     GraphicsProgram shadow_, thread_, solid_, veil_, hidden_veil_;
     GpuBuffer pattern_;  // indices of a ball's triangles; the first ones are a frustum's

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <optional>
 
 #include "shaders/cut_rule.h"
-#include "shaders/dents.h"
 
 namespace touchable {
 
@@ -28,12 +26,6 @@ void shape_dents(std::span<const FingerMark> fingers, const MarkSizes& sizes,
     }
 }
 
-namespace {
-
-/// What all dents together do to a place of the surface.
-struct DentedPlace {
-    glm::vec3 moved{0.0F}, normal_before{0.0F}, normal{0.0F};
-};
 std::optional<DentedPlace> dented(std::span<const SurfaceDent> dents, const glm::dvec3& place) {
     DentedPlace at;
     glm::vec3 normals(0.0F), slope(0.0F);
@@ -49,6 +41,8 @@ std::optional<DentedPlace> dented(std::span<const SurfaceDent> dents, const glm:
     at.normal = glm::normalize(at.normal_before + slope);
     return at;
 }
+
+namespace {
 
 /// Between the four pixels around a place, as bytes are mixed: brightness, not light.
 glm::vec3 brightness_at(const LightPicture& picture, double x, double y) {
@@ -85,8 +79,9 @@ void draw_dents(std::span<const SurfaceDent> dents, const ViewCamera& camera, Li
                           j = std::clamp(static_cast<int>(source.y), 0, flat.height - 1);
                 // Not what stands before the surface.
                 if (flat.z[flat.index(i, j)] > z * CUT_RULE_RATIO) source = {x + 0.5, y + 0.5};
-                picture.light[picture.index(x, y)] = light_of_brightness(
-                    dented_colour(brightness_at(flat, source.x, source.y), at->normal_before, at->normal));
+                const DentLight light = dent_light(at->normal_before, at->normal);
+                picture.light[picture.index(x, y)] =
+                    light_of_brightness(brightness_at(flat, source.x, source.y) * light.factor + light.gloss);
             }
     }
 }

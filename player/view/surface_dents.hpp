@@ -1,12 +1,14 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "player/view/finger_marks.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/view_camera.hpp"
+#include "shaders/dents.h"
 
 namespace touchable {
 
@@ -28,7 +30,13 @@ inline constexpr double dent_reach = 2.6, most_dented = 1.3;  // radii of a fing
 void shape_dents(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                  std::vector<SurfaceDent>& dents);
 
-/// Draws them into a picture of the surface alone: the plain twin of DentDrawing.
+/// What all dents together do to a place of the surface; nothing where none reaches it.
+struct DentedPlace {
+    glm::vec3 moved{0.0F}, normal_before{0.0F}, normal{0.0F};
+};
+std::optional<DentedPlace> dented(std::span<const SurfaceDent> dents, const glm::dvec3& place);
+
+/// Draws them into a picture of the surface alone: the plain twin of DentDrawing and DentPatches.
 void draw_dents(std::span<const SurfaceDent> dents, const ViewCamera& camera, LightPicture& picture);
 
 }  // namespace touchable

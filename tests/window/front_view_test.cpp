@@ -20,8 +20,8 @@ constexpr int width = 1280, height = 720, middle_x = 640, middle_y = 360;
 /// Of a finger, pixels: 2 % of the 1080 pixels that the plane is wide there; 3.2 mm of the hand.
 constexpr double radius = 21.6;
 
-/// What the window shows with a finger over the middle of a plane of 0.6 N/mm, `deeper` mm from where it
-/// rests at first, 4 mm before it.
+/// What the window shows, once a finger has come there from the camera, with it over the middle of a plane of
+/// 0.6 N/mm, `deeper` mm from where it rests at first, 4 mm before it.
 Image picture_of(const std::string& deeper, const std::vector<std::string>& more = {}) {
     static const TemporaryFolder folder;
     const std::string clip = (folder / "plane.mkv").string(), script = (folder / "script").string(),
@@ -33,7 +33,7 @@ Image picture_of(const std::string& deeper, const std::vector<std::string>& more
     std::ofstream(script) << "0 move 640 360\n0.1 deeper " + deeper + "\n";
     std::vector<std::string> words{"play",     clip,   "--headless", "--size",     "1280x720",
                                    "--script", script, "--painter",  "raster",     "--screenshot",
-                                   shot,       "--at", "1.8",        "--overwrite"};
+                                   shot,       "--at", "3.6",        "--overwrite"};
     words.insert(words.end(), more.begin(), more.end());
     const auto played = run_touchable(words);
     EXPECT_EQ(played.code, 0) << played.err;
