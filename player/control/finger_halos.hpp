@@ -27,7 +27,7 @@ struct FingerHalo {
 
 /// How large the ring is, in radii of the finger: 1.55 where a finger touches. It grows by 0.4 for each
 /// radius above the surface, to 2.35 at most, and tightens by 0.09 for each newton of five (of all of them
-/// where the largest force is less than that), to 1.1. A radius is 3.2 mm of the hand at its first scale.
+/// where the largest force is less than that), to 1.1.
 double ring_radii(double radii_above, double newtons, double limit_newtons);
 
 /// Of the fingers that are in sight.

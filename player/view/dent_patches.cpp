@@ -84,7 +84,7 @@ bool has_steps(const FlatPicture& flat, const PixelBounds& bounds) {
 }  // namespace
 
 void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds) {
-    constexpr int steps = 14;  // across a dent, of which a seventh of its reach is one
+    constexpr int steps = 20;  // across a dent, of which a tenth of its reach is one
     const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
     step_ = std::max(2, std::max(width, height) / steps);
     across_ = width / step_ + 2;

@@ -56,8 +56,8 @@ struct BallShadow {
 };
 
 /// Of a finger: on the surface under it, away from the light, the farther the higher the finger is, and then
-/// the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; 1.25 radii above
-/// (4 mm of the hand, at its first scale) it is 2.75 radii wide, 0.3 dark, and 1.5 radii aside.
+/// the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; a radius above it
+/// is 2.5 radii wide, 0.34 dark, and 1.2 radii aside.
 BallShadow shadow_of(const FingerMark& finger, double radius);
 
 /// What fingers are drawn as, whoever draws them, in this order.

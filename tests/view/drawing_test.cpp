@@ -211,8 +211,12 @@ TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
             EXPECT_GT(gave_way, 800U) << painter << ", " << words;
             const Image expected_flat = cpu_picture(surface, camera, unmoved, sizes);
             const Image expected = cpu_picture(surface, camera, fingers, sizes);
-            // Beyond what differs without a dent: the edges of fingers.
-            EXPECT_LE(different(dented, expected, 4), different(flat, expected_flat, 4) + gave_way / 50)
+            // Beyond what differs without a dent: the edges of fingers. By the CPU colours come from places
+            // that are exact to half a pixel.
+            const bool by_cpu = drawing->painter() == "raster";
+            const int most = by_cpu ? 24 : 4;
+            EXPECT_LE(different(dented, expected, most),
+                      different(flat, expected_flat, most) + gave_way / (by_cpu ? 20 : 50))
                 << painter << ", " << words;
             EXPECT_EQ(picture_of(*drawing, camera, unmoved, sizes, target).samples, flat.samples)
                 << "a dent left something";
