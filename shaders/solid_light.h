@@ -35,10 +35,11 @@ SOLID_FUNCTION float veil(float opacity, float facing, bool is_behind) {
     return min(opacity * (is_behind ? 0.75f : 1.0f) * (0.45f + 1.3f * rim), 1.0f);
 }
 
-/// What is left of the light on a surface at a share (0 to 1) of the reach of a ball's shadow.
-SOLID_FUNCTION float shadow_light(float squared_share) {
+/// What is left of the light on a surface at a share (0 to 1) of the reach of a ball's shadow. `darkness`: 0 to
+/// 1, in its middle.
+SOLID_FUNCTION float shadow_light(float squared_share, float darkness) {
     const float fade = 1.0f - squared_share;
-    return 1.0f - 0.72f * fade * fade;
+    return 1.0f - darkness * fade * fade;
 }
 
 #ifdef __cplusplus

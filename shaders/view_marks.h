@@ -36,6 +36,7 @@ struct ThreadRecord {
 struct ShadowRecord {
     mat4 share_from_pixel;  // (x, y, z, 1) -> homogeneous, from the ball's centre in shares of its reach
     vec4 bounds;            // clip space: least x and y, greatest x and y
+    vec4 darkness;          // x: in its middle, 0 to 1
 };
 
 struct MarksPush {

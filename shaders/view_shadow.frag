@@ -21,5 +21,5 @@ void main() {
     const vec3 share = at.xyz / at.w;
     const float squared = dot(share, share);
     if (!(z > 0.0f) || squared >= 1.0f) discard;
-    drawn = vec4(vec3(shadow_light(squared)), 1.0f);
+    drawn = vec4(vec3(shadow_light(squared, shadows[shadow].darkness.x)), 1.0f);
 }

@@ -77,6 +77,11 @@ public:
         subject_ = subject_of(*field_);
         sizes_ = mark_sizes(frames_.scene, subject_.middle);
         fingers_ = five_fingers(subject_, sizes_.finger_radius);
+        dented_ = fingers_;
+        for (FingerMark& finger : dented_) {
+            finger.under = under_finger(*field_, finger.proxy, sizes_.finger_radius);
+            finger.given_way = (finger.goal - finger.proxy) / 2.0;
+        }
         for (const double azimuth : {20.0, 20.1})
             views_.push_back(make_view({false, azimuth, 8, 1, std::nullopt}, frames_.scene, subject_.middle,
                                        picture_width, picture_height));
@@ -97,6 +102,12 @@ public:
         view_ = moves ? 1 - view_ : view_;
         return submit([&](GpuCommands& commands) {
             return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
+        });
+    }
+    /// The same, with a surface that gives way under all of them.
+    Result<void> draw_dented(SurfaceDrawing& drawing) {
+        return submit([&](GpuCommands& commands) {
+            return drawing.draw(commands, views_[view_], dented_, sizes_, target_);
         });
     }
     /// As a picture in a file is made; painted once, and put together with a sample a pixel.
@@ -172,7 +183,7 @@ private:
     std::optional<HeightField> field_;
     Subject subject_;
     MarkSizes sizes_;
-    std::vector<FingerMark> fingers_;
+    std::vector<FingerMark> fingers_, dented_;
     std::vector<ViewCamera> views_;
     std::size_t view_ = 0;
     GpuImage target_;
@@ -202,6 +213,7 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
         racers.push_back({"show" + suffix, [&] { return gallery.show(drawing); }});
         racers.push_back({"draw" + suffix, [&] { return gallery.draw(drawing, true); }});
         racers.push_back({"draw_fingers" + suffix, [&] { return gallery.draw(drawing, false); }});
+        racers.push_back({"draw_dents" + suffix, [&] { return gallery.draw_dented(drawing); }});
     }
     for (const auto& drawing : drawings) {
         for (const auto& done :

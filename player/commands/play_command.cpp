@@ -46,6 +46,7 @@ struct PlayWords {
     CLI::Option* clip_word = nullptr;
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
+    std::string dent;
     CLI::Option* seconds = nullptr;
     CLI::Option* latency = nullptr;
     double seconds_value = 0;
@@ -192,6 +193,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         options.script = std::move(*script);
     }
     options.size_is_stated = words.typed_size->count() > 0;
+    if (!words.dent.empty()) options.dent = words.dent == "on";
     options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
@@ -313,6 +315,10 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
            "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, raster by Vulkan on the CPU")
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
+    sub.add_option("--dent", words.dent,
+                   "on or off: whether you see the surface give way under a finger; it changes no force. "
+                   "Otherwise as it was in the last window; at first on")
+        ->check(CLI::IsMember({"on", "off"}));
     sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
     add_file_option(sub, "--script", words.script,
                     "timed inputs, as a person would give them (docs/play.md)");
@@ -367,8 +373,8 @@ void group_window_options(CLI::App& sub) {
           "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
           "--rate", "--loop"}},
         {"The window",
-         {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
-          "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+         {"--size", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
+          "--record", "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
         {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
         {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};

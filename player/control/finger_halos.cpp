@@ -13,7 +13,9 @@
 namespace touchable {
 namespace {
 
-constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0, 0, 0, 130);
+constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0, 0, 0, 130),
+                faint_ink = IM_COL32(255, 255, 255, 120);
+constexpr double all_round = 2 * std::numbers::pi, upward = -0.5 * std::numbers::pi;
 
 /// Whether something is drawn before it.
 bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen, const HeightField& field,
@@ -27,22 +29,32 @@ ImVec2 point(const glm::dvec2& at) {
     return {static_cast<float>(at.x), static_cast<float>(at.y)};
 }
 
-void draw_circle(ImDrawList& list, const glm::dvec2& at, double radius, double from, double to, float thick,
-                 ImU32 colour) {
-    list.PathArcTo(point(at), static_cast<float>(radius), static_cast<float>(from), static_cast<float>(to),
-                   48);
-    list.PathStroke(colour, 0, thick);
+/// A part of the circle, clockwise, that an arrow is not drawn over: from 0.5 before `gap` to 0.5 behind it.
+/// `from`, `to` and `gap`: from straight up, 0 to a turn.
+void draw_arc(ImDrawList& list, const FingerHalo& halo, double radius, double from, double to,
+              std::optional<double> gap, float thick, ImU32 colour) {
+    const auto draw = [&](double begin, double end) {
+        if (end <= begin) return;
+        list.PathArcTo(point(halo.at), static_cast<float>(radius), static_cast<float>(upward + begin),
+                       static_cast<float>(upward + end), 48);
+        list.PathStroke(colour, 0, thick);
+    };
+    if (!gap) return draw(from, to);
+    constexpr double half = 0.5;
+    // The gap may lie across the top.
+    const double before = std::max(from, *gap + half - all_round), behind = std::min(to, *gap - half);
+    draw(before, behind);
+    draw(std::max(from, *gap + half), std::min(to, *gap - half + all_round));
 }
 
 /// On a ground of its own, to be read on any surface.
-void draw_newtons(ImDrawList& list, const FingerHalo& halo, double ring, std::vector<LabelBox>& labels,
-                  float scale) {
+void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox>& labels, float scale) {
     char words[32];
     std::snprintf(words, sizeof words, "%.1f N", halo.newtons);
     const ImVec2 text = ImGui::CalcTextSize(words);
     const float x = 5 * scale, y = 2 * scale;
     const glm::dvec2 size(text.x + 2 * x, text.y + 2 * y);
-    const auto place = place_label(halo.at, ring + 5.0 * static_cast<double>(scale), size, labels);
+    const auto place = place_label(halo.at, halo.ring + 5.0 * static_cast<double>(scale), size, labels);
     if (!place) return;
     labels.push_back({*place, *place + size});
     const ImVec2 at = point(*place);
@@ -86,6 +98,11 @@ std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const gl
     return std::nullopt;
 }
 
+double ring_radii(double radii_above, double newtons, double limit_newtons) {
+    if (radii_above > 0) return 1.55 + std::min(0.4 * radii_above, 0.8);
+    return 1.55 - 0.45 * std::min(newtons / std::min(limit_newtons, 5.0), 1.0);
+}
+
 std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                                      const HeightField& field, const ViewCamera& camera) {
     std::vector<FingerHalo> halos;
@@ -101,6 +118,10 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
         const double distance = glm::distance(finger.proxy, camera.eye);
         halo.radius = camera.focal * sizes.finger_radius / std::max(distance, sizes.finger_radius);
         halo.newtons = finger.touching ? glm::length(finger.force) : 0;
+        const bool is_above = !finger.touching && finger.under;
+        const double above = is_above ? finger.under->height / sizes.finger_radius : 0;
+        halo.ring = halo.radius * ring_radii(above, halo.newtons, sizes.limit_newtons);
+        halo.share = std::min(halo.newtons / sizes.limit_newtons, 1.0);
         const glm::dvec3 tip = finger.proxy + finger.force * sizes.length_per_newton;
         halo.towards_eye = glm::distance(tip, camera.eye) < distance;
         if (const auto end = camera.project(tip)) halo.arrow = glm::dvec2(*end) - halo.at;
@@ -110,29 +131,29 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
 }
 
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
-    constexpr double all = 2 * std::numbers::pi, least_newtons = 0.05;
+    constexpr double least_newtons = 0.05;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const auto ring_of = [scale](const FingerHalo& halo) {
-        return halo.radius + 2.0 * static_cast<double>(scale);
-    };
     std::vector<LabelBox> taken;  // by rings, and by labels
-    for (const FingerHalo& halo : halos) taken.push_back({halo.at - ring_of(halo), halo.at + ring_of(halo)});
+    for (const FingerHalo& halo : halos) taken.push_back({halo.at - halo.ring, halo.at + halo.ring});
     for (const FingerHalo& halo : halos) {
-        const double ring = ring_of(halo);
-        const double length = glm::length(halo.arrow);
         const bool pushes = halo.touching && halo.newtons > least_newtons;
-        const bool end_on = length < 1.9 * halo.radius;
-        double from = 0, to = all;
-        if (pushes && !end_on) {  // the arrow is not drawn over
-            const double middle = std::atan2(halo.arrow.y, halo.arrow.x);
-            from = middle + 0.5;
-            to = middle + all - 0.5;
+        const bool end_on = glm::length(halo.arrow) < 1.9 * halo.radius;
+        std::optional<double> gap;  // where the arrow is
+        if (pushes && !end_on) {
+            gap = std::atan2(halo.arrow.y, halo.arrow.x) - upward;
+            if (*gap < 0) *gap += all_round;
         }
-        draw_circle(list, halo.at, ring + static_cast<double>(scale), from, to, 2.2F * scale, dark_ink);
-        draw_circle(list, halo.at, ring, from, to, (halo.touching ? 2.0F : 1.4F) * scale, light_ink);
-        if (!pushes || !end_on) continue;
+        const auto draw = [&](double share, float thick, ImU32 ink) {
+            draw_arc(list, halo, halo.ring, 0, share * all_round, gap, thick * scale, ink);
+        };
+        draw(1, 3.4F, dark_ink);
+        draw(1, 1.4F, halo.touching ? faint_ink : light_ink);
+        if (!pushes) continue;
+        draw(halo.share, 5.6F, dark_ink);
+        draw(halo.share, 3.6F, light_ink);
+        if (!end_on) continue;
         draw_end_on(list, halo, scale);
-        draw_newtons(list, halo, ring, taken, scale);
+        draw_newtons(list, halo, taken, scale);
     }
 }
 

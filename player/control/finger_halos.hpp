@@ -11,16 +11,24 @@
 
 namespace touchable {
 
-/// A ring round a finger in the picture, so that it is seen on a surface of its own colour too.
+/// A ring round a finger in the picture, so that it is seen on a surface of its own colour too, and that
+/// tells how near the surface is, and how hard it is pressed.
 struct FingerHalo {
     glm::dvec2 at{0.0};     ///< pixels
     double radius = 0;      ///< of the finger, pixels
+    double ring = 0;        ///< of the ring, pixels: `ring_radii` of them
+    double share = 0;       ///< of the largest force, 0 to 1: so much of a turn is drawn strongly
     glm::dvec2 arrow{0.0};  ///< from the finger to the tip of its force's arrow, pixels
     double newtons = 0;
     bool touching = false;
     bool towards_eye = false;  ///< the arrow
     std::size_t finger = 0;
 };
+
+/// How large the ring is, in radii of the finger: 1.55 where a finger touches. It grows by 0.4 for each
+/// radius above the surface, to 2.35 at most, and tightens by 0.09 for each newton of five (of all of them
+/// where the largest force is less than that), to 1.1.
+double ring_radii(double radii_above, double newtons, double limit_newtons);
 
 /// Of the fingers that are in sight.
 std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,

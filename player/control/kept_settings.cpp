@@ -28,7 +28,7 @@ Json to_json(const SessionSettings& settings) {
 }
 
 Json to_json(const KeptSettings& kept) {
-    Json json{{"panel", kept.panel}, {"fingers", kept.fingers}};
+    Json json{{"panel", kept.panel}, {"dent", kept.dent}, {"fingers", kept.fingers}};
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
@@ -66,9 +66,9 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
 /// What is wrong with a member; empty: nothing.
 std::string read_member(const std::string& name, const Json& value, KeptSettings& kept) {
     const std::string quoted = "'" + printable(name) + "' ";
-    if (name == "panel") {
+    if (name == "panel" || name == "dent") {
         if (!value.is_boolean()) return quoted + "must be true or false";
-        kept.panel = value.get<bool>();
+        (name == "panel" ? kept.panel : kept.dent) = value.get<bool>();
         return "";
     }
     if (name == "fingers") {

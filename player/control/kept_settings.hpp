@@ -16,6 +16,7 @@ struct KeptSettings {
     int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: nobody knows
     SessionSettings a;
     std::optional<SessionSettings> b;
+    bool dent = true;  ///< a surface that gives way is drawn so
     bool operator==(const KeptSettings&) const = default;
 };
 

@@ -37,6 +37,7 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"recentre", WindowVerb::recentre, Takes::nothing},
                                      {"mute", WindowVerb::mute, Takes::nothing},
                                      {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
+                                     {"dent", WindowVerb::dent, Takes::on_or_off},
                                      {"home", WindowVerb::home, Takes::nothing},
                                      {"turn", WindowVerb::turn, Takes::number, -180, 180},
                                      {"tilt", WindowVerb::tilt, Takes::number, -180, 180},

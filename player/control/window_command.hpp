@@ -28,6 +28,7 @@ enum class WindowVerb {
     coarser,      ///< `number`: factor on how far a finger goes when a held device moves
     mute,         ///< no sound, or again
     overlay,      ///< `word`: what the surface is coloured by; empty: the next one
+    dent,         ///< `number`: 1 where a surface that gives way is drawn so, 0 where it is not
     home,         ///< the clip's own view
     turn,         ///< `number`: degrees to the right
     tilt,         ///< `number`: degrees up

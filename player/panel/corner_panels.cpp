@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "player/control/window_command.hpp"
@@ -60,14 +61,27 @@ void begin_box(const char* name, const FixedBox& box) {
     ImGui::Begin(name, nullptr, fixed_window | box.flags | (fits ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
 }
 
+namespace {
+
+/// From one line across the force bar to the next: a round number of newtons, three to seven of them.
+double newtons_of_line(double limit) {
+    const double decade = std::pow(10.0, std::floor(std::log10(limit)));
+    const double lead = limit / decade;
+    return decade * (lead < 1.5 ? 0.25 : (lead < 3 ? 0.5 : (lead < 6 ? 1 : 2)));
+}
+
+}  // namespace
+
 void draw_force(const PanelFacts& facts, float height, float scale) {
+    constexpr double beyond_limit = 1.08;  // so that the mark of the limit has bar on either side
     const float m = panel_margin * scale;
     const auto fingers = static_cast<float>(std::max<std::size_t>(facts.forces.size(), 1));
     const float each = std::min(18 * scale, 180 * scale / fingers);
     const float bar = each * 2 / 3, gap = each / 3, tall = std::min(150 * scale, height * 0.3F);
     // What is in a box tells its size a picture later: where that is known before, it is said.
     const ImGuiStyle& style = ImGui::GetStyle();
-    const float wide = std::max(56 * scale, fingers * (bar + gap) - gap);
+    const std::string limit_words = short_text("limit %.3g N", facts.limit_newtons);
+    const float wide = std::max(ImGui::CalcTextSize(limit_words.c_str()).x, fingers * (bar + gap) - gap);
     begin_box("force",
               {.x = m,
                .y = m,
@@ -82,17 +96,28 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
         ImGui::TextColored(ImVec4(0.95F, 0.65F, 0.35F, 1), "force off");
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImDrawList& list = *ImGui::GetWindowDrawList();
+    const auto level = [&](double newtons) {
+        const double share = std::clamp(newtons / (beyond_limit * facts.limit_newtons), 0.0, 1.0);
+        return at.y + tall * (1 - static_cast<float>(share));
+    };
+    const float right = at.x + std::max(fingers * (bar + gap) - gap, 3 * bar);
     for (std::size_t k = 0; k < facts.forces.size(); ++k) {
-        const float x = at.x + static_cast<float>(k) * (bar + gap);
-        const auto share = static_cast<float>(std::clamp(facts.forces[k] / facts.most_newtons, 0.0, 1.0));
+        const float x = at.x + static_cast<float>(k) * (bar + gap), top = level(facts.forces[k]);
         list.AddRectFilled(ImVec2(x, at.y), ImVec2(x + bar, at.y + tall), IM_COL32(255, 255, 255, 28),
                            bar / 3);
-        if (share > 0.005F)
-            list.AddRectFilled(ImVec2(x, at.y + tall * (1 - share)), ImVec2(x + bar, at.y + tall),
-                               readable_finger_colour(k), bar / 3);
+        if (at.y + tall - top > 0.5F)
+            list.AddRectFilled(ImVec2(x, top), ImVec2(x + bar, at.y + tall), readable_finger_colour(k),
+                               bar / 3);
     }
+    const double line = newtons_of_line(facts.limit_newtons);
+    for (double newtons = line; newtons < 0.999 * facts.limit_newtons; newtons += line)
+        list.AddLine(ImVec2(at.x, level(newtons)), ImVec2(right, level(newtons)), IM_COL32(255, 255, 255, 70),
+                     scale);
+    const float limit = level(facts.limit_newtons);
+    list.AddLine(ImVec2(at.x - 2 * scale, limit), ImVec2(right + 2 * scale, limit),
+                 IM_COL32(255, 160, 90, 255), 2 * scale);
     ImGui::Dummy(ImVec2(wide, tall));
-    ImGui::TextDisabled("%g N", facts.most_newtons);
+    ImGui::TextColored(ImVec4(1, 0.63F, 0.35F, 1), "%s", limit_words.c_str());
     ImGui::End();
 }
 

@@ -19,7 +19,8 @@ struct FixedBox {
 };
 void begin_box(const char* name, const FixedBox& box);
 
-/// A bar for each finger, as high as its force. Upper left.
+/// A bar for each finger, as high as its force, with lines at round newtons and a mark at the largest that
+/// there may be. Upper left.
 void draw_force(const PanelFacts& facts, float height, float scale);
 /// What is under the pointer. Lower left.
 void draw_place(const PanelFacts& facts, float height, float scale);

@@ -35,7 +35,8 @@ struct PanelFacts {
     std::optional<HandFacts> hand;  ///< nothing: the pointer is the finger
     double pressed_mm = 0;          ///< how deep the finger is meant to be in the surface; below 0 above it
     std::vector<double> forces;     ///< newtons, by finger
-    double most_newtons = 1;        ///< of the bar
+    double limit_newtons = 10;      ///< that none of them is beyond
+    bool is_dented = true;          ///< whether a surface that gives way is drawn so
     std::vector<FingerHalo> halos;
     PlaceFacts place;
     SettingsFacts settings;

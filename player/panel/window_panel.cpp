@@ -165,7 +165,9 @@ void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector
     std::snprintf(words, sizeof words, "%.1f mm", facts.pressed_mm);
     if (draw_slider("##depth", depth, -6, 12, words, scale))
         asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
-    explain_row("How deep a finger is meant to be in the surface; below 0 it is above. So does the wheel.");
+    explain_row(
+        "How deep a finger is meant to be in the surface, millimetres of the hand; below 0 it is above. So "
+        "does the wheel.");
 }
 
 void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
@@ -229,6 +231,12 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
             asked.push_back({WindowVerb::overlay});
         explain_row("What the surface is coloured by.");
     }
+    draw_label("dents", scale);
+    const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
+    if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
+    explain_row(
+        "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "
+        "force.");
     draw_view(scale, asked);
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
@@ -278,7 +286,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
     if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);
     if (draw_fold("How it goes", tall)) {
-        curves_.draw(facts.most_newtons, scale);
+        curves_.draw(facts.limit_newtons, scale);
         for (const std::string& line : facts.figures) draw_remark(line);
     }
     ImGui::PopStyleVar(2);

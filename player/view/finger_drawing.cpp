@@ -17,7 +17,7 @@ namespace touchable {
 namespace {
 
 static_assert(sizeof(MarksPush) == 92 && sizeof(SolidRecord) == 64 && sizeof(ThreadRecord) == 32 &&
-              sizeof(ShadowRecord) == 80);
+              sizeof(ShadowRecord) == 96);
 
 constexpr std::uint32_t band_indices = 6 * MARKS_SIDES;
 constexpr std::uint32_t ball_indices = (MARKS_BALL_RINGS - 1) * band_indices;
@@ -44,20 +44,14 @@ SolidRecord record_of(const Solid& solid) {
 
 ShadowRecord record_of(const BallShadow& shadow, const ViewCamera& camera) {
     // Screen to clip space, to the world, to shares of the reach.
-    const double w = camera.width, h = camera.height;
-    glm::dmat4 clip_from_pixel(1.0), share_from_world(1.0);
-    clip_from_pixel[0][0] = 2 / w;
-    clip_from_pixel[1][1] = 2 / h;
-    clip_from_pixel[3] = {-1, -1, 0, 1};
+    glm::dmat4 share_from_world(1.0);
     for (int axis = 0; axis < 3; ++axis) share_from_world[axis][axis] = 1 / shadow.reach;
     share_from_world[3] = glm::dvec4(-shadow.centre / shadow.reach, 1);
     ShadowRecord record{};
     record.share_from_pixel =
-        glm::mat4(share_from_world * glm::inverse(camera.clip_from_world) * clip_from_pixel);
-    const auto bounds = shadow.bounds(camera);
-    if (!bounds) return record;  // of no area
-    const auto [x0, y0, x1, y1] = *bounds;
-    record.bounds = glm::vec4(2 * x0 / w - 1, 2 * y0 / h - 1, 2 * x1 / w - 1, 2 * y1 / h - 1);
+        glm::mat4(share_from_world * glm::inverse(camera.clip_from_world) * clip_from_pixel(camera));
+    record.darkness.x = shadow.darkness;
+    record.bounds = clip_bounds(bounds_of_ball(camera, shadow.centre, shadow.reach), camera);
     return record;
 }
 

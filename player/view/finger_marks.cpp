@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "player/view/surface_dents.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/solid_light.h"
 
@@ -20,7 +21,7 @@ constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178), 
                                                       pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
 void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPicture& picture) {
-    const auto bounds = shadow.bounds(camera);
+    const auto bounds = bounds_of_ball(camera, shadow.centre, shadow.reach);
     if (!bounds) return;
     const auto [x0, y0, x1, y1] = *bounds;
     for (int y = y0; y < y1; ++y)
@@ -30,7 +31,7 @@ void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPictur
             const glm::dvec3 point = camera.unproject(x + 0.5, y + 0.5, static_cast<double>(picture.z[at]));
             const glm::vec3 share((point - shadow.centre) / shadow.reach);
             if (const float squared = glm::dot(share, share); squared < 1)
-                picture.light[at] *= shadow_light(squared);
+                picture.light[at] *= shadow_light(squared, shadow.darkness);
         }
 }
 
@@ -68,17 +69,16 @@ MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle) {
     return {0.02 * width, 0.06 * width};
 }
 
-std::optional<std::array<int, 4>> BallShadow::bounds(const ViewCamera& camera) const {
-    const auto middle = camera.project(centre);
-    if (!middle) return std::nullopt;
-    const double distance = std::max(camera.near / middle->z, reach * 1.01);
-    const double pixels = camera.focal * reach / (distance - reach);
-    auto clamped = [](double at, int size) {
-        return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
-    };
-    return std::array<int, 4>{
-        clamped(middle->x - pixels, camera.width), clamped(middle->y - pixels, camera.height),
-        clamped(middle->x + pixels + 1, camera.width), clamped(middle->y + pixels + 1, camera.height)};
+BallShadow shadow_of(const FingerMark& finger, double radius) {
+    if (!finger.under) return {finger.proxy, 2.6 * radius, 0.72F};
+    // Of the light that models the surface (shaders/surface_light.h), as it would fall on one that faces it
+    // from the front: at grazing light a shadow would be far away.
+    const glm::dvec3 from_light(0.78, -0.92, -0.78);
+    const UnderFinger& under = *finger.under;
+    const double height = finger.touching ? 0 : under.height, radii = height / radius;
+    const glm::dvec3 aside = from_light - under.normal * glm::dot(from_light, under.normal);
+    return {under.foot + aside * height, radius * (1.5 + radii),
+            static_cast<float>(0.75 / (1 + 1.2 * radii))};
 }
 
 void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes) {
@@ -91,7 +91,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
         const FingerMark& finger = fingers[k];
         if (!finger.shown) continue;
         const glm::vec3 light = light_of(finger_colour(k)), white(1.0F);
-        shapes.shadows.push_back({finger.proxy, 2.6 * radius});
+        shapes.shadows.push_back(shadow_of(finger, radius));
         shape_thread(finger, radius, light, shapes.threads);
         add_ball(shapes.solids, finger.proxy, radius, {light, 1});
         if (!finger.touching) continue;
@@ -112,6 +112,9 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
 
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
                   LightPicture& picture) {
+    std::vector<SurfaceDent> dents;
+    shape_dents(fingers, sizes, dents);
+    draw_dents(dents, camera, picture);
     FingerShapes shapes;
     shape_fingers(fingers, sizes, shapes);
     for (const BallShadow& shadow : shapes.shadows) draw_shadow(shadow, camera, picture);

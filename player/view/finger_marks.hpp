@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -10,6 +9,7 @@
 
 #include "player/view/light_picture.hpp"
 #include "player/view/solids.hpp"
+#include "player/view/under_finger.hpp"
 #include "player/view/view_camera.hpp"
 #include "player/view/view_surface.hpp"
 
@@ -21,6 +21,9 @@ struct FingerMark {
     bool touching = false;
     std::vector<glm::dvec3> trail{};  ///< where the proxy went, oldest first, as points of the surface drawn
     bool shown = true;                ///< false: not drawn; the others keep their numbers' colours
+    /// What its shadow falls on; nothing: on what is around the proxy.
+    std::optional<UnderFinger> under{};
+    glm::dvec3 given_way{0.0};  ///< by the surface under it, which is drawn so (SurfaceDent); scene units
 };
 
 /// The colour of a finger, by its number.
@@ -30,6 +33,7 @@ PackedColour finger_colour(std::size_t finger);
 struct MarkSizes {
     double finger_radius = 1;      ///< scene units
     double length_per_newton = 1;  ///< of the arrow, scene units
+    double limit_newtons = 10;     ///< that no force is beyond
 };
 
 /// As large in every picture: a finger is 2 % of the width of what the clip's camera sees as far away as the
@@ -44,14 +48,17 @@ struct ThreadPoint {
     bool is_joined = false;  ///< to the point before
 };
 
-/// The soft shadow of a ball on the surface it touches. World, scene units.
+/// The soft shadow of a ball on the surface it touches, or is above. World, scene units.
 struct BallShadow {
     glm::dvec3 centre{0.0};
     double reach = 0;
-
-    /// Pixels that it may fall on: x and y from [0, 1] to before [2, 3]; nothing where it is not in sight.
-    std::optional<std::array<int, 4>> bounds(const ViewCamera& camera) const;
+    float darkness = 0;  ///< in its middle, 0 to 1
 };
+
+/// Of a finger: on the surface under it, away from the light, the farther the higher the finger is, and then
+/// the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; a radius above it
+/// is 2.5 radii wide, 0.34 dark, and 1.2 radii aside.
+BallShadow shadow_of(const FingerMark& finger, double radius);
 
 /// What fingers are drawn as, whoever draws them, in this order.
 struct FingerShapes {
@@ -66,7 +73,7 @@ struct FingerShapes {
 /// `shapes` is written anew.
 void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes);
 
-/// Draws them.
+/// Draws them, and first the dents that they make (SurfaceDent).
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
                   LightPicture& picture);
 

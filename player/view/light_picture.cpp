@@ -50,6 +50,15 @@ glm::vec3 light_of(PackedColour colour) {
     return {light[colour & 255U], light[colour >> 8 & 255U], light[colour >> 16 & 255U]};
 }
 
+glm::vec3 light_of_brightness(const glm::vec3& brightness) {
+    const glm::vec3 share = glm::clamp(brightness, 0.0F, 1.0F);
+    return {light_of_share(share.r), light_of_share(share.g), light_of_share(share.b)};
+}
+
+glm::vec3 brightness_of(const glm::vec3& light) {
+    return {share_of_light(light.r), share_of_light(light.g), share_of_light(light.b)};
+}
+
 namespace {
 
 glm::vec3 background_light(int row, int height) {

@@ -22,6 +22,9 @@ struct LightPicture {
 
 /// Light of a colour of three bytes.
 glm::vec3 light_of(PackedColour colour);
+/// Of brightness as eyes see it, 0 to 1 a channel, beyond which it is cut off; and the other way round.
+glm::vec3 light_of_brightness(const glm::vec3& brightness);
+glm::vec3 brightness_of(const glm::vec3& light);
 
 /// What a picture of a height has where nothing is drawn: a quiet dark grey, a little lighter below.
 PackedColour background_colour(int row, int height);

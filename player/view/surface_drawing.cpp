@@ -42,6 +42,7 @@ SurfaceDrawing::SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing 
     : device_(std::move(device)),
       lattices_(device_),
       lighting_(device_),
+      dent_patches_(device_),
       fingers_(std::move(fingers)),
       pictures_(device_) {}
 
@@ -68,6 +69,11 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
             made->by_cpu_.emplace(CpuLattices::usual_threads());
             made->turned_view_.emplace(CpuLattices::usual_threads());
         }
+    }
+    if (!made->by_cpu_) {
+        auto dents = DentDrawing::create(device);
+        if (!dents.ok()) return dents.error();
+        made->dents_ = std::move(*dents);
     }
     auto background = background_program(*device);
     if (!background.ok()) return background.error();
@@ -249,6 +255,17 @@ void SurfaceDrawing::record_copies(GpuCommands& commands, const ViewCamera& came
     }
 }
 
+/// What gives way under fingers, over the surface that is drawn.
+Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamera& camera,
+                                          std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                                          const GpuImage& target) {
+    if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
+    if (!is_shown_) return {};
+    const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
+                           camera.height, SurfaceRaster::resolve_pitch(camera.width)};
+    return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
+}
+
 /// Background, and the surface if there is one.
 Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
                                          const GpuImage& target) {
@@ -280,6 +297,7 @@ Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camer
         return drawn;
     }
     commands.mark("picture");
+    if (auto dented = record_dents(commands, camera, fingers, sizes, target); !dented.ok()) return dented;
     if (auto drawn = fingers_.record(commands, fingers, sizes, camera, target, z_); !drawn.ok()) return drawn;
     if (!fingers.empty()) commands.mark("fingers");
     return {};

@@ -7,6 +7,8 @@
 
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/decimation.hpp"
+#include "player/view/dent_drawing.hpp"
+#include "player/view/dent_patches.hpp"
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/lattice_raster.hpp"
@@ -64,6 +66,9 @@ private:
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
     Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
     void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    Result<void> record_dents(GpuCommands& commands, const ViewCamera& camera,
+                              std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                              const GpuImage& target);
     Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target);
 
     std::shared_ptr<GpuDevice> device_;
@@ -75,6 +80,8 @@ private:
     SurfaceLighting lighting_;
     Decimation decimation_;              // of what is shown
     std::optional<CpuLattices> by_cpu_;  // makes what is shown in their place, on a software device
+    std::optional<DentDrawing> dents_;
+    DentPatches dent_patches_;  // in their place where the CPU draws the surface
     FingerDrawing fingers_;
     GraphicsProgram background_;
 

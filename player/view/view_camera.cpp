@@ -162,6 +162,34 @@ glm::dvec3 ViewCamera::unproject(double x, double y, double z) const {
     return glm::dvec3(world) / world.w;
 }
 
+glm::dmat4 clip_from_pixel(const ViewCamera& camera) {
+    glm::dmat4 matrix(1.0);
+    matrix[0][0] = 2.0 / camera.width;
+    matrix[1][1] = 2.0 / camera.height;
+    matrix[3] = {-1, -1, 0, 1};
+    return matrix;
+}
+
+std::optional<PixelBounds> bounds_of_ball(const ViewCamera& camera, const glm::dvec3& centre, double radius) {
+    const auto middle = camera.project(centre);
+    if (!middle) return std::nullopt;
+    const double distance = std::max(camera.near / middle->z, radius * 1.01);
+    const double pixels = camera.focal * radius / (distance - radius);
+    auto clamped = [](double at, int size) {
+        return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
+    };
+    return PixelBounds{clamped(middle->x - pixels, camera.width), clamped(middle->y - pixels, camera.height),
+                       clamped(middle->x + pixels + 1, camera.width),
+                       clamped(middle->y + pixels + 1, camera.height)};
+}
+
+glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera& camera) {
+    if (!bounds) return glm::vec4(0.0F);
+    const double w = camera.width, h = camera.height;
+    return glm::vec4(2 * bounds->x0 / w - 1, 2 * bounds->y0 / h - 1, 2 * bounds->x1 / w - 1,
+                     2 * bounds->y1 / h - 1);
+}
+
 ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     const Camera& camera = scene.camera;
     const double scale = fit(scene, width, height);

@@ -4,6 +4,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,18 @@ struct ViewCamera {
     /// The world point at a screen position and z > 0.
     glm::dvec3 unproject(double x, double y, double z) const;
 };
+
+/// (x, y, z, 1) of the screen -> clip space.
+glm::dmat4 clip_from_pixel(const ViewCamera& camera);
+
+/// Pixels, x and y: from there to before there.
+struct PixelBounds {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+/// Those that a ball (world, scene units) may cover; nothing where its middle is not in sight.
+std::optional<PixelBounds> bounds_of_ball(const ViewCamera& camera, const glm::dvec3& centre, double radius);
+/// Their corners in clip space: least x and y, greatest x and y; all 0 for nothing.
+glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera& camera);
 
 /// The clip's own view, as large as fits into the picture. Nothing nearer than `nearest` (scene units, along
 /// -Z) is seen.

@@ -6,6 +6,7 @@
 
 #include "player/session/filter_words.hpp"
 #include "player/session/recorded_facts.hpp"
+#include "player/view/surface_dents.hpp"
 #include "player/view/view_surface.hpp"
 
 namespace touchable {
@@ -89,7 +90,21 @@ MarkSizes OpenedClip::sizes_for(double max_newtons) const {
     constexpr double whole_newtons = 5;  // up to that an arrow is as long as in any picture
     MarkSizes sizes = mark_sizes(*scene_, middle_);
     sizes.length_per_newton *= std::min(1.0, whole_newtons / max_newtons);
+    sizes.limit_newtons = max_newtons;
     return sizes;
+}
+
+void OpenedClip::put_on_surface(std::span<FingerMark> marks, const WatchedTick& felt,
+                                const HeightField& field, bool dented) const {
+    const auto& settings = session_->setup().settings;
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+        FingerMark& mark = marks[k];
+        if (mark.shown) mark.under = under_finger(field, mark.proxy, sizes_.finger_radius);
+        if (!dented || !mark.touching) continue;
+        const double stiffness =
+            std::min(felt.fingers[k].contact.properties.stiffness, settings.guard.max_stiffness);
+        mark.given_way = given_way(mark.force, stiffness, settings.touch.metres_per_scene_unit);
+    }
 }
 
 /// What a setup says of the clip by these settings.

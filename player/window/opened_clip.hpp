@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -80,6 +81,9 @@ public:
     }
     bool force_is_on() const { return control_ ? control_->force_is_asked() : device_->force_is_on(); }
     FingerTrails& trails() { return trails_; }
+    /// What the surface is under fingers, and if it is `dented`, how far it gives way: for pictures alone.
+    void put_on_surface(std::span<FingerMark> marks, const WatchedTick& felt, const HeightField& field,
+                        bool dented) const;
     WindowView& view() { return *view_; }
     const WindowView& view() const { return *view_; }
     const Scene& scene() const { return *scene_; }

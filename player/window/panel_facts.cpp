@@ -31,11 +31,11 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     PlaceFacts place{{words_of("pixel %d, %d", x, y)}, glm::ivec2(x, y)};
     if (!values.valid) return place;
     std::vector<std::string>& lines = place.lines;
-    lines.push_back(words_of("depth %.1f mm", values.depth_mm));
-    lines.push_back(words_of("stiffness %.2g N/mm", values.properties.stiffness / 1000));
+    lines.push_back(words_of("depth %.1f mm of the scene", values.depth_mm));
+    lines.push_back(words_of("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
                              values.properties.dynamic_friction));
-    if (values.height_mm != 0) lines.push_back(words_of("height %.2f mm", values.height_mm));
+    if (values.height_mm != 0) lines.push_back(words_of("height %.2f mm of the scene", values.height_mm));
     return place;
 }
 
@@ -89,6 +89,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
             hand->name(), hand_state(*hand, *clip.control(), is_inside(moment.felt)), hand->age_s(),
             clip.scene().metres_per_unit / clip.control()->mapping().workspace.metres_per_scene_unit,
             hand->capabilities().buttons};
+    facts.limit_newtons = clip.sizes().limit_newtons;
     facts.pressed_mm = clip.fingers().depth_m() * 1000;
     const auto fingers =
         std::min(moment.felt.fingers.size(),

@@ -57,6 +57,7 @@ struct PlayOptions {
     std::optional<std::filesystem::path> segments;       ///< what the clip's segments are like, at first
     /// Folder in which changes by a brush last from window to window (BrushFiles); nothing: nowhere.
     std::optional<std::filesystem::path> brush_history;
+    std::optional<bool> dent;     ///< whether a surface that gives way is drawn so; nothing: as it is kept
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
     bool filters_are_stated = false;  ///< likewise by `session.clip`: kept sets A and B stay as they are
 };

@@ -33,6 +33,7 @@ Result<void> WindowLoop::open() {
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
+    is_dented_ = options_.dent.value_or(kept.dent);
     return {};
 }
 

@@ -16,7 +16,6 @@
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/long_work.hpp"
 #include "player/window/opened_clip.hpp"
@@ -175,6 +174,7 @@ private:
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
+    bool is_dented_ = true;                             // a surface that gives way is drawn so
     bool is_leaving_ = false, leaves_at_once_ = false;  // after `quit_`, while the brush is at work
     double last_draw_ms_ = 0;
     double small_draw_ms_ = 0;  // of the last picture of a frame that had been seen before
@@ -182,7 +182,6 @@ private:
     FramesShown frames_shown_;
     PictureGovernor governor_;
     bool coarse_saves_ = false;  // vertices of the last picture, if it is coarse
-    ForceScale force_scale_;
     PlayFigures figures_;
     WindowBrush brush_{options_};
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins

@@ -109,6 +109,9 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
         case WindowVerb::panel:
             panel_->shown = !panel_->shown;
             return;
+        case WindowVerb::dent:
+            is_dented_ = command.number > 0;
+            return;
         case WindowVerb::help:
             panel_->help_shown = !panel_->help_shown;
             return;
@@ -200,6 +203,7 @@ void WindowLoop::reset() {
     wanted_settings_ = anew;
     if (anew.painted) compare_with_before();
     panel_->shown = false;
+    is_dented_ = KeptSettings().dent;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);
     if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
@@ -208,6 +212,7 @@ void WindowLoop::reset() {
 KeptSettings WindowLoop::to_keep() const {
     KeptSettings kept = settings_file_.read();
     kept.panel = panel_->shown;
+    if (!options_.dent) kept.dent = is_dented_;
     kept.fingers = clip_->fingers().count();
     if (!options_.filters_are_stated) {
         const TwoSettings settings = wanted_settings_.value_or(settings_).kept;

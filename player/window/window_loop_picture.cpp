@@ -91,7 +91,9 @@ Result<void> WindowLoop::draw_opening() {
     scene.width = scene.height = 2;
     scene.camera = {1, 1, 0.5, 0.5};
     const glm::dvec3 behind(0, 0, 10);
-    const FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
+    FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
+    finger.under = UnderFinger{behind, {0, 0, 1}};
+    finger.given_way = {0, 0, -1};
     if (auto drawn = graphics.draw(own_view(scene, size.width, size.height, 0.1), {{finger}}, {}, size.width,
                                    size.height);
         !drawn.ok())
@@ -132,8 +134,10 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     if (auto begun = graphics.begin(); !begun.ok()) return begun;
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
-    const auto marks = clip_->trails().marks(felt, clip_->shown(), field,
-                                             options_.hand ? nearest_of_hand : nearest_of_pointer);
+    auto marks = clip_->trails().marks(felt, clip_->shown(), field,
+                                       options_.hand ? nearest_of_hand : nearest_of_pointer);
+    // A dent would change what the colours of an overlay say.
+    clip_->put_on_surface(marks, felt, field, is_dented_ && picture_.overlay() == Overlay::colour);
     const auto marked = Clock::now();
     picture_.set_tint(brush_.tint());
     const ViewCamera drawn_from = drawn_camera(size);
@@ -175,7 +179,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         if (const auto words = brush_.segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
             !words.empty())
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
-    facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
+    facts.is_dented = is_dented_;
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());

@@ -182,6 +182,48 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
     }
 }
 
+/// Dents alone, as far as they are seen beside the fingers that make them.
+TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const HeightField field = shown->field();
+    const Subject subject = subject_of(field);
+    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    const auto firm = fingers_on(subject, sizes.finger_radius);
+    auto fingers = firm;
+    for (FingerMark& finger : fingers) {
+        finger.under = under_finger(field, finger.proxy, sizes.finger_radius);
+        if (finger.under) finger.under->height = 0;
+        if (finger.touching) finger.given_way = glm::dvec3(0.5, -0.3, -0.9) * sizes.finger_radius;
+    }
+    auto unmoved = fingers;
+    for (FingerMark& finger : unmoved) finger.given_way = {};
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const GpuImage target = target_of(600, 400);
+        for (const char* words : {"own", "orbit:az=30,el=0", "orbit:az=-60,el=30,zoom=2"}) {
+            const ViewCamera camera =
+                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
+            const Image flat = picture_of(*drawing, camera, unmoved, sizes, target);
+            const Image dented = picture_of(*drawing, camera, fingers, sizes, target);
+            const std::size_t gave_way = different(flat, dented, 3);
+            EXPECT_GT(gave_way, 800U) << painter << ", " << words;
+            const Image expected_flat = cpu_picture(surface, camera, unmoved, sizes);
+            const Image expected = cpu_picture(surface, camera, fingers, sizes);
+            // Beyond what differs without a dent: the edges of fingers. By the CPU colours come from places
+            // that are exact to half a pixel.
+            const bool by_cpu = drawing->painter() == "raster";
+            const int most = by_cpu ? 24 : 4;
+            EXPECT_LE(different(dented, expected, most),
+                      different(flat, expected_flat, most) + gave_way / (by_cpu ? 20 : 50))
+                << painter << ", " << words;
+            EXPECT_EQ(picture_of(*drawing, camera, unmoved, sizes, target).samples, flat.samples)
+                << "a dent left something";
+        }
+    }
+}
+
 TEST_F(Drawing, OwnViewIsTheSameByAllVectors) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();

@@ -6,25 +6,45 @@
 
 #include "player/control/finger_halos.hpp"
 #include "player/window/finger_trails.hpp"
-#include "player/window/force_scale.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
 namespace {
 
-TEST(ForceScale, RisesAtOnceAndFallsOnceItWasNotNeededForAWhile) {
-    ForceScale scale;
-    const auto at = [&scale](double now_s, std::vector<double> forces) {
-        return scale.most_newtons(forces, now_s);
+/// The figures of docs/drawing.md.
+TEST(Ring, TightensWithForceAndClosesInWithTheSurface) {
+    EXPECT_DOUBLE_EQ(ring_radii(0, 0, 10), 1.55);
+    EXPECT_DOUBLE_EQ(ring_radii(0, 1, 10), 1.46);
+    EXPECT_DOUBLE_EQ(ring_radii(0, 3, 10), 1.28);
+    EXPECT_DOUBLE_EQ(ring_radii(0, 5, 10), 1.1);
+    EXPECT_DOUBLE_EQ(ring_radii(0, 9, 10), 1.1) << "the ball stays in it";
+    EXPECT_DOUBLE_EQ(ring_radii(0, 1, 2), 1.325) << "a device that has 2 N";
+    EXPECT_DOUBLE_EQ(ring_radii(0.5 / 3.2, 0, 10), 1.6125);
+    EXPECT_DOUBLE_EQ(ring_radii(4 / 3.2, 0, 10), 2.05);
+    EXPECT_DOUBLE_EQ(ring_radii(50, 0, 10), 2.35);
+}
+
+TEST(Shadow, ClosesInAndDarkens) {
+    FingerMark finger;
+    const auto at = [&](double radii) {
+        finger.proxy = {0, 0, 2 * radii - 100};
+        finger.under = UnderFinger{{0, 0, -100}, {0, 0, 1}, 2 * radii};
+        return shadow_of(finger, 2);
     };
-    EXPECT_EQ(at(0, {}), 2);
-    EXPECT_EQ(at(1, {0.5, 2.1}), 5);
-    EXPECT_EQ(at(2, {9}), 10);
-    EXPECT_EQ(at(3, {11}), 20);
-    EXPECT_EQ(at(7.9, {0.1}), 20);
-    EXPECT_EQ(at(8.1, {3}), 5);
-    EXPECT_EQ(at(12, {1}), 5);
-    EXPECT_EQ(at(13.2, {1}), 2);
+    const BallShadow far = at(4 / 3.2), near = at(0.5 / 3.2);
+    EXPECT_DOUBLE_EQ(far.reach, 2 * 2.75);
+    EXPECT_DOUBLE_EQ(near.reach, 2 * 1.65625);
+    EXPECT_NEAR(far.darkness, 0.3, 1e-6);
+    EXPECT_NEAR(near.darkness, 0.6316, 1e-4);
+    // To the lower right, as the light comes from the upper left; on the surface.
+    EXPECT_DOUBLE_EQ(far.centre.x, 0.78 * 2.5);
+    EXPECT_DOUBLE_EQ(far.centre.y, -0.92 * 2.5);
+    EXPECT_DOUBLE_EQ(far.centre.z, -100);
+    finger.touching = true;
+    const BallShadow met = at(0);
+    EXPECT_EQ(met.centre, finger.under->foot);
+    EXPECT_DOUBLE_EQ(met.reach, 3);
+    EXPECT_NEAR(met.darkness, 0.75, 1e-6);
 }
 
 /// A finger before the middle of a plane, seen by the clip's own camera.
@@ -47,6 +67,15 @@ TEST_F(FingerMarksInAWindow, TheRingTellsWhetherTheForceComesOrGoes) {
     EXPECT_TRUE(halo_of({0, 0, 2}).towards_eye);
     EXPECT_FALSE(halo_of({0, 0, -2}).towards_eye);
     EXPECT_EQ(halo_of({0, 0, -2}).newtons, 2);
+}
+
+TEST_F(FingerMarksInAWindow, AFullTurnOfTheRingIsTheLargestForce) {
+    const FingerHalo one = halo_of({0, 0, 1}), three = halo_of({0, 0, 3}), most = halo_of({0, 0, 11});
+    EXPECT_DOUBLE_EQ(one.share, 0.1);
+    EXPECT_DOUBLE_EQ(three.share, 0.3);
+    EXPECT_EQ(most.share, 1);
+    EXPECT_DOUBLE_EQ(one.ring, 1.46 * one.radius);
+    EXPECT_DOUBLE_EQ(three.ring, 1.28 * three.radius);
 }
 
 TEST_F(FingerMarksInAWindow, TheArrowGoesWhereTheFingerIsPushed) {

@@ -97,7 +97,7 @@ TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {
 TEST(SettingsFile, AreReadAsTheyWereWritten) {
     const TemporaryFolder folder;
     const fs::path file = folder / "new/folder/play.json";
-    KeptSettings kept{true, 3, 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}};
+    KeptSettings kept{true, 3, 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}, false};
     kept.b = felt({{"filters", "off"}, {"fill-holes", "3"}});
     const SettingsFile none(file);
     EXPECT_EQ(none.read(), KeptSettings());
