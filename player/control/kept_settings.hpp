@@ -16,6 +16,7 @@ struct KeptSettings {
     int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: nobody knows
     SessionSettings a;
     std::optional<SessionSettings> b;
+    int volume = 100;  ///< of sound, 0 to 100
     bool operator==(const KeptSettings&) const = default;
 };
 

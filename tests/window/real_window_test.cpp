@@ -78,6 +78,81 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
 }
 
+/// Of bash: until the window is called so, or another size has it.
+constexpr const char* waits = R"(
+until_called() { for k in $(seq 100); do [[ $(xdotool getwindowname $(head -1 window)) == "$1 - touchable" ]] && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 95; }
+until_sized() { for k in $(seq 100); do xdotool getwindowgeometry $(head -1 window) | grep -q "$1" && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 94; }
+)";
+
+constexpr const char* all_layouts[] = {"us", "de", "fr", "es", "se", "ru"};
+
+/// Keys by their places: 18 is that of the 9. A Russian keyboard has no < and >.
+TEST(RealWindow, GoesThroughItsClipsFillsTheScreenAndIsLoudByKeysOfEveryKeyboard) {
+    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
+    const TemporaryFolder folder;
+    for (const char* name : {"a.mkv", "b.mkv"})
+        ASSERT_EQ(
+            run_touchable({"make", "globe", (folder / name).string(), "--size", "64x48", "--frames", "1"})
+                .code,
+            0);
+    std::string actions = waits;
+    for (const char* layout : all_layouts)
+        actions += std::string("layout=") + layout + R"(
+setxkbmap $layout || exit 97; sleep 0.3
+xdotool key 18 sleep 0.2 key Next; until_called b.mkv
+xdotool key Prior; until_called a.mkv
+if [[ $layout != ru ]]; then
+    xdotool key greater; until_called b.mkv
+    xdotool key less; until_called a.mkv
+fi
+xdotool key F11; until_sized 1024x768
+xdotool key Escape; until_sized 400x300
+kill -0 $program || exit 96
+)";
+    const int code = with_display(folder, "play a.mkv b.mkv --size 400x300 --painter cpu",
+                                  actions + "setxkbmap us; sleep 0.3; xdotool key q\n");
+    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
+    const std::string kept = file_contents(folder / "config/touchable/play.json");
+    EXPECT_NE(kept.find("\"volume\": 70"), std::string::npos) << "six times 5 less: " << kept;
+}
+
+/// Where Q is printed; on a Russian keyboard, where an American one has it.
+TEST(RealWindow, IsClosedByQOnEveryKeyboard) {
+    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    for (const std::string layout : all_layouts) {
+        const int code = with_display(
+            folder, "play globe.mkv --size 400x300 --painter cpu --seconds 60",
+            "setxkbmap " + layout + "; sleep 0.3; xdotool key " + (layout == "ru" ? "24" : "q") + R"(
+for k in $(seq 100); do kill -0 $program 2>/dev/null || break; sleep 0.1; done
+kill -0 $program 2>/dev/null && { kill $program; exit 96; }
+)");
+        EXPECT_EQ(code, 0) << layout << file_contents(folder / "err");
+    }
+}
+
+TEST(RealWindow, FillsTheScreenByADoubleClick) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    const int code =
+        with_display(folder, "play globe.mkv --size 400x300 --painter cpu", waits + std::string(R"(
+xdotool mousemove 200 120 sleep 0.3 click 1 sleep 0.08 click 1; until_sized 1024x768
+xdotool sleep 0.5 click 1 sleep 0.08 click 1; until_sized 400x300
+xdotool key q
+)"));
+    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
+}
+
 /// `?` is Shift and another key on each; a Russian F is where an American one is.
 TEST(RealWindow, HasItsKeysOnEveryKeyboard) {
     if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
