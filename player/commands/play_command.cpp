@@ -96,8 +96,12 @@ Result<void> check_files(PlayOptions& options, const std::optional<std::filesyst
         ClipChoice& clip = options.session.clip;
         clip.share_clip();
         const auto reader = clip.open(clip.is_camera() ? Colour::left_out : Colour::wanted);
-        if (!reader.ok()) return reader.error();
-        add_inputs(inputs, clip.file, **reader);
+        if (reader.ok())
+            add_inputs(inputs, clip.file, **reader);
+        else if (options.next_clips.empty())
+            return reader.error();
+        else  // of several the window goes past it
+            inputs.push_back({"a clip", clip.file});
     }
     if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);

@@ -75,6 +75,7 @@ private:
     void go_in_list(int by);
     void go_on_in_list(const WatchedMoment* moment);
     void say_place_in_list();
+    Result<void> go_past(const Error& error);
     Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
     /// what a brush painted.

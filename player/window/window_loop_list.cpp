@@ -51,6 +51,16 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
     if (const ClipChoice* const next = playlist_.next()) open_instead(*next);
 }
 
+/// Of the first clip, or the first ones: another that can be opened is shown instead, and the program says in
+/// the end what went wrong.
+Result<void> WindowLoop::go_past(const Error& error) {
+    if (playlist_.place() + 1 >= playlist_.size() || error.kind == ErrorKind::interrupted) return error;
+    if (!failure_) failure_ = error;
+    say(error.message, Tone::fault);
+    ask_for_clip(*playlist_.next());
+    return {};
+}
+
 void WindowLoop::say_place_in_list() {
     if (playlist_.size() > 1)
         say(clip_->name() + ", " + std::to_string(playlist_.place() + 1) + " of " +

@@ -205,7 +205,10 @@ Result<void> WindowLoop::wait_for_clip() {
             if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
         auto made = opening_.take();
         if (!made) continue;
-        if (!made->ok()) return made->error();
+        if (!made->ok()) {
+            if (auto next = go_past(made->error()); !next.ok()) return next;
+            continue;
+        }
         if (auto taken = take(**made); !taken.ok()) return taken;
     }
     return {};

@@ -199,6 +199,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         facts.message_is_bad = false;
         return facts;
     }
+    if (!facts.faults.empty()) return facts;  // no hint beside what went wrong
     facts.message_is_bad = failure.has_value();
     const std::vector<std::string> remarks = clip_->remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera

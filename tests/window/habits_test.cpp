@@ -299,6 +299,22 @@ TEST(Habits, KeysGoToTheNextClipOfAFolderAndBack) {
     EXPECT_NE(nowhere.err.find("nowhere.mkv"), std::string::npos) << nowhere.err;
 }
 
+TEST(Habits, AClipThatCannotBeOpenedIsGonePast) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "broken.mkv") << "no clip";
+    std::ofstream(folder / "script") << "0.2 dismiss\n";
+    const std::string broken = (folder / "broken.mkv").string(), picture = (folder / "end.png").string();
+    const auto played = run_touchable({"play", broken, (some_clips() / "b-still.mkv").string(), "--headless",
+                                       "--size", "320x240", "--screenshot", picture, "--at", "0.8",
+                                       "--script", (folder / "script").string()});
+    EXPECT_EQ(played.code, 3);
+    EXPECT_NE(played.err.find("broken.mkv"), std::string::npos) << played.err;
+    const auto image = read_image(picture);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_LT(in_the_middle(*image, played_by("b-still.mkv", "", "0.8").image), 50);
+    EXPECT_EQ(run_touchable({"play", broken, broken, "--headless", "--seconds", "1"}).code, 3);
+}
+
 TEST(Habits, AFaultStaysUntilItWasReadAndEscapeReadsIt) {
     const Image without = played_by("c-bumps.mkv", "5.5 move 20 100\n", "6").image;
     const Image after_long = played_by("c-bumps.mkv", "0.1 drop nowhere.mkv\n5.5 move 20 100\n", "6").image;

@@ -14,19 +14,20 @@ namespace touchable::test {
 namespace {
 
 /// Runs `actions` (of bash, with xdotool) while `program` with `words` has a window on a display of its own,
-/// and gives the program's exit code.
-int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions) {
+/// and gives the program's exit code. `before`: actions before that.
+int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions,
+                 const std::string& before = "") {
     std::ofstream(folder / "run.sh") << R"(
 cd "$1"
 export XDG_CONFIG_HOME="$1/config"
 rm -f display  # of a run before
-Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & server=$!
+Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
-")" << TOUCHABLE_PROGRAM << "\" " << words
-                                     << R"( >out 2>err & program=$!
+)" << before << "\n\"" << TOUCHABLE_PROGRAM
+                                     << "\" " << words << R"( >out 2>err & program=$!
 timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
 xdotool windowmove $(head -1 window) 0 0
 for k in $(seq 150); do  # until the clip is open
@@ -135,6 +136,49 @@ kill -0 $program 2>/dev/null && { kill $program; exit 96; }
 )");
         EXPECT_EQ(code, 0) << layout << file_contents(folder / "err");
     }
+}
+
+/// Rows of the middle column, from below, until the bar's dark ground ends: it is over bright bumps.
+int rows_of_bar(const Image& image) {
+    const auto is_dark = [&](int y) {
+        const auto k = static_cast<std::size_t>((y * image.width + image.width / 3) * 3);
+        return image.samples[k] < 90 && image.samples[k + 2] < 90;
+    };
+    int rows = 0;
+    for (int y = image.height / 2; y < image.height; ++y) rows += is_dark(y) ? 1 : 0;
+    return rows;
+}
+
+/// A display whose resources say 192 pixels an inch has twice as many for the same words; --scale says
+/// otherwise.
+TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
+    if (!has_display_programs() || std::system("command -v xprop >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and xprop are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "bumps", (folder / "b.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    const auto bar_with = [&](const std::string& words, const std::string& dots, int width) {
+        std::filesystem::remove(folder / "touchable-1.png");
+        EXPECT_EQ(
+            with_display(folder, "play b.mkv --size 480x300" + words,
+                         "xdotool mousemove 20 150 sleep 0.5 key F12\n"
+                         "for k in $(seq 100); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
+                         "xdotool key q\n",
+                         "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + dots + "'"),
+            0)
+            << file_contents(folder / "err");
+        const auto image = read_image(folder / "touchable-1.png");
+        EXPECT_TRUE(image.ok());
+        if (!image.ok()) return 0;
+        EXPECT_EQ(image->width, width);
+        return rows_of_bar(*image);
+    };
+    const int usual = bar_with("", "96", 480), dense = bar_with("", "192", 960);
+    EXPECT_GT(usual, 20);
+    EXPECT_GT(dense, 1.6 * usual);
+    EXPECT_LT(bar_with(" --scale 1", "192", 960), 1.2 * usual);
 }
 
 TEST(RealWindow, FillsTheScreenByADoubleClick) {
