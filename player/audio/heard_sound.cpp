@@ -181,10 +181,15 @@ void ClipVoice::add(const HeardTick& tick, ClipSound& sound, ContactSound::Sampl
 void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Samples& samples) {
     contacts_.render(tick, samples);
     clip_.add(tick, clip, samples);
+    // Another loudness is glided to: a step would click.
+    const float from = std::exchange(loudness_, tick.loudness),
+                step = (loudness_ - from) / static_cast<float>(samples.size());
+    float loudness = from;
     for (StereoSample& sample : samples) {
+        loudness += step;
         // A damaged track may give anything.
-        sample.left = std::isfinite(sample.left) ? std::clamp(sample.left, -1.0F, 1.0F) : 0;
-        sample.right = std::isfinite(sample.right) ? std::clamp(sample.right, -1.0F, 1.0F) : 0;
+        sample.left = std::isfinite(sample.left) ? loudness * std::clamp(sample.left, -1.0F, 1.0F) : 0;
+        sample.right = std::isfinite(sample.right) ? loudness * std::clamp(sample.right, -1.0F, 1.0F) : 0;
     }
 }
 

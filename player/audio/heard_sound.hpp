@@ -88,6 +88,7 @@ public:
 private:
     ContactSound contacts_;
     ClipVoice clip_;
+    float loudness_ = 1;  // of the tick before
 };
 
 }  // namespace touchable

@@ -33,6 +33,7 @@ struct HeardTick {
     std::array<HeardFinger, most_fingers> fingers{};
     HeardClip clip;
     bool muted = false;
+    float loudness = 1;  ///< factor on all samples, 0 to 1
 };
 
 /// As one: the later of two ticks, with all that happened in the earlier.

@@ -190,6 +190,8 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
 
 void WindowSound::take(HeardTick tick, std::int64_t passed) {
     tick.muted = is_muted();
+    const float share = static_cast<float>(volume()) / 100;
+    tick.loudness = share * share * share;
     if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
     if (output_) ticks_->push(tick);
     if (is_filmed_.load(std::memory_order_acquire)) {

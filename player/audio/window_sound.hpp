@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -89,6 +90,9 @@ public:
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
     /// A film that began at `begun` gets what is heard from now on. Once; sessions end before `keep` does.
     void film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun);
+    /// Of all that is heard and kept, 0 to 100; half of it sounds half as loud (a factor of 1/8).
+    void set_volume(int percent) { volume_.store(std::clamp(percent, 0, 100), std::memory_order_relaxed); }
+    int volume() const { return volume_.load(std::memory_order_relaxed); }
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
     /// No finger is heard; the clip's own sound is.
     void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
@@ -106,6 +110,7 @@ private:
     WindowSound() = default;
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
+    std::atomic<int> volume_{100};
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;

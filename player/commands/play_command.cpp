@@ -16,6 +16,7 @@
 #include "engine/stream/stream_url.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/own_folder.hpp"
+#include "player/control/playlist.hpp"
 #include "player/options/builder_options.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/device_options.hpp"
@@ -44,6 +45,7 @@ struct PlayWords {
     std::string size = "1280x720";
     std::optional<std::filesystem::path> script;
     CLI::Option* clip_word = nullptr;
+    std::vector<std::filesystem::path> more_clips;
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     std::string dent;
@@ -86,19 +88,59 @@ Result<void> check_files(PlayOptions& options, const std::optional<std::filesyst
         if (command && command->verb == WindowVerb::open)
             inputs.push_back({"what --script opens", command->word});
     }
+    for (const ClipChoice& next : options.next_clips) inputs.push_back({"a clip", next.file});
     if (script) inputs.push_back({"--script", *script});
     if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
     if (options.session.clip.plugged) {
         inputs.push_back({"the camera", options.session.clip.file});
-    } else {
+    } else if (!options.session.clip.file.empty()) {
         ClipChoice& clip = options.session.clip;
         clip.share_clip();
         const auto reader = clip.open(clip.is_camera() ? Colour::left_out : Colour::wanted);
-        if (!reader.ok()) return reader.error();
-        add_inputs(inputs, clip.file, **reader);
+        if (reader.ok())
+            add_inputs(inputs, clip.file, **reader);
+        else if (options.next_clips.empty())
+            return reader.error();
+        else  // of several the window goes past it
+            inputs.push_back({"a clip", clip.file});
     }
     if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);
+}
+
+/// The clips that were named, and those of folders of clips.
+Result<void> read_list(const PlayWords& words, PlayOptions& options) {
+    std::vector<std::filesystem::path> files = clips_of(options.session.clip.file);
+    for (const auto& word : words.more_clips)
+        for (auto& file : clips_of(word)) files.push_back(std::move(file));
+    std::error_code ignored;
+    for (const auto& file : files)
+        if (!is_stream_url(file.string()) && !std::filesystem::exists(file, ignored))
+            return input_error(file.string() + ": does not exist");
+    options.session.clip.file = files.front();
+    for (std::size_t k = 1; k < files.size(); ++k)
+        options.next_clips.emplace_back(options.session.clip).file = files[k];
+    if (options.next_clips.empty()) return {};
+    if (options.record) return usage_error("--record: a recording is of one clip, and not of several");
+    if (options.segments) return usage_error("--segments: are those of one clip, and not of several");
+    return {};
+}
+
+/// Of a window into which a clip is still to be dropped: what needs one from its beginning.
+Result<void> check_empty(const PlayOptions& options) {
+    const struct {
+        bool is_asked_for;
+        const char* name;
+    } needs[] = {{options.record.has_value(), "--record"},
+                 {options.video.has_value(), "--video"},
+                 {options.segments.has_value(), "--segments"},
+                 {options.session.clip.scene_file.has_value(), "--scene"},
+                 {options.kiosk.has_value(), "--kiosk"}};
+    for (const auto& need : needs)
+        if (need.is_asked_for)
+            return usage_error(std::string(need.name) +
+                               ": needs a CLIP or a --camera; see touchable play -h");
+    return {};
 }
 
 /// Of --segments; whether they go with the clip is known once its segments are read.
@@ -177,13 +219,9 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         return read.error();
     if (auto read = read_live_stream(words.latency->count() > 0, options.session); !read.ok())
         return read.error();
-    if (words.clip_word->count() == 0 && !options.session.camera)
-        return usage_error("play needs a CLIP or a --camera; see touchable play -h");
-    std::error_code ignored;
-    const std::filesystem::path& file = options.session.clip.file;
-    if (!options.session.clip.plugged && !is_stream_url(file.string()) &&
-        !std::filesystem::exists(file, ignored))
-        return input_error(file.string() + ": does not exist");
+    const bool is_empty = words.clip_word->count() == 0 && !options.session.camera;
+    if (!is_empty && !options.session.clip.plugged)
+        if (auto read = read_list(words, options); !read.ok()) return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);
@@ -202,6 +240,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         options.screen.fullscreen = options.screen.stays = true;
         if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
     }
+    if (is_empty)
+        if (auto fits = check_empty(options); !fits.ok()) return fits.error();
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
@@ -309,6 +349,8 @@ Result<void> run_play(PlayOptions options) {
 void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
     words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
+    add_number_option(sub, "--scale", o.scale,
+                      "how large words and bars are, 0.8 to 4, instead of the display's own scale", 0.8, 4);
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
     sub.add_option(
            "--painter", o.painter,
@@ -373,8 +415,7 @@ void group_window_options(CLI::App& sub) {
           "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
           "--rate", "--loop"}},
         {"The window",
-         {"--size", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-          "--record", "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+         {"--size", "--scale", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
         {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
         {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
@@ -389,6 +430,9 @@ void add_play_command(CLI::App& app, Command& command) {
     CLI::App* const sub =
         app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
     words->clip_word = add_clip_options(*sub, words->clip);
+    add_file_option(*sub, "MORE", words->more_clips,
+                    "further clips, shown one after the other; a folder of clips is all of them")
+        ->expected(0, -1);
     add_live_camera_option(*sub, words->options.session);
     words->latency = add_latency_option(*sub, words->options.session);
     add_stale_after_option(*sub, words->stale_after_ms);

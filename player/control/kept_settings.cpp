@@ -28,7 +28,7 @@ Json to_json(const SessionSettings& settings) {
 }
 
 Json to_json(const KeptSettings& kept) {
-    Json json{{"panel", kept.panel}, {"dent", kept.dent}, {"fingers", kept.fingers}};
+    Json json{{"panel", kept.panel}, {"dent", kept.dent}, {"fingers", kept.fingers}, {"volume", kept.volume}};
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
@@ -75,6 +75,12 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         const auto fingers = whole_in(value, 1, PointerFingers::most);
         if (!fingers) return quoted + "must be 1 to 5";
         kept.fingers = *fingers;
+        return "";
+    }
+    if (name == "volume") {
+        const auto volume = whole_in(value, 0, 100);
+        if (!volume) return quoted + "must be 0 to 100";
+        kept.volume = *volume;
         return "";
     }
     if (name == "overlay") return "";  // earlier versions kept it

@@ -17,6 +17,7 @@ struct KeptSettings {
     SessionSettings a;
     std::optional<SessionSettings> b;
     bool dent = true;  ///< a surface that gives way is drawn so
+    int volume = 100;  ///< of sound, 0 to 100
     bool operator==(const KeptSettings&) const = default;
 };
 

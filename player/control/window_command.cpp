@@ -28,6 +28,8 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"step", WindowVerb::step, Takes::number, -1, 1},
                                      {"speed", WindowVerb::speed, Takes::number, 0.1, 4},
                                      {"loop", WindowVerb::loop, Takes::nothing},
+                                     {"next", WindowVerb::next, Takes::nothing},
+                                     {"previous", WindowVerb::previous, Takes::nothing},
                                      {"fingers", WindowVerb::fingers, Takes::number, 1, 5},
                                      {"deeper", WindowVerb::deeper, Takes::number, -20, 20},
                                      {"point-right", WindowVerb::point_right, Takes::number, -10000, 10000},
@@ -36,6 +38,8 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"clutch", WindowVerb::clutch, Takes::on_or_off},
                                      {"recentre", WindowVerb::recentre, Takes::nothing},
                                      {"mute", WindowVerb::mute, Takes::nothing},
+                                     {"volume", WindowVerb::volume, Takes::number, 0, 100},
+                                     {"louder", WindowVerb::louder, Takes::number, -100, 100},
                                      {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
                                      {"dent", WindowVerb::dent, Takes::on_or_off},
                                      {"home", WindowVerb::home, Takes::nothing},
@@ -44,6 +48,7 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"nearer", WindowVerb::nearer, Takes::number, 0.1, 10},
                                      {"panel", WindowVerb::panel, Takes::nothing},
                                      {"help", WindowVerb::help, Takes::nothing},
+                                     {"dismiss", WindowVerb::dismiss, Takes::nothing},
                                      {"fullscreen", WindowVerb::fullscreen, Takes::nothing},
                                      {"size", WindowVerb::size, Takes::size},
                                      {"screenshot", WindowVerb::screenshot, Takes::perhaps_a_word},
@@ -82,13 +87,17 @@ std::span<const KeyBinding> key_bindings() {
         {"[", false, faster, 0.5, "half as fast, or twice"},
         {"]", false, faster, 2, nullptr},
         {"l", false, loop, 0, "again from the beginning at the end, or not"},
+        {"pageup", false, previous, 0, "the clip before, or the next one"},
+        {"pagedown", false, next, 0, nullptr},
+        {"<", false, previous, 0, nullptr},
+        {">", false, next, 0, nullptr},
         {"1", false, fingers, 1, "so many fingers"},
         {"2", false, fingers, 2, nullptr},
         {"3", false, fingers, 3, nullptr},
         {"4", false, fingers, 4, nullptr},
         {"5", false, fingers, 5, nullptr},
         {"e", false, deeper, 0.5, "press deeper, or less; so does the wheel"},
-        {"q", false, deeper, -0.5, nullptr},
+        {"x", false, deeper, -0.5, nullptr},
         {"w", false, point_down, -8, "move the finger with W A S D"},
         {"s", false, point_down, 8, nullptr},
         {"a", false, point_right, -8, nullptr},
@@ -99,6 +108,10 @@ std::span<const KeyBinding> key_bindings() {
         {"j", false, coarser, 0.8, "fingers go less far for a way of the hand, or farther"},
         {"k", false, coarser, 1.25, nullptr},
         {"m", false, mute, 0, "sound off, or on again"},
+        {"9", false, louder, -5, "less loud, or louder"},
+        {"0", false, louder, 5, nullptr},
+        {"/", false, louder, -5, nullptr},
+        {"*", false, louder, 5, nullptr},
         {"o", false, overlay, 0, "what the surface is coloured by"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
         {"p", false, tool, 0, "the brush of materials, in the hand or away"},
@@ -117,10 +130,11 @@ std::span<const KeyBinding> key_bindings() {
         {"tab", false, panel, 0, "the panel"},
         {"?", false, help, 0, "these keys"},
         {"f1", false, help, 0, nullptr},
-        {"f11", false, fullscreen, 0, "full screen"},
+        {"f11", false, fullscreen, 0, "full screen, or a window; so does a double click"},
         {"f12", false, screenshot, 0, "keep a picture of the window"},
         {"backspace", true, reset, 0, "forget all settings that are kept"},
-        {"escape", false, quit, 0, "close"}};
+        {"escape", false, leave, 0, "out of the help, an error, the brush, full screen; then close"},
+        {"q", false, quit, 0, "close"}};
     return bindings;
 }
 
@@ -140,6 +154,7 @@ bool goes_by_steps(WindowVerb verb) {
         case WindowVerb::point_right:
         case WindowVerb::point_down:
         case WindowVerb::nearer:
+        case WindowVerb::louder:
         case WindowVerb::undo:
         case WindowVerb::redo:
             return true;

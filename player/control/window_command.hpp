@@ -18,6 +18,8 @@ enum class WindowVerb {
     faster,       ///< `number`: times as fast as now
     speed,        ///< `number`: 0.1 to 4, times the clip's own
     loop,         ///< on or off
+    next,         ///< clip of the playlist
+    previous,     ///< likewise
     fingers,      ///< `number`: 1 to 5
     deeper,       ///< `number`: millimetres of the device, pressed in by
     point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
@@ -27,6 +29,8 @@ enum class WindowVerb {
     recentre,     ///< the place where a held device is now becomes the middle of its workspace
     coarser,      ///< `number`: factor on how far a finger goes when a held device moves
     mute,         ///< no sound, or again
+    volume,       ///< `number`: 0 to 100, of all that is heard
+    louder,       ///< `number`: by which the volume grows
     overlay,      ///< `word`: what the surface is coloured by; empty: the next one
     dent,         ///< `number`: 1 where a surface that gives way is drawn so, 0 where it is not
     home,         ///< the clip's own view
@@ -35,6 +39,8 @@ enum class WindowVerb {
     nearer,       ///< `number`: factor by which the view comes nearer
     panel,        ///< shown or not
     help,         ///< shown or not
+    dismiss,      ///< the fault that is shown was read
+    leave,        ///< what is in front: help, fault, brush, full screen; where nothing is, the window
     fullscreen,   ///< on or off
     size,         ///< `width` x `height`: of the window, pixels
     screenshot,   ///< `word`: the file; empty: a new name in the working folder

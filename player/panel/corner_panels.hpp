@@ -16,6 +16,7 @@ struct FixedBox {
     float pivot_x = 0, pivot_y = 0;  ///< the part of it that is there
     float width = 0, height = 0;
     int flags = 0;
+    bool scrolls = false;  ///< what does not fit is scrolled to
 };
 void begin_box(const char* name, const FixedBox& box);
 
@@ -26,7 +27,8 @@ void draw_force(const PanelFacts& facts, float height, float scale);
 void draw_place(const PanelFacts& facts, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);
-/// What keys do. In the middle.
-void draw_help(const PanelFacts& facts, float width, float height, float scale);
+/// What keys do, in the middle, as large as is legible; what does not fit, the wheel scrolls to. ImGui::End
+/// is the caller's.
+void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
 }  // namespace touchable

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
 
 namespace touchable {
@@ -75,6 +76,7 @@ void apply_theme(double scale) {
         ImFontGlyphRangesBuilder letters;
         static ImVector<ImWchar> ranges;
         letters.AddText(invitation_words());
+        letters.AddText(empty_page_title());
         ranges.clear();
         letters.BuildRanges(&ranges);
         fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(large_text_pixels * scale), nullptr,

@@ -24,6 +24,7 @@ struct PlaceFacts {
 struct PanelFacts {
     std::string clip;  ///< its name
     double seconds = 0, clip_seconds = 0;
+    double last_seconds = 0;  ///< moment of its last frame, where the seek bar ends
     std::vector<double>
         cuts;  ///< seconds, where the picture's depth changed all at once, as far as it was seen
     std::int64_t frame = 0;
@@ -45,6 +46,9 @@ struct PanelFacts {
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened
     bool message_is_bad = false;
+    std::vector<std::string> faults;  ///< that nobody has read yet; the first is shown
+    int volume = 100;
+    bool is_empty = false;            ///< nobody has said yet what to show
     bool is_kiosk = false;            ///< only what a visitor needs
     std::optional<double> invited_s;  ///< since when it invites to touch, seconds; nothing: it does not
 };

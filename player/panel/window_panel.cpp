@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "player/panel/corner_panels.hpp"
+#include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
 #include "player/panel/panel_rows.hpp"
 
@@ -51,7 +52,9 @@ void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
     ImGui::SetNextItemWidth(wide);
     const ImVec2 at_left = ImGui::GetCursorScreenPos();
     float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
-    const auto end = static_cast<float>(std::max(facts.clip_seconds, 0.001));
+    // At the last frame the handle is at the end; a still has no other.
+    const auto end = static_cast<float>(std::max(facts.last_seconds, 0.001));
+    if (!dragging_ && facts.at_end) at = end;
     if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
         dragged_seconds_ = at;
         asked.push_back({WindowVerb::seek_to, static_cast<double>(std::clamp(at, 0.0F, end))});
@@ -78,8 +81,9 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
     ImGui::AlignTextToFramePadding();
     const std::string frame = " frame " + std::to_string(facts.frame);
     const std::string end = facts.clip_seconds > 0 ? " / " + clock_words(facts.clip_seconds) : std::string();
-    ImGui::TextUnformatted(
-        (clock_words(facts.seconds) + (facts.playing && !facts.at_end ? end : frame)).c_str());
+    const bool has_room = width > 420 * scale;
+    const std::string& rest = facts.playing && !facts.at_end ? end : frame;
+    ImGui::TextUnformatted((clock_words(facts.seconds) + (has_room ? rest : std::string())).c_str());
     ImGui::SameLine();
     char speed[32];
     std::snprintf(speed, sizeof speed, "%g\xC3\x97##speed", facts.speed);
@@ -110,16 +114,18 @@ const ImVec4 bad_words(1.0F, 0.62F, 0.45F, 1);
 
 }  // namespace
 
-void WindowPanel::note_box() {
+WindowPanel::Box WindowPanel::note_box() {
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-    boxes_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+    return boxes_.emplace_back(Box{at.x, at.y, at.x + size.x, at.y + size.y});
+}
+
+/// Beside what is set in the panel; and at the end, where it is what goes on.
+bool WindowPanel::wants_bar(const PanelFacts& facts) const {
+    return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
 }
 
 bool WindowPanel::covers(double x, double y) const {
-    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) {
-        return x >= static_cast<double>(box.x0) && x < static_cast<double>(box.x1) &&
-               y >= static_cast<double>(box.y0) && y < static_cast<double>(box.y1);
-    });
+    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
 }
 
 void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick_us) {
@@ -134,23 +140,40 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     draw_finger_halos(facts.halos, scale_);
     if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
     if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
-    state_bottom_ = 0;
+    words_bottom_ = 0;
     if (!help_shown) draw_state(facts, w);  // it is among the help
     if (facts.is_kiosk) {
         if (!facts.invited_s) draw_force(facts, h, scale_);
         if (facts.scale && !facts.invited_s) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
         return;
     }
-    bar_.draw(facts, w, h, scale_, asked);
-    note_box();
-    ImGui::End();
+    if (wants_bar(facts)) {
+        bar_.draw(facts, w, h, scale_, asked);
+        bar_box_ = note_box();
+        ImGui::End();
+    }
+    draw_fault(facts, w, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
-    if (help_shown) return draw_help(facts, w, h, scale_);  // which needs the room
+    if (help_shown) {
+        begin_help(facts, w, h, scale_);  // which needs the room
+        note_box();
+        return ImGui::End();
+    }
     draw_force(facts, h, scale_);
     draw_place(facts, h, scale_);
     if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
         draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
     if (shown) draw_side(facts, w, h, asked);
+}
+
+void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int height,
+                                    std::vector<WindowCommand>& asked) {
+    const auto w = static_cast<float>(width);
+    boxes_.clear();
+    words_bottom_ = 0;
+    if (facts.is_empty) draw_empty_page(w, static_cast<float>(height), scale_);
+    draw_fault(facts, w, asked);
+    draw_message(facts, w);
 }
 
 void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
@@ -225,6 +248,12 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
     if (draw_slider("##rate", speed, 0.1F, 4, words, scale, ImGuiSliderFlags_Logarithmic))
         asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
     explain_row("How fast the clip plays. Fingers keep their own time.");
+    draw_label("volume", scale);
+    auto volume = static_cast<float>(facts.volume);
+    std::snprintf(words, sizeof words, "%d %%", facts.volume);
+    if (draw_slider("##volume", volume, 0, 100, words, scale))
+        asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
+    explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
     if (!roomy) {
         draw_label("colours", scale);
         if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
@@ -312,7 +341,26 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     ImGui::TextColored(colour, "%s", state.words.c_str());
     if (!state.remark.empty()) ImGui::TextUnformatted(state.remark.c_str());
     ImGui::PopTextWrapPos();
-    state_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+    words_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+    ImGui::End();
+}
+
+/// What went wrong, until somebody has read it.
+void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
+    if (facts.faults.empty()) return;
+    const auto [from, to] = free_of(facts, width);
+    const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
+    begin_box("fault", {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F});
+    note_box();
+    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());
+    const std::size_t more = facts.faults.size() - 1;
+    ImGui::TextDisabled("click, or Escape: read%s",
+                        more > 0 ? ("; " + std::to_string(more) + " more").c_str() : "");
+    ImGui::PopTextWrapPos();
+    if (ImGui::IsWindowHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        asked.push_back({WindowVerb::dismiss});
+    words_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
     ImGui::End();
 }
 
@@ -320,7 +368,7 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
 void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
     const auto [from, to] = free_of(facts, width);
-    const float m = panel_margin * scale_, top = state_bottom_ > 0 ? state_bottom_ + m / 2 : m;
+    const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     begin_box("message",
               {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
     ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);

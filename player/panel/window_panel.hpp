@@ -31,13 +31,16 @@ public:
     /// `scale` as in ScreenSize.
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
     bool shown = false, help_shown = false;
+    bool bar_shown = true;  ///< where nothing else wants it
 
     /// Between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
-    /// The message alone, where there is no clip yet.
-    void draw_message(const PanelFacts& facts, float width);
+    /// Likewise where there is no clip yet: what is said, and what may be dropped.
+    void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
     /// Whether something that can be pressed was there in the last picture.
     bool covers(double x, double y) const;
+    /// Whether the bar is, or would be, there.
+    bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
     /// Once a picture, whether it is drawn or not.
     void remember(const PanelFacts& facts, double frame_ms, double tick_us);
 
@@ -47,6 +50,8 @@ private:
     static void draw_view(float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
+    void draw_message(const PanelFacts& facts, float width);
+    void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);
     void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_hand(const HandFacts& hand, float scale);
     /// Between what the panel and the forces leave free of the width.
@@ -57,14 +62,20 @@ private:
     float side_width(float width) const;
 
     struct Box {
-        float x0, y0, x1, y1;
+        float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+        bool has(double x, double y) const {
+            return x >= static_cast<double>(x0) && x < static_cast<double>(x1) &&
+                   y >= static_cast<double>(y0) && y < static_cast<double>(y1);
+        }
     };
-    void note_box();
+    Box note_box();
+    bool wants_bar(const PanelFacts& facts) const;
 
     float scale_;
     std::vector<Box> boxes_;  // of what can be pressed
+    Box bar_box_;             // shown or not
     bool tool_was_held_ = false;
-    float state_bottom_ = 0;  // 0: nothing is said of a device
+    float words_bottom_ = 0;  // of what is said above the picture; 0: nothing
     PlaybackBar bar_;
     SettingsPanel settings_;
     CurvesPanel curves_;

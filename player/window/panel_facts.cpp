@@ -76,6 +76,9 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.seconds = static_cast<double>(state.moment.time_ns) * 1e-9;
     if (clip.frames() > 0) facts.seconds = std::min(facts.seconds, clip.seconds());
     facts.clip_seconds = clip.seconds();
+    facts.last_seconds = clip.frames() > 0
+                             ? static_cast<double>(clip.scene().rate.time_ns(clip.frames() - 1)) * 1e-9
+                             : facts.clip_seconds;
     facts.cuts = clip.cuts();
     facts.playing = state.playing;
     facts.looping = state.loops;

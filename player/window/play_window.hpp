@@ -38,8 +38,10 @@ struct PlayNames {
 struct PlayOptions {
     SessionOptions session;
     std::shared_ptr<PersistentDevice> hand{};  ///< that leads the fingers; nothing: the mouse does
+    std::vector<ClipChoice> next_clips{};      ///< that come after the session's, in their order
     ScreenOptions screen;
     bool headless = false;
+    std::optional<double> scale{};      ///< of words and bars; nothing: the display's
     std::optional<KioskTimes> kiosk{};  ///< nobody watches over it; it loops and keeps nothing
     std::shared_ptr<RunGpu> gpu{};      ///< that draws; nothing: the window opens one
     std::string painter = "auto";       ///< auto, cpu, raster or mesh

@@ -93,7 +93,7 @@ void WindowBrush::take(WindowCommand command) {
 
 void WindowBrush::refuse(const WindowCommand& command, const std::string& why) {
     if (command.verb == WindowVerb::save_materials) save_fault_ = usage_error(why);
-    say(why, true);
+    say(why, Tone::refusal);
 }
 
 void WindowBrush::take_tool(const WindowCommand& command) {
@@ -164,9 +164,9 @@ void WindowBrush::take_made() {
     note_state();
     const Result<std::string> said = made->ok() ? (*made)->said : made->error();
     if (said.ok())
-        news_.remarks.push_back({*said, false, true});
+        news_.remarks.push_back({*said, Tone::remark, true});
     else if (said.error().kind != ErrorKind::interrupted)
-        say(said.error().message, true);
+        say(said.error().message, said.error().kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
     if (has_begun)
         news_.has_begun = true;
     else
@@ -177,7 +177,7 @@ void WindowBrush::take_made() {
 /// There are no segments.
 void WindowBrush::refuse_all(const Error& why) {
     if (why.kind != ErrorKind::interrupted) {
-        say(why.message, true);
+        say(why.message, Tone::fault);
         if (options_.segments && is_first_clip()) segments_fault_ = why;
     }
     drop_asked(why);
@@ -216,7 +216,7 @@ void WindowBrush::note_files() {
         const bool is_saved = kind == TextFiles::Kind::saved;
         if (is_saved) save_fault_ = written.ok() ? std::nullopt : std::optional(written.error());
         if (!written.ok() && (is_saved || faults_.insert(written.error().message).second))
-            say(written.error().message, true);
+            say(written.error().message, Tone::fault);
         if (written.ok() && is_saved) say(options_.names.saved(clip, file.string()));
     }
 }
@@ -278,7 +278,7 @@ void WindowBrush::hold_still(bool still) {
     if (still && (!now.playing || now.at_end)) return;
     holds_clip_ = still;
     if (auto asked = clip_->session().ask(still ? PlaybackVerb::pause : PlaybackVerb::play); !asked.ok())
-        say(asked.error().message, true);
+        say(asked.error().message, Tone::refusal);
 }
 
 void WindowBrush::keep_history(std::string history) {
@@ -303,7 +303,7 @@ void WindowBrush::go_to(OpenedClip& clip) {
     painted_.reset();
     is_painted_ = is_pressed_ = holds_clip_ = false;
     if (const Error why = usage_error("materials are not saved: another clip came first"); drop_asked(why))
-        say(why.message, true);
+        say(why.message, Tone::fault);
     for_tool_.clear();
     state_ = {};
     tool_.take(BrushTool::touch);
@@ -313,7 +313,7 @@ void WindowBrush::go_to(OpenedClip& clip) {
 Result<void> WindowBrush::finish() {
     work_.give_up();
     if (const Error why = usage_error("materials are not saved: the window closed first"); drop_asked(why))
-        say(why.message, true);
+        say(why.message, Tone::fault);
     files_.finish();
     note_files();
     if (segments_fault_) return *segments_fault_;

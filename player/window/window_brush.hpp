@@ -17,6 +17,7 @@
 #include "player/panel/materials_panel.hpp"
 #include "player/screen/screen.hpp"
 #include "player/window/long_work.hpp"
+#include "player/window/notices.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/text_files.hpp"
@@ -44,7 +45,7 @@ public:
     struct News {
         struct Remark {
             std::string words;
-            bool is_bad = false;
+            Tone tone = Tone::remark;
             bool is_change = false;  ///< that is felt where materials are
         };
         std::vector<Remark> remarks{};
@@ -95,7 +96,9 @@ private:
     void refuse_all(const Error& why);
     bool drop_asked(const Error& why);
     void refuse(const WindowCommand& command, const std::string& why);
-    void say(std::string words, bool is_bad = false) { news_.remarks.push_back({std::move(words), is_bad}); }
+    void say(std::string words, Tone tone = Tone::remark) {
+        news_.remarks.push_back({std::move(words), tone});
+    }
 
     const PlayOptions& options_;
     OpenedClip* clip_ = nullptr;

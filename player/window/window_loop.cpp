@@ -20,17 +20,22 @@ Result<void> WindowLoop::open() {
     if (options_.settings_file) settings_file_ = SettingsFile(*options_.settings_file);
     const KeptSettings& kept = settings_file_.read();
     if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
-    if (!settings_file_.message().empty()) say(settings_file_.message(), true);
+    if (!settings_file_.message().empty()) say(settings_file_.message(), Tone::fault);
     auto sound =
         WindowSound::create(!options_.headless, options_.sound, options_.existing, options_.names.sound);
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
+    sound_->set_volume(kept.volume);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     ClipChoice first = options_.session.clip;
     options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew
-    ask_for_clip(std::move(first));
+    std::vector<ClipChoice> clips{options_.session.clip};
+    clips.insert(clips.end(), options_.next_clips.begin(), options_.next_clips.end());
+    playlist_ = Playlist(std::move(clips), kiosk_.has_value());
+    const bool is_empty = first.file.empty();
+    if (!is_empty) ask_for_clip(std::move(first));
     if (auto opened = open_parts(); !opened.ok()) return opened;
-    if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
+    if (auto opened = is_empty ? wait_for_wish() : wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     is_dented_ = options_.dent.value_or(kept.dent);
@@ -60,7 +65,7 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
 
 /// What draws.
 Result<void> WindowLoop::open_parts() {
-    const double scale = screen_->size().scale;
+    const double scale = options_.scale.value_or(screen_->size().scale);
     layer_.emplace(scale);
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
@@ -74,8 +79,16 @@ Result<void> WindowLoop::open_parts() {
 Result<PlayFigures> WindowLoop::run() {
     last_picture_ = Clock::now();
     Result<void> ended;
-    if (!clip_) {  // closed while the first one was opened
+    if (!clip_) {  // closed while the first one was opened, or waited for
         if (interrupted()) return interruption();
+        if (begun_ && options_.screenshot) {
+            ended = keep_picture(*options_.screenshot);
+            screenshots_.finish();
+            for (const auto& written : screenshots_.take())
+                if (!written.ok()) ended = all_ok({ended, written.error()});
+            if (!ended.ok()) return ended.error();
+        }
+        figures_.seconds = now_s();
         return std::move(figures_);
     }
     while (ended.ok() && !interrupted() && (!quit_ || has_to_stay())) ended = turn();
@@ -147,12 +160,18 @@ Result<void> WindowLoop::turn() {
     const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
     const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
-    for (const InputEvent& event : screen_->poll(wait)) take(event);
-    const double script_s = script_clock_.at(now_s(), brush_.is_at_work());
-    if (begun_ && !quit_) take_script(script_s);
+    const std::vector<InputEvent> events = screen_->poll(wait);
+    time_s_ = script_clock_.at(now_s(), brush_.is_at_work());
+    for (const InputEvent& event : events) take(event);
+    if (begun_ && !quit_) take_script();
+    if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held());
+    go_on_in_list(clip_->session().look());
+    panel_->bar_shown = bar_is_wanted();
+    const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held();
+    screen_->hide_pointer((is_finger && !panel_->covers(pointer_at_.x, pointer_at_.y)) ||
+                          (options_.hand && !panel_->bar_shown));
     brush_.go_on(screen_->size());
     heed_brush();
     go_on_opening();
@@ -161,7 +180,7 @@ Result<void> WindowLoop::turn() {
     note_files();
     note_screenshots();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
-    if (options_.seconds && script_s >= *options_.seconds) quit_ = true;
+    if (options_.seconds && time_s_ >= *options_.seconds) quit_ = true;
     return {};
 }
 
@@ -170,7 +189,7 @@ void WindowLoop::note_sound() {
     const std::string fault = sound_->clip_fault();
     if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
     if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
-    say(fault, true);
+    say(fault, Tone::fault);
 }
 
 /// Pictures that other programs packed take their time: once for each clip, and what helps.
@@ -191,14 +210,15 @@ void WindowLoop::note_slow_reading() {
 
 void WindowLoop::note_screenshots() {
     for (const auto& written : screenshots_.take())
-        written.ok() ? say("kept as " + written->string()) : say(written.error().message, true);
+        written.ok() ? say("kept as " + std::filesystem::absolute(*written).string())
+                     : say(written.error().message, Tone::fault);
 }
 
 /// What is to be kept and no longer can be: once, as it happens.
 void WindowLoop::note_files() {
     for (const auto& fault :
          {clip_->record_fault(), sound_->file_fault(), film_ ? film_->fault() : std::nullopt})
-        if (fault && file_faults_.insert(fault->message).second) say(fault->message, true);
+        if (fault && file_faults_.insert(fault->message).second) say(fault->message, Tone::fault);
 }
 
 double WindowLoop::now_s() const {
@@ -246,7 +266,7 @@ Result<void> WindowLoop::finish_brush() {
     Result<void> saved = brush_.finish();
     if (interrupted()) saved = {};
     for (const auto& remark : brush_.take_news().remarks)
-        if (remark.is_bad && (saved.ok() || remark.words != saved.error().message))
+        if (remark.tone != Tone::remark && (saved.ok() || remark.words != saved.error().message))
             std::cerr << "touchable: warning: " << printable(remark.words, 500) << '\n';
     return saved;
 }
@@ -262,22 +282,27 @@ bool WindowLoop::has_to_stay() {
     return true;
 }
 
-void WindowLoop::take_script(double now_s) {
+void WindowLoop::take_script() {
     // What a brush is asked for is done before what comes after it.
-    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s &&
+    const double until_s = time_s_;
+    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= until_s &&
            !brush_.is_at_work()) {
-        const auto& what = options_.script[scripted_++].what;
+        const auto& [at_s, what] = options_.script[scripted_++];
+        time_s_ = at_s;
         if (const auto* event = std::get_if<InputEvent>(&what))
             take(*event);
         else
             take(std::get<WindowCommand>(what));
+        if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
     }
+    time_s_ = until_s;
 }
 
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (kiosk_ && !is_for_visitors(event)) return;
     if (kiosk_ && is_a_visit(event)) welcome(event);
+    if (is_a_visit(event)) stirred_s_ = time_s_;
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
@@ -285,13 +310,7 @@ void WindowLoop::take(const InputEvent& event) {
         leaves_at_once_ = quit_;
         quit_ = true;
     }
-    if (event.kind == Kind::dropped) open_other(event.word);
-    if (event.kind == Kind::key && event.word == "escape" && panel_->help_shown) {
-        panel_->help_shown = false;
-        return;
-    }
-    if (event.kind == Kind::key && event.word == "escape" && brush_.is_held())
-        return take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
+    if (event.kind == Kind::dropped) dropped_.push_back(event.word);
     if (event.kind == Kind::key) {
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (binding && (!event.repeated || goes_by_steps(binding->verb)))
@@ -305,18 +324,25 @@ void WindowLoop::take(const InputEvent& event) {
         return;
     }
     if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
-    const bool is_of_panel =
-        layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
-    if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    const bool is_over = !pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y);
+    const bool is_of_panel = layer_->holds_pointer() || is_over;
+    // A finger under the bar is felt, though the bar has the clicks.
+    const bool leaves = layer_->holds_pointer() || (is_over && !panel_->is_bar(pointer_at_.x, pointer_at_.y));
+    if (leaves && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
     if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
+    if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
-    if (!is_of_panel || event.kind == Kind::released)
+    if (!is_of_panel || event.kind == Kind::released || (event.kind == Kind::moved && !leaves))
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);
 }
 
 void WindowLoop::say(const Result<void>& done) {
-    if (!done.ok()) say(done.error().message, true);
+    if (!done.ok()) say(done.error());
+}
+
+void WindowLoop::say(const Error& error) {
+    say(error.message, error.kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
 }
 
 /// Who sees no window, or is no visitor, learns what went wrong all the same.
@@ -327,11 +353,9 @@ void WindowLoop::tell(const std::string& fault) {
         std::cerr << "touchable: warning: " << printable(fault, 500) << '\n';
 }
 
-void WindowLoop::say(std::string words, bool bad) {
-    if (bad) tell(words);
-    message_ = std::move(words);
-    message_is_bad_ = bad;
-    message_at_ = Clock::now();
+void WindowLoop::say(std::string words, Tone tone) {
+    if (tone != Tone::remark) tell(words);
+    notices_.say(std::move(words), tone, time_s_);
 }
 
 namespace {

@@ -10,14 +10,17 @@
 #include <vector>
 
 #include "player/audio/window_sound.hpp"
+#include "player/control/double_click.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
+#include "player/control/playlist.hpp"
 #include "player/control/pointer_input.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/long_work.hpp"
+#include "player/window/notices.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
@@ -49,19 +52,29 @@ private:
     Result<void> open_graphics_anew(const Error& error);
     Result<void> open_parts();
     Result<void> turn();
-    void take_script(double now_s);
+    void take_script();
     void take(const InputEvent& event);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
     void take_of_view(const WindowCommand& command);
     void take_of_fingers(const WindowCommand& command);
     void take_of_window(const WindowCommand& command);
+    void take_of_sound(const WindowCommand& command);
+    bool leave_what_is_in_front();
+    bool clicks_for_full_screen(const InputEvent& event, bool is_of_panel);
+    void turn_full_screen();
+    bool bar_is_wanted() const;
     void take_of_hand(const WindowCommand& command);
     void change_scale(double times);
     void look_after_hand(const WatchedMoment* moment);
     void power_hand_off();
     void set_overlay(const std::string& name);
-    void open_other(const std::string& file);
+    void open_others(const std::vector<std::string>& named);
+    void open_instead(const ClipChoice& choice);
+    void go_in_list(int by);
+    void go_on_in_list(const WatchedMoment* moment);
+    void say_place_in_list();
+    Result<void> go_past(const Error& error);
     Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
     /// what a brush painted.
@@ -83,6 +96,10 @@ private:
     void ask_for_clip(ClipChoice choice);
     void ask_for_change(const WindowSettings& wanted);
     Result<void> wait_for_clip();
+    Result<void> wait_for_wish();
+    void take_while_empty(const InputEvent& event);
+    void take_while_empty(const WindowCommand& command);
+    void take_script_while_empty();
     void go_on_opening();
     Result<void> take(Ready& ready);
     Result<void> show(std::unique_ptr<OpenedClip> clip);
@@ -106,9 +123,10 @@ private:
     void note_screenshots();
     KeptSettings to_keep() const;
     Error interruption() const;
-    void say(std::string words, bool bad = false);
+    void say(std::string words, Tone tone = Tone::remark);
+    /// What was refused, or went wrong.
+    void say(const Error& error);
     void tell(const std::string& fault);
-    /// What was refused.
     void say(const Result<void>& done);
     void sum_up();
     std::string relief_words() const;
@@ -159,21 +177,28 @@ private:
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
-    std::vector<InputEvent> events_;  // since the last picture
+    std::vector<InputEvent> events_;    // since the last picture
+    std::vector<std::string> dropped_;  // at once
+    DoubleClick full_screen_click_;
+    double time_s_ = 0;  // of the script, and of what a person does: it stands still where the machine does
+    double stirred_s_ = 0;  // when a person last did something
+    Playlist playlist_;
+    double shown_s_ = 0;  // since when the clip is
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;
     std::optional<Clock::time_point> begun_;  // with the first picture
     double begun_cpu_ms_ = 0;
-    Clock::time_point last_picture_, last_event_, message_at_;
+    Clock::time_point last_picture_, last_event_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     DrawnState seen_;
     SlowReading slow_reading_;  // of this clip
     bool is_told_of_reading_ = false;
-    std::string message_, shown_message_, sound_fault_;
+    Notices notices_;
+    std::string shown_message_, sound_fault_;
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;
-    bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
+    bool quit_ = false, fullscreen_ = false;
     bool is_dented_ = true;                             // a surface that gives way is drawn so
     bool is_leaving_ = false, leaves_at_once_ = false;  // after `quit_`, while the brush is at work
     double last_draw_ms_ = 0;

@@ -39,6 +39,10 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::feel:
         case WindowVerb::settings:
             return feel(command);
+        case WindowVerb::mute:
+        case WindowVerb::volume:
+        case WindowVerb::louder:
+            return take_of_sound(command);
         case WindowVerb::tool:
         case WindowVerb::material:
         case WindowVerb::paint:
@@ -103,9 +107,10 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
     switch (command.verb) {
         case WindowVerb::overlay:
             return set_overlay(command.word);
-        case WindowVerb::mute:
-            sound_->set_muted(!sound_->is_muted());
-            return say(sound_->state());
+        case WindowVerb::next:
+            return go_in_list(1);
+        case WindowVerb::previous:
+            return go_in_list(-1);
         case WindowVerb::panel:
             panel_->shown = !panel_->shown;
             return;
@@ -115,9 +120,14 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
         case WindowVerb::help:
             panel_->help_shown = !panel_->help_shown;
             return;
+        case WindowVerb::dismiss:
+            notices_.dismiss();
+            return;
+        case WindowVerb::leave:
+            quit_ = quit_ || !leave_what_is_in_front();
+            return;
         case WindowVerb::fullscreen:
-            fullscreen_ = !fullscreen_;
-            return screen_->set_fullscreen(fullscreen_);
+            return turn_full_screen();
         case WindowVerb::size:
             return screen_->set_size(command.width, command.height);
         case WindowVerb::screenshot:
@@ -126,7 +136,7 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
                 if (auto drawn = draw(*newest); !drawn.ok()) return say(drawn);
             return say(keep_picture(command.word));
         case WindowVerb::open:
-            return open_other(command.word);
+            return open_others({command.word});
         case WindowVerb::reset:
             return reset();
         default:
@@ -134,16 +144,62 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
     }
 }
 
+void WindowLoop::take_of_sound(const WindowCommand& command) {
+    if (command.verb == WindowVerb::mute) {
+        sound_->set_muted(!sound_->is_muted());
+        return say(sound_->state());
+    }
+    const double before = command.verb == WindowVerb::louder ? sound_->volume() : 0;
+    sound_->set_volume(static_cast<int>(std::lround(before + command.number)));
+    say("volume " + std::to_string(sound_->volume()) + " %" + (sound_->is_muted() ? "; M: sound on" : ""));
+}
+
+/// Help, a fault, the brush, full screen: one of them, from front to back. Whether there was any.
+bool WindowLoop::leave_what_is_in_front() {
+    if (std::exchange(panel_->help_shown, false) || notices_.dismiss()) return true;
+    if (brush_.is_held())
+        take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
+    else if (fullscreen_)
+        turn_full_screen();
+    else
+        return false;
+    return true;
+}
+
+/// The second of two quick presses on the picture presses no finger.
+bool WindowLoop::clicks_for_full_screen(const InputEvent& event, bool is_of_panel) {
+    if (event.kind != InputEvent::Kind::pressed) return false;
+    if (event.word != "left" || event.control || is_of_panel || kiosk_) {
+        full_screen_click_.forget();
+        return false;
+    }
+    return full_screen_click_.press(time_s_, pointer_at_);
+}
+
+/// Fingers leave: the pointer is over another place then, to which a pressed one would be torn.
+void WindowLoop::turn_full_screen() {
+    if (clip_) pointer_.leave(clip_->fingers());
+    fullscreen_ = !fullscreen_;
+    screen_->set_fullscreen(fullscreen_);
+}
+
+/// While somebody does something; but not over a finger that presses where it is.
+bool WindowLoop::bar_is_wanted() const {
+    constexpr double rest_s = 4;
+    if (pointer_.holds() && panel_->is_bar(pointer_at_.x, pointer_at_.y)) return false;
+    return time_s_ - stirred_s_ < rest_s || layer_->holds_pointer();
+}
+
 void WindowLoop::set_overlay(const std::string& name) {
     const auto overlay = overlay_after(picture_.overlay(), name);
-    if (!overlay.ok()) return say(overlay.error().message, true);
+    if (!overlay.ok()) return say(overlay.error());
     picture_.set_overlay(*overlay);
 }
 
 /// One that comes when the clip is about to go is not for the next one.
 void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
-        return say("the clip is about to go; nothing is painted any more", true);
+        return say("the clip is about to go; nothing is painted any more", Tone::refusal);
     brush_.take(command);
     if (brush_.is_held() && (command.verb == WindowVerb::tool || command.verb == WindowVerb::material))
         panel_->shown = true;
@@ -154,8 +210,8 @@ void WindowLoop::take_of_brush(const WindowCommand& command) {
 void WindowLoop::heed_brush() {
     const WindowBrush::News news = brush_.take_news();
     WindowSettings wanted = wanted_settings_.value_or(settings_);
-    for (const auto& [words, is_bad, is_change] : news.remarks)
-        say(words + (is_change && !has_materials(wanted) ? "; B feels it" : ""), is_bad);
+    for (const auto& [words, tone, is_change] : news.remarks)
+        say(words + (is_change && !has_materials(wanted) ? "; B feels it" : ""), tone);
     if (news.has_begun) compare_with_before();
     if (!news.is_another) return;
     wanted = wanted_settings_.value_or(settings_);
@@ -181,9 +237,9 @@ void WindowLoop::feel(const WindowCommand& command) {
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of_device && !options_.hand)
-        return say(std::string(setting->name) + " is of a device that is held; there is none", true);
+        return say(std::string(setting->name) + " is of a device that is held; there is none", Tone::refusal);
     if (setting && setting->of_brush && !wanted.painted)
-        return say("nothing is painted yet; P takes the brush of materials", true);
+        return say("nothing is painted yet; P takes the brush of materials", Tone::refusal);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
         if (setting && setting->of_brush && settings == &wanted.kept) continue;
@@ -191,7 +247,7 @@ void WindowLoop::feel(const WindowCommand& command) {
             settings->turn_to(to_b);
         } else if (auto set = settings->set(command.word.substr(0, space), command.word.substr(space + 1));
                    !set.ok()) {
-            return say(set.error().message, true);
+            return say(set.error());
         }
     }
     wanted_settings_ = wanted;
@@ -205,6 +261,7 @@ void WindowLoop::reset() {
     panel_->shown = false;
     is_dented_ = KeptSettings().dent;
     clip_->fingers().set_count(KeptSettings().fingers);
+    sound_->set_volume(KeptSettings().volume);
     picture_.set_overlay(Overlay::colour);
     if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
 }
@@ -214,6 +271,7 @@ KeptSettings WindowLoop::to_keep() const {
     kept.panel = panel_->shown;
     if (!options_.dent) kept.dent = is_dented_;
     kept.fingers = clip_->fingers().count();
+    kept.volume = sound_->volume();
     if (!options_.filters_are_stated) {
         const TwoSettings settings = wanted_settings_.value_or(settings_).kept;
         kept.a = settings.a;

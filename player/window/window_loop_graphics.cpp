@@ -43,7 +43,7 @@ Result<void> WindowLoop::open_graphics_anew(const Error& error) {
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     say(error.message + "; drawn by the " + figures_.painter + " painter on " +
             (figures_.gpu.empty() ? "the CPU" : figures_.gpu) + " from now on",
-        true);
+        Tone::fault);
     return {};
 }
 

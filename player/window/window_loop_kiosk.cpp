@@ -73,10 +73,10 @@ void WindowLoop::try_again() {
     const auto failure =
         clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
     if (!failure) return;
-    if (!told_.contains(failure->message)) say(failure->message, true);
+    if (!told_.contains(failure->message)) say(failure->message, Tone::fault);
     if (now_s() < tried_again_s_ + options_.kiosk->reset_s || ready_ || opening_.is_busy()) return;
     tried_again_s_ = now_s();
-    ask_for_clip(options_.session.clip);
+    ask_for_clip(playlist_.now());
 }
 
 /// A finger that goes by itself over the picture, and really touches it, whoever stopped forces: nearer to
@@ -113,7 +113,7 @@ void WindowLoop::begin_anew() {
     clip_->device().set_force(true);
     picture_.set_overlay(Overlay::colour);
     sound_->set_muted(false);
-    say(playback_->begin_anew(options_.session.playback, true));
+    say(playback_->begin_anew(options_.session.playback, playlist_.size() < 2));
 }
 
 }  // namespace touchable

@@ -28,6 +28,14 @@ SessionSettings without_relief(const SessionSettings& settings) {
     return rest;
 }
 
+/// A window in which nothing is to be left before it.
+bool closes(const InputEvent& event) {
+    if (event.kind == InputEvent::Kind::close) return true;
+    if (event.kind != InputEvent::Kind::key) return false;
+    const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
+    return binding && (binding->verb == WindowVerb::quit || binding->verb == WindowVerb::leave);
+}
+
 }  // namespace
 
 /// Settings that do not go with the clip are not in effect then; they stay kept for another one. Those of the
@@ -59,17 +67,6 @@ void WindowLoop::ask_for_clip(ClipChoice choice) {
                  });
 }
 
-void WindowLoop::open_other(const std::string& file) {
-    if (options_.record)
-        return say("a recording is of one clip; another can be opened where none is made", true);
-    ClipChoice choice;
-    choice.file = file;
-    message_.clear();
-    ready_.reset();
-    asked_settings_.reset();  // given up, and asked for again once the clip is there
-    ask_for_clip(choice);
-}
-
 void WindowLoop::ask_for_change(const WindowSettings& wanted) {
     opening_.ask("changing to " + in_words(wanted),
                  [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
@@ -85,8 +82,10 @@ void WindowLoop::go_on_opening() {
     if (auto made = opening_.take()) {
         if (made->ok())
             ready_ = std::move(**made);
+        else if (asked_settings_)
+            say(made->error());
         else
-            say(made->error().message, true);
+            say(made->error().message, Tone::fault);
         // Of settings that are refused.
         if (!made->ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();
         asked_settings_.reset();
@@ -121,7 +120,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     settings_ = ready.settings;
     if (ready.clip) {
         if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
-        if (!ready.remark.empty()) say(std::move(ready.remark), true);
+        if (!ready.remark.empty()) say(std::move(ready.remark), Tone::refusal);
         return {};
     }
     if (wanted_settings_ == ready.settings) wanted_settings_.reset();
@@ -139,7 +138,7 @@ Result<void> WindowLoop::take(Ready& ready) {
 bool WindowLoop::note_failure() {
     if (!clip_->failure()) return false;
     if (!failure_) failure_ = clip_->failure();
-    say(clip_->failure()->message, true);
+    say(clip_->failure()->message, Tone::fault);
     return true;
 }
 
@@ -162,10 +161,12 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     slow_reading_ = {};
     is_told_of_reading_ = false;
     playback_.emplace(*clip_);
-    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+    shown_s_ = time_s_;
+    if (kiosk_ && playlist_.size() < 2 && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
         say(playback_->toggle_loop());
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
+    say_place_in_list();
     tell_guesses();
     if (wanted_settings_) wanted_settings_->painted.reset();
     brush_.go_to(*clip_);
@@ -197,15 +198,17 @@ Result<void> WindowLoop::wait_for_clip() {
                 is_resized = true;
             else if (kiosk_ && !is_for_visitors(event))
                 continue;
-            else if (event.kind == InputEvent::Kind::close ||
-                     (event.kind == InputEvent::Kind::key && event.word == "escape"))
+            else if (closes(event))
                 quit_ = true;
         if (auto there = screen_->health(); !there.ok()) return there;
         if (is_resized)
             if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
         auto made = opening_.take();
         if (!made) continue;
-        if (!made->ok()) return made->error();
+        if (!made->ok()) {
+            if (auto next = go_past(made->error()); !next.ok()) return next;
+            continue;
+        }
         if (auto taken = take(**made); !taken.ok()) return taken;
     }
     return {};

@@ -17,7 +17,6 @@ namespace {
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
 constexpr double after_input_ms = 300;  // buttons fade
-constexpr double message_s = 4;
 // FingerTrails': a finger of the pointer is there only on its way; that of a hand is wherever it is.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
@@ -99,10 +98,13 @@ Result<void> WindowLoop::draw_opening() {
         !drawn.ok())
         return drawn;
     PanelFacts facts;
-    if (!kiosk_) facts.message = opening_.words() + " ...";
+    facts.is_empty = options_.session.clip.file.empty() && !opening_.is_busy();
+    if (!kiosk_ && opening_.is_busy()) facts.message = opening_.words() + " ...";
+    if (!notices_.passing().empty()) facts.message = notices_.passing();
+    facts.faults = {notices_.faults().begin(), notices_.faults().end()};
     for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
-        layer_->begin(size.width, size.height, 0.02, {});
-        panel_->draw_message(facts, static_cast<float>(size.width));
+        layer_->begin(size.width, size.height, 0.02, std::exchange(events_, {}));
+        panel_->draw_without_clip(facts, size.width, size.height, asked_);
         layer_->end();
     }
     return graphics.finish();
@@ -119,7 +121,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
         events_.clear();
         return {};
     }
-    if (!message_.empty() && seconds_between(message_at_, begin) > message_s) message_.clear();
+    notices_.pass(time_s_);
 
     const HeightField field(clip_->scene(), moment.held.pair);
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
@@ -181,23 +183,27 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.is_dented = is_dented_;
     facts.figures.push_back(sound_->state());
+    facts.volume = sound_->volume();
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
     if (kiosk_) return facts;
-    facts.message = message_;
-    facts.message_is_bad = message_is_bad_;
+    const std::string& passing = notices_.passing();
+    facts.message = passing;
+    facts.message_is_bad = notices_.is_refusal();
+    facts.faults = {notices_.faults().begin(), notices_.faults().end()};
     const auto failure =
         clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
-    if (message_.empty() && !words_of_opening().empty()) {
+    if (passing.empty() && !words_of_opening().empty()) {
         facts.message = words_of_opening();
         facts.message_is_bad = false;
         return facts;
     }
-    if (!message_.empty()) return facts;
+    if (!passing.empty()) return facts;
     if (facts.message = brush_.words(); !facts.message.empty()) {
         facts.message_is_bad = false;
         return facts;
     }
+    if (!facts.faults.empty()) return facts;  // no hint beside what went wrong
     facts.message_is_bad = failure.has_value();
     const std::vector<std::string> remarks = clip_->remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera
@@ -215,8 +221,8 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
 
 void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) {
     // A box of words has its size one picture later.
-    const std::string said =
-        facts.message + (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
+    const std::string said = facts.message + (facts.faults.empty() ? "" : facts.faults.front()) +
+                             (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
     if (facts.place.lines.size() != place_lines_ || said != shown_message_) last_event_ = begin;
     place_lines_ = facts.place.lines.size();
     shown_message_ = said;

@@ -65,7 +65,7 @@ private:
         const auto keys = key_bindings();
         for (;;) {
             const KeyBinding& one = keys[static_cast<std::size_t>(below(static_cast<int>(keys.size())))];
-            if (!one.shift && !one.control && one.verb != WindowVerb::quit &&
+            if (!one.shift && !one.control && one.verb != WindowVerb::quit && one.verb != WindowVerb::leave &&
                 one.verb != WindowVerb::screenshot && one.verb != WindowVerb::fullscreen)
                 return std::string("key ") + one.key;
         }

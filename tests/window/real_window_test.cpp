@@ -14,19 +14,20 @@ namespace touchable::test {
 namespace {
 
 /// Runs `actions` (of bash, with xdotool) while `program` with `words` has a window on a display of its own,
-/// and gives the program's exit code.
-int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions) {
+/// and gives the program's exit code. `before`: actions before that.
+int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions,
+                 const std::string& before = "") {
     std::ofstream(folder / "run.sh") << R"(
 cd "$1"
 export XDG_CONFIG_HOME="$1/config"
 rm -f display  # of a run before
-Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & server=$!
+Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
-")" << TOUCHABLE_PROGRAM << "\" " << words
-                                     << R"( >out 2>err & program=$!
+)" << before << "\n\"" << TOUCHABLE_PROGRAM
+                                     << "\" " << words << R"( >out 2>err & program=$!
 timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
 xdotool windowmove $(head -1 window) 0 0
 for k in $(seq 150); do  # until the clip is open
@@ -76,6 +77,124 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+/// Of bash: until the window is called so, or another size has it.
+constexpr const char* waits = R"(
+until_called() { for k in $(seq 100); do [[ $(xdotool getwindowname $(head -1 window)) == "$1 - touchable" ]] && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 95; }
+until_sized() { for k in $(seq 100); do xdotool getwindowgeometry $(head -1 window) | grep -q "$1" && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 94; }
+)";
+
+constexpr const char* all_layouts[] = {"us", "de", "fr", "es", "se", "ru"};
+
+/// Keys by their places: 18 is that of the 9. A Russian keyboard has no < and >.
+TEST(RealWindow, GoesThroughItsClipsFillsTheScreenAndIsLoudByKeysOfEveryKeyboard) {
+    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
+    const TemporaryFolder folder;
+    for (const char* name : {"a.mkv", "b.mkv"})
+        ASSERT_EQ(
+            run_touchable({"make", "globe", (folder / name).string(), "--size", "64x48", "--frames", "1"})
+                .code,
+            0);
+    std::string actions = waits;
+    for (const char* layout : all_layouts)
+        actions += std::string("layout=") + layout + R"(
+setxkbmap $layout || exit 97; sleep 0.3
+xdotool key 18 sleep 0.2 key Next; until_called b.mkv
+xdotool key Prior; until_called a.mkv
+if [[ $layout != ru ]]; then
+    xdotool key greater; until_called b.mkv
+    xdotool key less; until_called a.mkv
+fi
+xdotool key F11; until_sized 1024x768
+xdotool key Escape; until_sized 400x300
+kill -0 $program || exit 96
+)";
+    const int code = with_display(folder, "play a.mkv b.mkv --size 400x300 --painter cpu",
+                                  actions + "setxkbmap us; sleep 0.3; xdotool key q\n");
+    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
+    const std::string kept = file_contents(folder / "config/touchable/play.json");
+    EXPECT_NE(kept.find("\"volume\": 70"), std::string::npos) << "six times 5 less: " << kept;
+}
+
+/// Where Q is printed; on a Russian keyboard, where an American one has it.
+TEST(RealWindow, IsClosedByQOnEveryKeyboard) {
+    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    for (const std::string layout : all_layouts) {
+        const int code = with_display(
+            folder, "play globe.mkv --size 400x300 --painter cpu --seconds 60",
+            "setxkbmap " + layout + "; sleep 0.3; xdotool key " + (layout == "ru" ? "24" : "q") + R"(
+for k in $(seq 100); do kill -0 $program 2>/dev/null || break; sleep 0.1; done
+kill -0 $program 2>/dev/null && { kill $program; exit 96; }
+)");
+        EXPECT_EQ(code, 0) << layout << file_contents(folder / "err");
+    }
+}
+
+/// Rows of the middle column, from below, until the bar's dark ground ends: it is over bright bumps.
+int rows_of_bar(const Image& image) {
+    const auto is_dark = [&](int y) {
+        const auto k = static_cast<std::size_t>((y * image.width + image.width / 3) * 3);
+        return image.samples[k] < 90 && image.samples[k + 2] < 90;
+    };
+    int rows = 0;
+    for (int y = image.height / 2; y < image.height; ++y) rows += is_dark(y) ? 1 : 0;
+    return rows;
+}
+
+/// A display whose resources say 192 pixels an inch has twice as many for the same words; --scale says
+/// otherwise.
+TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
+    if (!has_display_programs() || std::system("command -v xprop >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and xprop are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "bumps", (folder / "b.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    const auto bar_with = [&](const std::string& words, const std::string& dots, int width) {
+        std::filesystem::remove(folder / "touchable-1.png");
+        EXPECT_EQ(
+            with_display(folder, "play b.mkv --size 480x300" + words,
+                         "xdotool mousemove 20 150 sleep 0.5 key F12\n"
+                         "for k in $(seq 100); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
+                         "xdotool key q\n",
+                         "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + dots + "'"),
+            0)
+            << file_contents(folder / "err");
+        const auto image = read_image(folder / "touchable-1.png");
+        EXPECT_TRUE(image.ok());
+        if (!image.ok()) return 0;
+        EXPECT_EQ(image->width, width);
+        return rows_of_bar(*image);
+    };
+    const int usual = bar_with("", "96", 480), dense = bar_with("", "192", 960);
+    EXPECT_GT(usual, 20);
+    EXPECT_GT(dense, 1.6 * usual);
+    EXPECT_LT(bar_with(" --scale 1", "192", 960), 1.2 * usual);
+}
+
+TEST(RealWindow, FillsTheScreenByADoubleClick) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
+            .code,
+        0);
+    const int code =
+        with_display(folder, "play globe.mkv --size 400x300 --painter cpu", waits + std::string(R"(
+xdotool mousemove 200 120 sleep 0.3 click 1 sleep 0.08 click 1; until_sized 1024x768
+xdotool sleep 0.5 click 1 sleep 0.08 click 1; until_sized 400x300
+xdotool key q
+)"));
+    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
 }
 
 /// `?` is Shift and another key on each; a Russian F is where an American one is.

@@ -99,6 +99,7 @@ TEST(SettingsFile, AreReadAsTheyWereWritten) {
     const fs::path file = folder / "new/folder/play.json";
     KeptSettings kept{true, 3, 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}, false};
     kept.b = felt({{"filters", "off"}, {"fill-holes", "3"}});
+    kept.volume = 60;
     const SettingsFile none(file);
     EXPECT_EQ(none.read(), KeptSettings());
     EXPECT_EQ(none.message(), "");
@@ -121,7 +122,8 @@ TEST(SettingsFile, AreReadAsTheyWereWritten) {
 TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
     const TemporaryFolder folder;
     const fs::path file = folder / "play.json";
-    put(file, R"({"panel": true, "sparkle": 1, "fingers": 9, "window": [10, 10], "overlay": "night",
+    put(file,
+        R"({"panel": true, "sparkle": 1, "fingers": 9, "volume": 101, "window": [10, 10], "overlay": "night",
                   "a": {"median": 4, "metric": "pixel", "taste": [[]]}, "b": 3})");
     const SettingsFile read(file);
     KeptSettings right;
@@ -130,7 +132,7 @@ TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
     right.b.emplace();
     EXPECT_EQ(read.read(), right);
     for (const char* word :
-         {"'sparkle' is unknown", "1 to 5", "[320, 200]", "0, 3 or 5", "'taste'", "object"})
+         {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0, 3 or 5", "'taste'", "object"})
         EXPECT_NE(read.message().find(word), std::string::npos) << word << " in " << read.message();
     ASSERT_TRUE(read.write(read.read()).ok());
     EXPECT_EQ(SettingsFile(file).message(), "");

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <utility>
+
+namespace touchable {
+
+/// How a window says something.
+enum class Tone {
+    remark,   ///< what was done: goes by itself
+    refusal,  ///< what cannot be done, to whoever has just asked for it: goes by itself
+    fault     ///< what went wrong: stays until somebody has read it
+};
+
+/// What a window has to say to a person. Times are the window's own, seconds, and do not go backward.
+class Notices {
+public:
+    static constexpr double shown_s = 4;           ///< what goes by itself
+    static constexpr std::size_t most_faults = 5;  ///< that wait: the newest of more
+
+    void say(std::string words, Tone tone, double now_s) {
+        if (tone != Tone::fault) {
+            passing_ = std::move(words);
+            is_refusal_ = tone == Tone::refusal;
+            said_s_ = now_s;
+            return;
+        }
+        if (std::find(faults_.begin(), faults_.end(), words) != faults_.end()) return;
+        if (faults_.size() == most_faults) faults_.pop_front();
+        faults_.push_back(std::move(words));
+    }
+    /// What has been there long enough goes.
+    void pass(double now_s) {
+        if (now_s - said_s_ > shown_s) passing_.clear();
+    }
+    /// What goes by itself goes now.
+    void clear_passing() { passing_.clear(); }
+    /// The fault that is shown was read; whether there was one.
+    bool dismiss() {
+        if (faults_.empty()) return false;
+        faults_.pop_front();
+        return true;
+    }
+
+    const std::string& passing() const { return passing_; }  ///< empty: nothing
+    bool is_refusal() const { return is_refusal_; }          ///< `passing`
+    const std::deque<std::string>& faults() const { return faults_; }
+
+private:
+    std::string passing_;
+    bool is_refusal_ = false;
+    double said_s_ = 0;
+    std::deque<std::string> faults_;  // the first one is shown
+};
+
+}  // namespace touchable

@@ -1,0 +1,388 @@
+// What whoever knows other players looks for in the window: keys, full screen, a playlist, volume, a bar that
+// gives way, words that stay. Without a window, by the program as a person starts it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/picture/image_file.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "player/audio/heard_sound.hpp"
+#include "player/record/recording.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Clips of one scene each, once for all tests of this program: a second of a globe, a still of it, and a
+/// still of bumps, which fill the picture.
+const fs::path& some_clips() {
+    static const TemporaryFolder folder;
+    static const fs::path made = [] {
+        const auto make = [](const std::string& scene, const std::string& name, const std::string& frames) {
+            const auto done = run_touchable(
+                {"make", scene, (folder / name).string(), "--size", "160x120", "--frames", frames});
+            EXPECT_EQ(done.code, 0) << done.err;
+        };
+        make("globe", "a-globe.mkv", "30");
+        make("globe", "b-still.mkv", "1");
+        make("bumps", "c-bumps.mkv", "1");
+        return folder.path();
+    }();
+    return made;
+}
+
+struct Played {
+    Outcome outcome;
+    Image image;  ///< in the end
+    std::vector<std::string> files;
+};
+
+/// What the window shows `seconds` after it opened, once `script` has been done to it, and which files it
+/// left.
+Played played_by(const std::vector<std::string>& words, const std::string& script,
+                 const std::string& seconds) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << script;
+    std::vector<std::string> all{"play"};
+    all.insert(all.end(), words.begin(), words.end());
+    for (const char* word :
+         {"--headless", "--size", "320x240", "--script", "script", "--screenshot", "end.png", "--at"})
+        all.emplace_back(word);
+    all.push_back(seconds);
+    Played played{run_in_folder(all, folder.path()), {}, names_in(folder.path())};
+    EXPECT_EQ(played.outcome.code, 0) << played.outcome.err;
+    const auto image = read_image(folder / "end.png");
+    EXPECT_TRUE(image.ok());
+    if (image.ok()) played.image = *image;
+    return played;
+}
+
+Played played_by(const std::string& clip, const std::string& script, const std::string& seconds) {
+    return played_by(std::vector<std::string>{(some_clips() / clip).string()}, script, seconds);
+}
+
+/// How many pixels of a part differ by more than 24 of 255 in a channel.
+int other_pixels(const Image& a, const Image& b, int x0, int y0, int x1, int y1) {
+    if (a.width != b.width || a.height != b.height) return -1;
+    int count = 0;
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x)
+            for (int c = 0; c < 3; ++c) {
+                const auto at = static_cast<std::size_t>((y * a.width + x) * 3 + c);
+                if (std::abs(a.samples[at] - b.samples[at]) <= 24) continue;
+                ++count;
+                break;
+            }
+    return count;
+}
+
+/// The picture's middle, without words, bars and curves.
+int in_the_middle(const Image& a, const Image& b) {
+    return other_pixels(a, b, 100, 100, 220, 170);
+}
+
+bool has(const std::vector<std::string>& files, const std::string& name) {
+    return std::find(files.begin(), files.end(), name) != files.end();
+}
+
+/// The window is still there when its picture `there.png` is asked for.
+constexpr const char* there = "0.6 screenshot there.png\n";
+
+TEST(Habits, QClosesAndOtherKeysLeadTheFinger) {
+    EXPECT_FALSE(has(played_by("b-still.mkv", std::string("0.3 key q\n") + there, "1").files, "there.png"));
+    EXPECT_TRUE(
+        has(played_by("b-still.mkv", std::string("0.3 key x\n0.3 key e\n") + there, "1").files, "there.png"));
+}
+
+TEST(Habits, EscapeLeavesFullScreenBeforeItCloses) {
+    const std::string escape = std::string("0.3 key escape\n") + there,
+                      twice = std::string("0.3 key escape\n0.4 key escape\n") + there;
+    const std::string still = (some_clips() / "b-still.mkv").string();
+    EXPECT_TRUE(has(played_by({still, "--fullscreen"}, escape, "1").files, "there.png"));
+    EXPECT_FALSE(has(played_by({still, "--fullscreen"}, twice, "1").files, "there.png"));
+    EXPECT_FALSE(has(played_by({still}, escape, "1").files, "there.png"));
+    EXPECT_TRUE(has(played_by({still}, "0.1 key f11\n" + escape, "1").files, "there.png"));
+}
+
+TEST(Habits, ADoubleClickFillsTheScreenAndSlowOnesDoNot) {
+    const std::string escape = std::string("0.5 key escape\n") + there;
+    const std::string twice =
+        "0.1 move 160 110\n0.2 press left\n0.25 release left\n0.3 press left\n0.35 release "
+        "left\n";
+    const std::string slow =
+        "0 move 160 110\n0 press left\n0.05 release left\n0.4 press left\n0.45 release left\n";
+    EXPECT_TRUE(has(played_by("b-still.mkv", twice + escape, "1").files, "there.png"));
+    EXPECT_FALSE(has(played_by("b-still.mkv", slow + escape, "1").files, "there.png"));
+    const std::string bar =
+        "0.1 move 160 224\n0.2 press left\n0.25 release left\n0.3 press left\n0.35 release left\n";
+    EXPECT_FALSE(has(played_by("b-still.mkv", bar + escape, "1").files, "there.png")) << "that is the bar's";
+}
+
+/// Newtons on the first finger in the end.
+double force_in_the_end(const std::string& clip, const std::string& script, const std::string& seconds) {
+    const TemporaryFolder folder;
+    const std::string record = (folder / "hand.touch").string();
+    played_by({(some_clips() / clip).string(), "--record", record}, script, seconds);
+    const auto recording = read_recording(record);
+    EXPECT_TRUE(recording.ok()) << recording.error().message;
+    if (!recording.ok() || recording->back().ticks.empty()) return -1;
+    return glm::length(recording->back().ticks.back().forces.at(0));
+}
+
+TEST(Habits, TheSecondClickOfADoubleClickPressesNoFinger) {
+    const std::string first = "0.1 move 160 100\n0.2 press left\n0.25 release left\n";
+    EXPECT_GT(force_in_the_end("b-still.mkv", first + "0.8 press left\n", "1.6"), 0.05);
+    EXPECT_EQ(force_in_the_end("b-still.mkv", first + "0.4 press left\n", "1.6"), 0);
+}
+
+TEST(Habits, AFingerUnderTheBarIsFelt) {
+    const std::string near = "0 nearer 1.6\n";  // the globe is under the bar too
+    const std::string pressed = near + "0.1 move 160 100\n0.1 wheel 16\n";
+    EXPECT_GT(force_in_the_end("b-still.mkv", pressed + "0.4 move 160 180\n0.5 move 160 200\n", "1.6"), 0.05)
+        << "by the wheel";
+    const std::string held = near + "0.1 move 160 100\n0.1 press left\n0.4 move 160 180\n0.5 move 160 200\n";
+    EXPECT_GT(force_in_the_end("b-still.mkv", held, "1.6"), 0.05) << "by the button";
+    EXPECT_EQ(force_in_the_end("b-still.mkv", near + "0.1 move 160 200\n0.3 press left\n", "1.6"), 0)
+        << "a click there is the bar's";
+}
+
+TEST(Habits, TheBarGoesWhenNothingMovesAndComesBack) {
+    const Image there_is = played_by("c-bumps.mkv", "0 move 20 20\n", "1").image;
+    const Image rests = played_by("c-bumps.mkv", "0 move 20 20\n", "4.8").image;
+    const Image back = played_by("c-bumps.mkv", "0 move 20 20\n4.5 move 21 20\n", "4.9").image;
+    EXPECT_GT(other_pixels(there_is, rests, 20, 185, 300, 225), 2000) << "it is still there";
+    EXPECT_LT(other_pixels(there_is, back, 20, 185, 300, 225), 200) << "it did not come back";
+    // Where a finger presses under it, it goes at once.
+    const Image under =
+        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.4 move 160 205\n", "1").image;
+    EXPECT_LT(other_pixels(rests, under, 20, 185, 120, 225), 200) << "it hides the finger";
+}
+
+TEST(Habits, TheSeekHandleEndsAtTheEndOfItsBar) {
+    const Image image = played_by("a-globe.mkv", "0 seek 10\n", "0.8").image;
+    ASSERT_EQ(image.width, 320);
+    const int y = 240 - 12 - 24;
+    const auto at = [&](int x, int c) {
+        return int{image.samples[static_cast<std::size_t>((y * 320 + x) * 3 + c)]};
+    };
+    // The handle is the accent's blue; what is right of it, the bar's own ground and then its end.
+    int right = -1;
+    for (int x = 0; x < 320; ++x)
+        if (at(x, 2) > 180 && at(x, 2) - at(x, 0) > 80) right = x;
+    ASSERT_GT(right, 0) << "no handle";
+    int beyond = 0;
+    while (right + 3 + beyond < 320 && std::abs(at(right + 3 + beyond, 1) - at(right + 3, 1)) < 8 &&
+           beyond < 40)
+        ++beyond;
+    const Image begin = played_by("a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image;
+    ASSERT_EQ(begin.width, 320);
+    int left = 320;
+    for (int x = 319; x >= 0; --x) {
+        const auto k = static_cast<std::size_t>((y * 320 + x) * 3);
+        if (begin.samples[k + 2] > 180 && begin.samples[k + 2] - begin.samples[k] > 80) left = x;
+    }
+    ASSERT_LT(left, right);
+    // At the beginning the place at which it ends is ground of the same bar.
+    const auto ground = [&](int x) {
+        return int{begin.samples[static_cast<std::size_t>((y * 320 + x) * 3 + 1)]};
+    };
+    int room = 0;
+    while (right + room + 1 < 320 && std::abs(ground(right + room + 1) - ground(right - 2)) < 8) ++room;
+    EXPECT_LE(room, 4) << "so many pixels of the bar are right of the handle";
+}
+
+TEST(Habits, VolumeIsByKeysAndKept) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string();
+    const auto kept_after = [&](const std::string& script) {
+        played_by({(some_clips() / "b-still.mkv").string(), "--settings", settings}, script, "0.4");
+        return file_contents(settings);
+    };
+    const std::string kept = kept_after("0 key 9\n0 key 9\n0 key 9\n0 key 0\n0 key /\n0 key /\n0 key *\n");
+    EXPECT_NE(kept.find("\"volume\": 85"), std::string::npos) << kept;
+    EXPECT_NE(kept_after("0 louder 5\n").find("\"volume\": 90"), std::string::npos) << "from 85";
+    EXPECT_NE(kept_after("0 reset\n").find("\"volume\": 100"), std::string::npos);
+}
+
+TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
+    // The same contact at full and at half of the volume: to the bit but for the factor.
+    const auto heard = [](float loudness) {
+        ClipSound none;
+        HeardSound sound;
+        std::vector<StereoSample> all;
+        for (int k = 0; k < 60; ++k) {
+            HeardTick tick;
+            tick.loudness = loudness;
+            tick.fingers[0].touching = k >= 5;
+            tick.fingers[0].stiffness = 1000;
+            tick.fingers[0].newtons = 1;
+            tick.fingers[0].met = k == 5 ? 0.2F : 0;
+            ContactSound::Samples samples{};
+            sound.render(tick, none, samples);
+            all.insert(all.end(), samples.begin(), samples.end());
+        }
+        return all;
+    };
+    const auto full = heard(1), half = heard(0.125F);
+    ASSERT_EQ(full.size(), half.size());
+    float most = 0;
+    for (std::size_t k = 0; k < full.size(); ++k) {
+        EXPECT_EQ(half[k].left, 0.125F * full[k].left) << k;
+        most = std::max(most, std::abs(full[k].left));
+    }
+    EXPECT_GT(most, 0.01F) << "nothing was heard";
+
+    const auto loudest = [](const std::string& volume) {
+        const TemporaryFolder folder;
+        const std::string file = (folder / "heard.wav").string();
+        played_by({(some_clips() / "b-still.mkv").string(), "--sound", file},
+                  volume + "0.1 move 160 100\n0.2 press left\n", "1.2");
+        const auto track = SoundTrack::open(file);
+        EXPECT_TRUE(track.ok() && *track);
+        std::vector<StereoSample> samples(48'000);
+        if (track.ok() && *track) (*track)->read(samples);
+        float most = 0;
+        for (const StereoSample& sample : samples) most = std::max(most, std::abs(sample.left));
+        return most;
+    };
+    EXPECT_GT(loudest(""), 0.001F);
+    EXPECT_EQ(loudest("0 volume 0\n"), 0);
+}
+
+TEST(Habits, TheEndOfAClipIsTheBeginningOfTheNext) {
+    const std::string globe = (some_clips() / "a-globe.mkv").string(),
+                      bumps = (some_clips() / "c-bumps.mkv").string();
+    const Image end = played_by({globe}, "", "2.5").image, next = played_by({bumps}, "", "0.8").image;
+    ASSERT_GT(in_the_middle(end, next), 1000);
+    EXPECT_LT(in_the_middle(played_by({globe, bumps}, "", "4").image, next), 50);
+    EXPECT_GT(in_the_middle(played_by({globe, bumps}, "0.1 loop\n", "4").image, next), 1000)
+        << "it is looped";
+    EXPECT_GT(in_the_middle(played_by({globe, bumps}, "0.1 move 160 110\n0.2 press left\n", "4").image, next),
+              1000)
+        << "somebody touches it";
+}
+
+TEST(Habits, WhatIsOverInABlinkRestsBeforeTheNext) {
+    const std::string still = (some_clips() / "b-still.mkv").string(),
+                      bumps = (some_clips() / "c-bumps.mkv").string();
+    const Image first = played_by({still}, "", "0.8").image, next = played_by({bumps}, "", "0.8").image;
+    EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "3").image, first), 50);
+    EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "6.5").image, next), 50);
+}
+
+TEST(Habits, KeysGoToTheNextClipOfAFolderAndBack) {
+    const std::string folder = some_clips().string();
+    const Image globe = played_by("a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image,
+                bumps = played_by("c-bumps.mkv", "", "0.8").image,
+                still = played_by("b-still.mkv", "", "0.8").image;
+    const std::string on = "0.1 key pagedown\n1.2 key >\n";
+    EXPECT_LT(in_the_middle(played_by({folder}, on, "3").image, bumps), 50);
+    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key <\n", "4").image, still), 50);
+    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key pagedown\n", "3.5").image, bumps), 50)
+        << "the last";
+    const auto recorded =
+        run_touchable({"play", folder, "--headless", "--seconds", "1", "--record", "a.touch"});
+    EXPECT_EQ(recorded.code, 2);
+    EXPECT_TRUE(recorded.one_line_of_error()) << recorded.err;
+    const auto nowhere = run_touchable(
+        {"play", (some_clips() / "b-still.mkv").string(), "nowhere.mkv", "--headless", "--seconds", "1"});
+    EXPECT_EQ(nowhere.code, 3);
+    EXPECT_NE(nowhere.err.find("nowhere.mkv"), std::string::npos) << nowhere.err;
+}
+
+TEST(Habits, AClipThatCannotBeOpenedIsGonePast) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "broken.mkv") << "no clip";
+    std::ofstream(folder / "script") << "0.2 dismiss\n";
+    const std::string broken = (folder / "broken.mkv").string(), picture = (folder / "end.png").string();
+    const auto played = run_touchable({"play", broken, (some_clips() / "b-still.mkv").string(), "--headless",
+                                       "--size", "320x240", "--screenshot", picture, "--at", "0.8",
+                                       "--script", (folder / "script").string()});
+    EXPECT_EQ(played.code, 3);
+    EXPECT_NE(played.err.find("broken.mkv"), std::string::npos) << played.err;
+    const auto image = read_image(picture);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_LT(in_the_middle(*image, played_by("b-still.mkv", "", "0.8").image), 50);
+    EXPECT_EQ(run_touchable({"play", broken, broken, "--headless", "--seconds", "1"}).code, 3);
+}
+
+TEST(Habits, AFaultStaysUntilItWasReadAndEscapeReadsIt) {
+    const Image without = played_by("c-bumps.mkv", "5.5 move 20 100\n", "6").image;
+    const Image after_long = played_by("c-bumps.mkv", "0.1 drop nowhere.mkv\n5.5 move 20 100\n", "6").image;
+    const Played read =
+        played_by("c-bumps.mkv",
+                  "0.1 drop nowhere.mkv\n5.5 move 20 100\n5.5 key escape\n5.7 screenshot there.png\n", "6.1");
+    EXPECT_GT(other_pixels(after_long, without, 60, 0, 260, 60), 300) << "it went by itself";
+    EXPECT_TRUE(has(read.files, "there.png")) << "Escape closed the window";
+    const Played clicked =
+        played_by("c-bumps.mkv",
+                  "0.1 drop nowhere.mkv\n1 move 160 25\n1.2 press left\n1.4 release left\n1.6 key escape\n" +
+                      std::string("1.8 screenshot there.png\n"),
+                  "2");
+    EXPECT_FALSE(has(clicked.files, "there.png")) << "a click did not read it: Escape had to";
+}
+
+TEST(Habits, TheNameOfAScreenshotIsShown) {
+    const Image without =
+        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n", "1.2").image;
+    const Image with =
+        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n0.3 key f12\n", "1.2")
+            .image;
+    EXPECT_GT(other_pixels(with, without, 60, 8, 260, 60), 300);
+}
+
+TEST(Habits, AWindowWithoutAClipSaysWhatToDropAndOpensIt) {
+    const std::string still = (some_clips() / "b-still.mkv").string();
+    const Image page = played_by(std::vector<std::string>{}, "", "0.6").image;
+    ASSERT_EQ(page.width, 320);
+    int bright = 0;
+    for (const auto sample : page.samples) bright += sample > 150 ? 1 : 0;
+    EXPECT_GT(bright, 1000) << "no words";
+    const Played dropped = played_by(std::vector<std::string>{}, "0.3 drop " + still + "\n", "3");
+    EXPECT_LT(in_the_middle(dropped.image, played_by("b-still.mkv", "", "0.8").image), 50);
+    const Played wrong = played_by(std::vector<std::string>{}, "0.2 drop nowhere.mkv\n0.5 key o\n", "1.5");
+    EXPECT_NE(wrong.outcome.err.find("nowhere.mkv"), std::string::npos) << wrong.outcome.err;
+    EXPECT_GT(other_pixels(wrong.image, page, 60, 0, 260, 60), 300) << "the fault is not shown";
+    EXPECT_LT(other_pixels(wrong.image, page, 10, 120, 310, 230), 500) << "it does not wait for another";
+    EXPECT_FALSE(has(played_by(std::vector<std::string>{}, std::string("0.3 key q\n") + there, "1").files,
+                     "there.png"));
+    const auto recorded = run_touchable({"play", "--headless", "--seconds", "1", "--record", "a.touch"});
+    EXPECT_EQ(recorded.code, 2);
+    EXPECT_TRUE(recorded.one_line_of_error()) << recorded.err;
+}
+
+TEST(Habits, WordsAreAsLargeAsTheyAreAskedToBe) {
+    const auto bar_height = [](const Image& image) {
+        // The bar's dark ground over bright bumps, from below, at its left edge.
+        int rows = 0;
+        for (int y = 0; y < image.height; ++y) {
+            const auto k = static_cast<std::size_t>((y * image.width + image.width / 2) * 3);
+            if (y > image.height / 2 && image.samples[k] < 90 && image.samples[k + 1] < 90) ++rows;
+        }
+        return rows;
+    };
+    const std::vector<std::string> words{(some_clips() / "c-bumps.mkv").string()};
+    const auto sized = [&](const std::string& scale) {
+        auto all = words;
+        all.insert(all.end(), {"--scale", scale});
+        return played_by(all, "0 size 640x480\n0.3 move 20 20\n", "0.9").image;
+    };
+    const int one = bar_height(sized("1")), two = bar_height(sized("2"));
+    EXPECT_GT(one, 20);
+    EXPECT_GT(two, 1.6 * one);
+    const auto refused = run_touchable({"play", words[0], "--headless", "--seconds", "1", "--scale", "0.2"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+}
+
+}  // namespace
+}  // namespace touchable::test
