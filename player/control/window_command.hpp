@@ -27,26 +27,27 @@ enum class WindowVerb {
     recentre,     ///< the place where a held device is now becomes the middle of its workspace
     coarser,      ///< `number`: factor on how far a finger goes when a held device moves
     mute,         ///< no sound, or again
-    overlay,      ///< `word`: what the surface is coloured by; empty: the next one
-    home,         ///< the clip's own view
-    turn,         ///< `number`: degrees to the right
-    tilt,         ///< `number`: degrees up
-    nearer,       ///< `number`: factor by which the view comes nearer
-    panel,        ///< shown or not
-    help,         ///< shown or not
-    fullscreen,   ///< on or off
-    size,         ///< `width` x `height`: of the window, pixels
-    screenshot,   ///< `word`: the file; empty: a new name in the working folder
-    open,         ///< `word`: a clip
-    feel,         ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
-    settings,     ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
-    reset,        ///< everything that is kept from one window to the next
-    tool,         ///< `word`: touch, paint, join or cut; empty: away, or the last one again
-    material,     ///< `word`: the material in hand
-    paint,        ///< `places`: a pixel of the segment that gets the material in hand
-    join,         ///< `places`: pixels of two segments that are one from now on
-    cut,          ///< `places`: a stroke over a segment that is two from now on
-    otherwise,    ///< `word`: material of all segments that nobody painted; empty: a guess for each
+    measure,     ///< `places`: two pixels; none: `word`, empty: the tool, in the hand or away, "off": no line
+    overlay,     ///< `word`: what the surface is coloured by; empty: the next one
+    home,        ///< the clip's own view
+    turn,        ///< `number`: degrees to the right
+    tilt,        ///< `number`: degrees up
+    nearer,      ///< `number`: factor by which the view comes nearer
+    panel,       ///< shown or not
+    help,        ///< shown or not
+    fullscreen,  ///< on or off
+    size,        ///< `width` x `height`: of the window, pixels
+    screenshot,  ///< `word`: the file; empty: a new name in the working folder
+    open,        ///< `word`: a clip
+    feel,        ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
+    settings,    ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
+    reset,       ///< everything that is kept from one window to the next
+    tool,        ///< `word`: touch, paint, join or cut; empty: away, or the last one again
+    material,    ///< `word`: the material in hand
+    paint,       ///< `places`: a pixel of the segment that gets the material in hand
+    join,        ///< `places`: pixels of two segments that are one from now on
+    cut,         ///< `places`: a stroke over a segment that is two from now on
+    otherwise,   ///< `word`: material of all segments that nobody painted; empty: a guess for each
     undo,
     redo,
     save_materials,  ///< `word`: the file; empty: the clip's own

@@ -151,7 +151,8 @@ Result<void> WindowLoop::turn() {
     if (begun_ && !quit_) take_script(script_s);
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held());
+    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held() &&
+                          !measure_.is_held());
     brush_.go_on(screen_->size());
     heed_brush();
     go_on_opening();
@@ -291,6 +292,7 @@ void WindowLoop::take(const InputEvent& event) {
     }
     if (event.kind == Kind::key && event.word == "escape" && brush_.is_held())
         return take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
+    if (event.kind == Kind::key && event.word == "escape" && measure_.is_held()) return measure_.let_go();
     if (event.kind == Kind::key) {
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (binding && (!event.repeated || goes_by_steps(binding->verb)))
@@ -308,6 +310,7 @@ void WindowLoop::take(const InputEvent& event) {
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
+    if (!is_of_panel && measure_.take(event, pointer_at_)) return;
     if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     if (!is_of_panel || event.kind == Kind::released)

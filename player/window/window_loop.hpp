@@ -12,6 +12,7 @@
 #include "player/audio/window_sound.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
+#include "player/control/measure_tool.hpp"
 #include "player/control/pointer_input.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
@@ -62,6 +63,8 @@ private:
     void look_after_hand(const WatchedMoment* moment);
     void power_hand_off();
     void set_overlay(const std::string& name);
+    void take_of_measure(const WindowCommand& command);
+    void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
@@ -159,6 +162,7 @@ private:
     std::int64_t changed_at_ = 0;                    // figures_.pictures at the last change
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
+    MeasureTool measure_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;

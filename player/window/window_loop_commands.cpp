@@ -49,6 +49,8 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::redo:
         case WindowVerb::save_materials:
             return take_of_brush(command);
+        case WindowVerb::measure:
+            return take_of_measure(command);
         default:
             return take_of_window(command);
     }
@@ -142,6 +144,7 @@ void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
         return say("the clip is about to go; nothing is painted any more", true);
     brush_.take(command);
+    if (brush_.is_held()) measure_.hold(false);
     if (brush_.is_held() && (command.verb == WindowVerb::tool || command.verb == WindowVerb::material))
         panel_->shown = true;
     heed_brush();
@@ -202,6 +205,7 @@ void WindowLoop::reset() {
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);
+    measure_.let_go();
     if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
 }
 
