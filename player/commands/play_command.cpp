@@ -273,6 +273,7 @@ void print(const PlayFigures& figures) {
                 static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
     if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", figures.relief.c_str());
+    for (const std::string& line : figures.measured) std::printf("%-24s%s\n", "measured", line.c_str());
     if (!figures.materials.empty()) std::printf("%-24s%s\n", "materials", figures.materials.c_str());
 }
 
@@ -409,16 +410,17 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {
-        {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
-          "--rate", "--loop"}},
-        {"The window",
-         {"--size", "--scale", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-        {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
-        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {{"The clip",
+                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
+                    "--align", "--fill-from-motion", "--least-confidence", "--camera", "--latency",
+                    "--stale-after", "--start", "--rate", "--loop"}},
+                  {"The window",
+                   {"--size", "--scale", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds",
+                    "--screenshot", "--at", "--record", "--sound", "--video", "--settings", "--segments",
+                    "--brush-history", "--overwrite"}},
+                  {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
+                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }

@@ -50,6 +50,10 @@ Places places_of(WindowVerb verb) {
     if (verb == WindowVerb::paint) return {1, 1, "a pixel of the segment, X,Y or X,Y,FRAME, such as 120,80"};
     if (verb == WindowVerb::join)
         return {2, 2, "pixels of two segments, X,Y or X,Y,FRAME each, such as 120,80 200,90"};
+    if (verb == WindowVerb::measure)
+        return {2, 2,
+                "two pixels of the depth, X,Y each, such as 120,80 200,90; nothing takes the tool or puts it "
+                "away, and off takes the line away"};
     return {2, HeldBrush::most_points,
             "pixels of a stroke over one frame, X,Y or X,Y,FRAME each, such as 120,80 160,85 200,90"};
 }
@@ -64,6 +68,7 @@ Result<WindowCommand> read_places(WindowVerb verb, const std::string& name, cons
     for (std::string word; words >> word;) {
         const auto place = read_pixel_of_frame(word);
         if (!place || command.places.size() == takes.most) return refused();
+        if (verb == WindowVerb::measure && place->frame >= 0) return refused();  // it is of what is seen
         if (verb == WindowVerb::cut && !command.places.empty() && place->frame != command.places[0].frame)
             return refused();
         command.places.push_back(*place);
@@ -74,7 +79,7 @@ Result<WindowCommand> read_places(WindowVerb verb, const std::string& name, cons
 
 }  // namespace
 
-Result<WindowCommand> read_brush_words(WindowVerb verb, const std::string& name, const std::string& rest) {
+Result<WindowCommand> read_tool_words(WindowVerb verb, const std::string& name, const std::string& rest) {
     WindowCommand command{.verb = verb, .word = rest};
     switch (verb) {
         case WindowVerb::tool:
@@ -84,6 +89,8 @@ Result<WindowCommand> read_brush_words(WindowVerb verb, const std::string& name,
                     ": right would be touch, paint, join or cut; nothing puts it away, or takes "
                     "the last one again");
             return command;
+        case WindowVerb::measure:
+            return rest.empty() || rest == "off" ? command : read_places(verb, name, rest);
         case WindowVerb::otherwise:
             if (rest == "guess") command.word.clear();
             if (rest != "guess" && !find_material(rest))

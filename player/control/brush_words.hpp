@@ -14,8 +14,8 @@ namespace touchable {
 /// is -1. Nothing where it is none.
 std::optional<PixelOfFrame> read_pixel_of_frame(std::string_view word);
 
-/// A command of the brush: what follows its first word, `name`. Refused (ErrorKind::usage) with what would be
-/// right.
-Result<WindowCommand> read_brush_words(WindowVerb verb, const std::string& name, const std::string& rest);
+/// A command of the brush, or of measuring: what follows its first word, `name`. Refused (ErrorKind::usage)
+/// with what would be right.
+Result<WindowCommand> read_tool_words(WindowVerb verb, const std::string& name, const std::string& rest);
 
 }  // namespace touchable

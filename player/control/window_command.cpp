@@ -12,7 +12,7 @@
 namespace touchable {
 namespace {
 
-enum class Takes { nothing, number, word, perhaps_a_word, on_or_off, size, of_brush };
+enum class Takes { nothing, number, word, perhaps_a_word, on_or_off, size, of_tool };
 
 struct NamedVerb {
     const char* name;
@@ -40,6 +40,7 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"mute", WindowVerb::mute, Takes::nothing},
                                      {"volume", WindowVerb::volume, Takes::number, 0, 100},
                                      {"louder", WindowVerb::louder, Takes::number, -100, 100},
+                                     {"measure", WindowVerb::measure, Takes::of_tool},
                                      {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
                                      {"dent", WindowVerb::dent, Takes::on_or_off},
                                      {"home", WindowVerb::home, Takes::nothing},
@@ -55,15 +56,15 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"open", WindowVerb::open, Takes::word},
                                      {"settings", WindowVerb::settings, Takes::perhaps_a_word},
                                      {"reset", WindowVerb::reset, Takes::nothing},
-                                     {"tool", WindowVerb::tool, Takes::of_brush},
-                                     {"material", WindowVerb::material, Takes::of_brush},
-                                     {"paint", WindowVerb::paint, Takes::of_brush},
-                                     {"join", WindowVerb::join, Takes::of_brush},
-                                     {"cut", WindowVerb::cut, Takes::of_brush},
-                                     {"otherwise", WindowVerb::otherwise, Takes::of_brush},
+                                     {"tool", WindowVerb::tool, Takes::of_tool},
+                                     {"material", WindowVerb::material, Takes::of_tool},
+                                     {"paint", WindowVerb::paint, Takes::of_tool},
+                                     {"join", WindowVerb::join, Takes::of_tool},
+                                     {"cut", WindowVerb::cut, Takes::of_tool},
+                                     {"otherwise", WindowVerb::otherwise, Takes::of_tool},
                                      {"undo", WindowVerb::undo, Takes::nothing},
                                      {"redo", WindowVerb::redo, Takes::nothing},
-                                     {"save-materials", WindowVerb::save_materials, Takes::of_brush},
+                                     {"save-materials", WindowVerb::save_materials, Takes::of_tool},
                                      {"quit", WindowVerb::quit, Takes::nothing}};
 
 std::string in_words(double number) {
@@ -113,6 +114,7 @@ std::span<const KeyBinding> key_bindings() {
         {"/", false, louder, -5, nullptr},
         {"*", false, louder, 5, nullptr},
         {"o", false, overlay, 0, "what the surface is coloured by"},
+        {"t", false, measure, 0, "measure between two places, or not"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
         {"p", false, tool, 0, "the brush of materials, in the hand or away"},
         {"z", false, undo, 0, "undo what was painted, or redo it", true},
@@ -188,7 +190,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         return usage_error("'" + name + "' is no command of the window; there are " + known);
     }
     WindowCommand command{named->verb, 0, ""};
-    if (named->takes == Takes::of_brush) return read_brush_words(named->verb, name, rest);
+    if (named->takes == Takes::of_tool) return read_tool_words(named->verb, name, rest);
     if (named->takes == Takes::nothing) {
         if (!rest.empty()) return usage_error("'" + name + "' takes nothing, and not '" + rest + "'");
         return command;

@@ -31,29 +31,30 @@ enum class WindowVerb {
     mute,         ///< no sound, or again
     volume,       ///< `number`: 0 to 100, of all that is heard
     louder,       ///< `number`: by which the volume grows
-    overlay,      ///< `word`: what the surface is coloured by; empty: the next one
-    dent,         ///< `number`: 1 where a surface that gives way is drawn so, 0 where it is not
-    home,         ///< the clip's own view
-    turn,         ///< `number`: degrees to the right
-    tilt,         ///< `number`: degrees up
-    nearer,       ///< `number`: factor by which the view comes nearer
-    panel,        ///< shown or not
-    help,         ///< shown or not
-    dismiss,      ///< the fault that is shown was read
-    leave,        ///< what is in front: help, fault, brush, full screen; where nothing is, the window
-    fullscreen,   ///< on or off
-    size,         ///< `width` x `height`: of the window, pixels
-    screenshot,   ///< `word`: the file; empty: a new name in the working folder
-    open,         ///< `word`: a clip
-    feel,         ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
-    settings,     ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
-    reset,        ///< everything that is kept from one window to the next
-    tool,         ///< `word`: touch, paint, join or cut; empty: away, or the last one again
-    material,     ///< `word`: the material in hand
-    paint,        ///< `places`: a pixel of the segment that gets the material in hand
-    join,         ///< `places`: pixels of two segments that are one from now on
-    cut,          ///< `places`: a stroke over a segment that is two from now on
-    otherwise,    ///< `word`: material of all segments that nobody painted; empty: a guess for each
+    measure,     ///< `places`: two pixels; none: `word`, empty: the tool, in the hand or away, "off": no line
+    overlay,     ///< `word`: what the surface is coloured by; empty: the next one
+    dent,        ///< `number`: 1 where a surface that gives way is drawn so, 0 where it is not
+    home,        ///< the clip's own view
+    turn,        ///< `number`: degrees to the right
+    tilt,        ///< `number`: degrees up
+    nearer,      ///< `number`: factor by which the view comes nearer
+    panel,       ///< shown or not
+    help,        ///< shown or not
+    dismiss,     ///< the fault that is shown was read
+    leave,       ///< what is in front: help, fault, brush, full screen; where nothing is, the window
+    fullscreen,  ///< on or off
+    size,        ///< `width` x `height`: of the window, pixels
+    screenshot,  ///< `word`: the file; empty: a new name in the working folder
+    open,        ///< `word`: a clip
+    feel,        ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
+    settings,    ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
+    reset,       ///< everything that is kept from one window to the next
+    tool,        ///< `word`: touch, paint, join or cut; empty: away, or the last one again
+    material,    ///< `word`: the material in hand
+    paint,       ///< `places`: a pixel of the segment that gets the material in hand
+    join,        ///< `places`: pixels of two segments that are one from now on
+    cut,         ///< `places`: a stroke over a segment that is two from now on
+    otherwise,   ///< `word`: material of all segments that nobody painted; empty: a guess for each
     undo,
     redo,
     save_materials,  ///< `word`: the file; empty: the clip's own

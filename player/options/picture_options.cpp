@@ -55,8 +55,8 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
     sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
     add_word_option(
         sub, "--show", options.show,
-        "coloured by: colour (the clip's), depth, stiffness, friction (static), dynamic-friction, "
-        "height, normals, tiles (which are drawn) or validity",
+        "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction (static), "
+        "dynamic-friction, height, normals, tiles (which are drawn) or validity",
         words_of_overlays())
         ->needs(picture);
 }

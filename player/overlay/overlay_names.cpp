@@ -10,6 +10,7 @@ constexpr struct {
     const char* name;
 } overlay_names[] = {{Overlay::colour, "colour"},
                      {Overlay::depth, "depth"},
+                     {Overlay::depth_linear, "depth-linear"},
                      {Overlay::stiffness, "stiffness"},
                      {Overlay::static_friction, "friction"},
                      {Overlay::dynamic_friction, "dynamic-friction"},

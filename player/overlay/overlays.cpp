@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 
@@ -33,9 +34,9 @@ struct Meaning {
 };
 
 Meaning meaning_of(Overlay kind, const Scene& scene) {
-    const bool is_room = scene.depth.far * scene.metres_per_unit > 10;
-    const char* length = is_room ? "m" : "mm";
-    const double metres = scene.metres_per_unit * (is_room ? 1 : 1000);
+    const double deepest_m = scene.depth.far * scene.metres_per_unit;
+    const bool is_room = deepest_m > 10, is_arm_long = deepest_m > 1;
+    const double millimetres = 1000 * scene.metres_per_unit;
     switch (kind) {
         case Overlay::stiffness:
             return {Scalar::stiffness, "stiffness", "N/mm", 0.001};
@@ -45,23 +46,27 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
             return {Scalar::dynamic_friction, "dynamic friction", "", 1};
         case Overlay::height:
             // Not of the hand, by whose millimetres a relief is asked for.
-            return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene", metres};
+            return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene",
+                    is_room ? scene.metres_per_unit : millimetres};
         default:
-            return {Scalar::depth, "depth", length, metres};
+            return {Scalar::depth, "depth", is_arm_long ? "m" : "mm",
+                    is_arm_long ? scene.metres_per_unit : millimetres};
     }
 }
 
-struct SeenRange {
+struct SeenValues {
     ValueRange shown, all;
+    std::vector<float> values;  // but for those at the far plane, in any order
 };
 
-/// Over some thirty thousand of the pixels; of depths without the outermost ones, nor what is at the far
+/// Some thirty thousand of the pixels; shown is of depths without the outermost ones, nor what is at the far
 /// plane, where backgrounds are.
-SeenRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
+SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
     const int step = 1 + std::max(field.width(), field.height()) / 256;
     const auto most = static_cast<float>(scalar == Scalar::depth ? 0.999 * field.scene().depth.far
                                                                  : std::numeric_limits<float>::max());
-    std::vector<float> values;
+    SeenValues seen;
+    std::vector<float>& values = seen.values;
     float least = std::numeric_limits<float>::max(), greatest = std::numeric_limits<float>::lowest();
     for (int y = step / 2; y < field.height(); y += step) {
         rows.read(y, row.data());
@@ -72,15 +77,25 @@ SeenRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows, 
             if (value > greatest) greatest = value;
         }
     }
-    if (values.empty()) return {};
+    if (values.empty()) return seen;
     const auto quantile = [&](std::size_t percent) {
         const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * percent / 100);
         std::nth_element(values.begin(), at, values.end());
         return static_cast<double>(*at);
     };
     const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
-    return {{quantile(outermost), quantile(100 - outermost)},
-            {static_cast<double>(least), static_cast<double>(greatest)}};
+    seen.shown = {quantile(outermost), quantile(100 - outermost)};
+    seen.all = {static_cast<double>(least), static_cast<double>(greatest)};
+    return seen;
+}
+
+/// Whether a plane of the clip tells it.
+bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
+    const auto has = [scalar](const SurfaceFrame& frame) {
+        return scalar == Scalar::depth ||
+               (scalar == Scalar::height ? !frame.heights.empty() : !frame.haptic.empty());
+    };
+    return has(*pair.prev.frame) || (field.blend() > 0 && has(*pair.next.frame));
 }
 
 /// Ends that are farther apart than what roundings make.
@@ -108,6 +123,21 @@ double OverlayScale::share_of(double value) const {
     if (!(range.greatest > range.least)) return 0.5;
     const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
     return least_is_light ? 1 - share : share;
+}
+
+std::string OverlayScale::title() const {
+    return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
+}
+
+std::string OverlayScale::everywhere() const {
+    if (!classes.empty() || range.greatest > range.least) return "";
+    const auto words = [this](double value) {
+        char number[32];
+        std::snprintf(number, sizeof number, "%.4g", value);
+        return number + (unit.empty() ? "" : " " + unit);
+    };
+    return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
+           (at_holes ? "; " + words(*at_holes) + " at holes" : "");
 }
 
 const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
@@ -140,30 +170,69 @@ void Overlays::paint_values(Overlay kind, const HeightField& field, const FrameP
     std::vector<float> row(static_cast<std::size_t>(width));
     std::vector<std::uint32_t> indices(row.size());
     rows_.begin(meaning.scalar, field, pair);
-    const SeenRange seen = seen_range(meaning.scalar, field, rows_, row);
-    const ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+    const SeenValues seen = seen_values(meaning.scalar, field, rows_, row);
+    ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+    const auto& hole_stiffness = field.scene().hole_stiffness;  // N/mm
+    const bool is_mapped = has_map(meaning.scalar, field, pair);
+    if (!is_mapped && kind == Overlay::stiffness && hole_stiffness) {
+        range.least = range.greatest = field.default_properties().stiffness;
+        picture_.scale.at_holes = *hole_stiffness;
+    }
+    const bool even = !(range.greatest > range.least), is_equalised = kind == Overlay::depth && !even;
     OverlayScale& scale = picture_.scale;
     scale.name = meaning.name;
     scale.unit = meaning.unit;
     scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
-    scale.is_less = range.greatest > range.least && seen.all.least < range.least;
-    scale.is_more = range.greatest > range.least && seen.all.greatest > range.greatest;
-    scale.least_is_light = kind == Overlay::depth;  // what is near is light
-    std::array<PackedColour, 257> colours{};
-    for (std::size_t k = 0; k < 256; ++k) colours[k] = colour_ramp()[scale.least_is_light ? 255 - k : k];
-    const bool even = !(range.greatest > range.least);
-    if (even) std::fill_n(colours.begin(), 256, ramp_colour(0.5));
+    scale.is_less = !even && seen.all.least < range.least;
+    scale.is_more = !even && seen.all.greatest > range.greatest;
+    scale.least_is_light = meaning.scalar == Scalar::depth;  // what is near is light
+    scale.has_map = is_mapped;
+    if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
+    if (is_equalised) {
+        equalised_.update(seen.values, field);
+        make_equalised(range, meaning.factor);
+    } else {
+        colours_.assign(colour_ramp().begin(), colour_ramp().end());
+        if (scale.least_is_light) std::reverse(colours_.begin(), colours_.end());
+        if (even) std::fill(colours_.begin(), colours_.end(), ramp_colour(0.5));
+    }
     const auto least = static_cast<float>(range.least);
     const auto per_value = static_cast<float>(even ? 0.0 : 255.0 / (range.greatest - range.least));
     for (int y = 0; y < field.height(); ++y) {
         rows_.read(y, row.data());
-        indices_of(row.data(), width, least, per_value, indices.data());
+        if (is_equalised)
+            equalised_.find_bins(row.data(), width, indices.data());
+        else
+            indices_of(row.data(), width, least, per_value, indices.data());
         std::uint8_t* rgb = this->row(y);
         for (int x = 0; x < width; ++x, rgb += 3) {
             const std::uint32_t index = indices[static_cast<std::size_t>(x)];
-            put(index < 256 ? colours[index] : hole_colour(x, y), rgb);
+            put(index < colours_.size() ? colours_[index] : hole_colour(x, y), rgb);
         }
     }
+}
+
+/// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
+/// `factor`: of the scale's unit.
+void Overlays::make_equalised(const ValueRange& range, double factor) {
+    std::uint32_t ends[2];
+    const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
+    equalised_.find_bins(values, 2, ends);
+    const double first = equalised_.share_of_bin(ends[0]), last = equalised_.share_of_bin(ends[1]);
+    colours_.resize(equalised_.bins());
+    for (std::size_t k = 0; k < colours_.size(); ++k) {
+        const double share = (equalised_.share_of_bin(k) - first) / std::max(last - first, 1e-9);
+        colours_[k] = ramp_colour(1 - share);
+    }
+    OverlayScale& scale = picture_.scale;
+    scale.spread = "equalised";
+    constexpr int steps = 4;
+    for (int k = 0; k <= steps; ++k) {
+        const double value = equalised_.depth_at(first + (last - first) * k / steps);
+        scale.levels.push_back(factor * std::clamp(value, range.least, range.greatest));
+    }
+    scale.levels.front() = scale.range.least;
+    scale.levels.back() = scale.range.greatest;
 }
 
 void Overlays::find_q(const HeightField& field, const FramePair& pair) {
@@ -246,7 +315,8 @@ void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
 }
 
 void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface) {
-    const bool shows_relief = kind == Overlay::depth || kind == Overlay::normals;
+    const bool shows_relief =
+        kind == Overlay::depth || kind == Overlay::depth_linear || kind == Overlay::normals;
     const unsigned lit_share = shows_relief ? 0 : 128;  // of 256
     for (std::size_t k = 0; k < surface.colours.size(); ++k) {
         const std::uint8_t* rgb = overlay.rgb.data() + 3 * k;

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
 #include "engine/result.hpp"
+#include "player/overlay/equalised_depth.hpp"
 #include "player/overlay/scalar_rows.hpp"
 #include "player/overlay/steady_range.hpp"
 #include "player/view/cpu_lattice.hpp"
@@ -17,7 +19,8 @@ namespace touchable {
 /// What a surface is coloured by: its own colours, or one of the things it is made of.
 enum class Overlay {
     colour,
-    depth,
+    depth,         ///< in equally many pixels a step (EqualisedDepth)
+    depth_linear,  ///< in equally many millimetres a step
     stiffness,
     static_friction,
     dynamic_friction,
@@ -39,15 +42,25 @@ struct OverlayScale {
         PackedColour colour;
         std::string words;
     };
-    std::string name;  ///< "depth"
-    std::string unit;  ///< "mm"; may be empty
-    ValueRange range;  ///< in that unit; two equal ends: it is the same everywhere
+    std::string name{};    ///< "depth"
+    std::string unit{};    ///< "mm"; may be empty
+    std::string spread{};  ///< how values lie on the scale, where there are several ways; empty: evenly
+    ValueRange range{};    ///< in that unit; two equal ends: it is the same everywhere
+    /// Values at equal distances on the scale, from end to end; empty: values lie evenly.
+    std::vector<double> levels{};
     bool least_is_light = false;
-    std::vector<Class> classes;             ///< where there are any there is no scale
+    std::vector<Class> classes{};           ///< where there are any there is no scale
     bool is_less = false, is_more = false;  ///< some of what is seen lies beyond that end, and has its colour
+    bool has_map = true;                    ///< false: no plane of the clip tells it
+    std::optional<double> at_holes{};       ///< what it is there, where the clip has no map and they differ
 
-    /// Where a value is on the ramp, 0 to 1; of what is the same everywhere, the middle.
+    /// Where a value is on the ramp, 0 to 1, where values lie evenly; of what is the same everywhere, the
+    /// middle.
     double share_of(double value) const;
+    /// "depth, mm: equalised", over the scale.
+    std::string title() const;
+    /// That it is the same everywhere, and whether the clip has a map of it; empty: it is not.
+    std::string everywhere() const;
 };
 
 /// A colour for every pixel of a field.
@@ -72,6 +85,7 @@ public:
 
 private:
     void paint_values(Overlay kind, const HeightField& field, const FramePair& pair);
+    void make_equalised(const ValueRange& range, double factor);
     void paint_normals(const HeightField& field);
     void paint_tiles(const HeightField& field);
     void paint_validity(const HeightField& field, const FramePair& pair);
@@ -80,9 +94,11 @@ private:
 
     OverlayPicture picture_;
     ScalarRows rows_;
-    std::array<SteadyRange, 9> ranges_;  // by kind
+    std::array<SteadyRange, 10> ranges_;  // by kind
+    EqualisedDepth equalised_;
     CpuLattices lattices_{1};
     std::vector<float> q_;
+    std::vector<PackedColour> colours_;  // of values, by their place
 };
 
 /// Makes of a surface lit in the overlay's colours one in which they can be read: relief is left where the

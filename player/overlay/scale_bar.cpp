@@ -45,10 +45,6 @@ Corner corner_for(double width, double height, const panel::Frame& frame) {
     return {left, frame.height - panel::margin - height};
 }
 
-std::string title_of(const OverlayScale& scale) {
-    return scale.unit.empty() ? scale.name : scale.name + ", " + scale.unit;
-}
-
 void draw_words(cairo_t* c, double x, double y, const std::string& words) {
     panel::ink(c, 1);
     cairo_move_to(c, x, y);
@@ -87,18 +83,30 @@ void draw_ramp(cairo_t* c, double x, double y, bool backward) {
     cairo_set_antialias(c, CAIRO_ANTIALIAS_DEFAULT);
 }
 
-/// The same everywhere: one colour and its value.
+/// The same everywhere: one colour, and why.
 void draw_even(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
-    char text[64];
-    std::snprintf(text, sizeof text, " %.4g", scale.range.least);
     OverlayScale one;
     one.name = scale.name;
-    one.classes = {
-        {ramp_colour(0.5), "everywhere" + std::string(text) + (scale.unit.empty() ? "" : " ") + scale.unit}};
+    one.classes = {{ramp_colour(0.5), scale.everywhere()}};
     draw_classes(c, one, frame);
 }
 
-void draw_bar(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+/// Words below the bar, in pixels from its left end.
+struct PlacedMark {
+    double at;
+    std::string text;
+};
+
+/// Round values where they lie evenly; otherwise the scale's levels, which lie at equal distances.
+std::vector<PlacedMark> placed_marks(cairo_t* c, const OverlayScale& scale) {
+    std::vector<PlacedMark> placed;
+    for (const double level : scale.levels) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.3g", level);
+        const auto steps = static_cast<double>(scale.levels.size() - 1);
+        placed.push_back({bar_width * static_cast<double>(placed.size()) / steps, text});
+    }
+    if (!placed.empty()) return placed;
     const auto place_of = [&](double value) {
         return bar_width * (value - scale.range.least) / (scale.range.greatest - scale.range.least);
     };
@@ -111,22 +119,27 @@ void draw_bar(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) 
         }
         return true;
     };
-    const auto marks = scale_marks(scale.range, fits);
+    for (const ScaleMark& mark : scale_marks(scale.range, fits))
+        placed.push_back({place_of(mark.value), mark.text});
+    return placed;
+}
+
+void draw_bar(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+    const auto marks = placed_marks(c, scale);
     // Words of the first and the last mark may stand out beyond the bar.
-    const double over =
-        std::max(panel::text_width(c, marks.front().text) / 2 - place_of(marks.front().value),
-                 panel::text_width(c, marks.back().text) / 2 + place_of(marks.back().value) - bar_width);
+    const double over = std::max(panel::text_width(c, marks.front().text) / 2 - marks.front().at,
+                                 panel::text_width(c, marks.back().text) / 2 + marks.back().at - bar_width);
     const double side = panel::padding + std::max(0.0, over);
     const double width = bar_width + 2 * side,
                  height = 2 * panel::row_height + bar_height + mark_height + 2 * panel::padding;
     const auto [left, top] = corner_for(width, height, frame);
     panel::ground(c, left, top, width, height);
     const double x = left + side, y = top + panel::padding + panel::row_height;
-    draw_words(c, x, y - 8, title_of(scale));
+    draw_words(c, x, y - 8, scale.title());
     draw_ramp(c, x, y, scale.least_is_light);
     cairo_set_line_width(c, 1.5);
-    for (const ScaleMark& mark : marks) {
-        const double at = x + place_of(mark.value);
+    for (const PlacedMark& mark : marks) {
+        const double at = x + mark.at;
         panel::ink(c, 1);
         cairo_move_to(c, at, y + bar_height);
         cairo_line_to(c, at, y + bar_height + mark_height);

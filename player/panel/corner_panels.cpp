@@ -211,36 +211,56 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     ImGui::PopStyleVar();
 }
 
+namespace {
+
+/// A colour and what it means.
+void draw_class(PackedColour colour, const char* words, float scale) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float side = ImGui::GetFontSize();
+    ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + side, at.y + side), colour, 3 * scale);
+    ImGui::Dummy(ImVec2(side, side));
+    ImGui::SameLine();
+    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 270 * scale);
+    ImGui::TextUnformatted(words);
+    ImGui::PopTextWrapPos();
+}
+
+/// The ramp, and below it its ends; the middle too where values do not lie evenly.
+void draw_ramp(const OverlayScale& scale_of, float scale) {
+    const float wide = 220 * scale, tall = 12 * scale;
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    constexpr int steps = 50;
+    for (int k = 0; k < steps; ++k) {
+        const double share = (k + 0.5) / steps;
+        list.AddRectFilled(ImVec2(at.x + wide * static_cast<float>(k) / steps, at.y),
+                           ImVec2(at.x + wide * static_cast<float>(k + 1) / steps, at.y + tall),
+                           ramp_colour(scale_of.least_is_light ? 1 - share : share));
+    }
+    ImGui::Dummy(ImVec2(wide, tall));
+    // `part`: of the words that is left of the place.
+    const auto draw_at = [&](float place, const std::string& words, float part) {
+        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + place -
+                        part * ImGui::CalcTextSize(words.c_str()).x);
+        ImGui::TextDisabled("%s", words.c_str());
+    };
+    ImGui::TextDisabled("%s", end_of_scale(scale_of.range.least, scale_of.is_less ? "< " : "").c_str());
+    if (!scale_of.levels.empty())
+        draw_at(wide / 2, short_text("%.3g", scale_of.levels[scale_of.levels.size() / 2]), 0.5F);
+    draw_at(wide, end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : ""), 1);
+}
+
+}  // namespace
+
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale) {
-    const float wide = 200 * scale, tall = 12 * scale;
     begin_box("scale",
               {.x = right, .y = bottom, .pivot_x = 1, .pivot_y = 1, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::TextUnformatted((scale_of.name + (scale_of.unit.empty() ? "" : ", " + scale_of.unit)).c_str());
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    for (const OverlayScale::Class& named : scale_of.classes) {
-        const ImVec2 at = ImGui::GetCursorScreenPos();
-        const float side = ImGui::GetFontSize();
-        list.AddRectFilled(at, ImVec2(at.x + side, at.y + side), named.colour, 3 * scale);
-        ImGui::Dummy(ImVec2(side, side));
-        ImGui::SameLine();
-        ImGui::TextUnformatted(named.words.c_str());
-    }
-    if (scale_of.classes.empty()) {
-        const ImVec2 at = ImGui::GetCursorScreenPos();
-        constexpr int steps = 50;
-        for (int k = 0; k < steps; ++k) {
-            const double share = (k + 0.5) / steps;
-            list.AddRectFilled(ImVec2(at.x + wide * static_cast<float>(k) / steps, at.y),
-                               ImVec2(at.x + wide * static_cast<float>(k + 1) / steps, at.y + tall),
-                               ramp_colour(scale_of.least_is_light ? 1 - share : share));
-        }
-        ImGui::Dummy(ImVec2(wide, tall));
-        const std::string least = end_of_scale(scale_of.range.least, scale_of.is_less ? "< " : ""),
-                          most = end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : "");
-        ImGui::TextDisabled("%s", least.c_str());
-        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + wide - ImGui::CalcTextSize(most.c_str()).x);
-        ImGui::TextDisabled("%s", most.c_str());
-    }
+    const std::string everywhere = scale_of.everywhere();
+    ImGui::TextUnformatted((everywhere.empty() ? scale_of.title() : scale_of.name).c_str());
+    for (const OverlayScale::Class& named : scale_of.classes)
+        draw_class(named.colour, named.words.c_str(), scale);
+    if (!everywhere.empty()) draw_class(ramp_colour(0.5), everywhere.c_str(), scale);
+    if (scale_of.classes.empty() && everywhere.empty()) draw_ramp(scale_of, scale);
     ImGui::End();
 }
 

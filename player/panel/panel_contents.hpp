@@ -8,6 +8,7 @@
 
 #include "player/control/finger_halos.hpp"
 #include "player/control/hand_state.hpp"
+#include "player/control/measure_tool.hpp"
 #include "player/overlay/overlays.hpp"
 #include "player/panel/materials_panel.hpp"
 #include "player/panel/settings_panel.hpp"
@@ -42,6 +43,7 @@ struct PanelFacts {
     PlaceFacts place;
     SettingsFacts settings;
     BrushFacts brush;
+    MeasureFacts measure;
     std::vector<std::string> figures;  ///< of the machine, a line each
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened

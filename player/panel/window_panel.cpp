@@ -11,6 +11,7 @@
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
+#include "player/panel/measure_panel.hpp"
 #include "player/panel/panel_rows.hpp"
 
 namespace touchable {
@@ -137,6 +138,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
     draw_brush_line(facts.brush, scale_);
+    draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
     if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
     if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
@@ -267,6 +269,7 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
         "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "
         "force.");
     draw_view(scale, asked);
+    draw_measure(facts.measure, scale, asked);
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
         asked.push_back({WindowVerb::force});

@@ -138,7 +138,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
         built_epoch_ = raw.epoch;
         newest_.reset();
     }
-    if (frame.shown && eye_ != SurfaceTimeline::Eye::none) colours_.put(raw);
+    if (frame.shown && eye_ != SurfaceTimeline::Eye::none) stored_planes_.put(raw);
     const bool unchanged =
         !settles_ && newest_ && same_touch_planes(*newest_, raw) && same_filled(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);

@@ -18,7 +18,7 @@
 #include "player/run/planes_hash.hpp"
 #include "player/run/scene_cuts.hpp"
 #include "player/run/time_spread.hpp"
-#include "player/run/watched_colours.hpp"
+#include "player/run/watched_planes.hpp"
 
 namespace touchable {
 
@@ -58,8 +58,8 @@ struct FeedFigures {
 class SurfaceFeed {
 public:
     /// `scene`: the reader's, as this run applies it. `warm_up_frames`: that a filter with a memory sees
-    /// before an epoch's first frame. `eye`: whether somebody looks at what the hand holds; colour is kept
-    /// for them.
+    /// before an epoch's first frame. `eye`: whether somebody looks at what the hand holds; stored
+    /// planes are kept for them.
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                 const Scene& scene, int warm_up_frames = temporal_warm_up_frames,
                 SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
@@ -106,7 +106,7 @@ public:
     void end_epoch(std::uint64_t epoch);
     SurfaceTimeline& timeline() { return timeline_; }
     /// Where there is an eye.
-    WatchedColours& colours() { return colours_; }
+    WatchedPlanes& stored_planes() { return stored_planes_; }
     /// Any thread, at any time.
     FeedFigures figures() const;
     /// Any thread: the frames that are cuts (SceneCuts), where there is an eye.
@@ -159,7 +159,7 @@ private:
     bool settles_;  // a filter that remembers makes another surface of the same frame once more
     SurfaceTimeline::Eye eye_;
     SurfaceTimeline timeline_;
-    WatchedColours colours_;
+    WatchedPlanes stored_planes_;
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by it
     SceneCuts cuts_;       // likewise

@@ -93,7 +93,7 @@ const WatchedMoment* WatchedSession::look() {
     if (!held) return nullptr;
     const auto nearer = [](const FramePair& pair) { return pair.blend < 0.5 ? pair.prev : pair.next; };
     seen_.held = *held;
-    seen_.colour = setup_->feed->colours().find(held->pair.epoch, nearer(held->pair).number);
+    seen_.stored = setup_->feed->stored_planes().find(held->pair.epoch, nearer(held->pair).number);
     ticks_.copy_newest(seen_.felt);
     return &seen_;
 }

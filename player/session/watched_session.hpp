@@ -18,8 +18,10 @@ namespace touchable {
 /// What the hand was at, for whoever draws it.
 struct WatchedMoment {
     HeldPair held;                     ///< its frames stay whole until the next look
-    std::optional<HeldColour> colour;  ///< of the pair's frame nearer in time; nothing where it has none
+    std::optional<HeldPlanes> stored;  ///< of the pair's frame nearer in time, where its reader keeps them
     WatchedTick felt;                  ///< by every finger: of that tick or one a few later
+
+    PlaneView colour() const { return stored ? stored->colour : PlaneView{}; }  ///< empty: it has none
 };
 
 /// How a session goes while it does.

@@ -230,7 +230,8 @@ PixelValues values_at(const HeightField& field, const FramePair& pair, int x, in
     const FieldVertex vertex = drawn_vertex(field, x, y);
     const double millimetres = field.scene().metres_per_unit * 1000;
     const double height = vertex.valid ? height_at(field, pair, x, y) : 0;
-    return {vertex.valid, vertex.depth,         vertex.depth * millimetres,
+    const double z = planar_depth(field.scene().camera, field.scene().depth.semantics, x, y, vertex.depth);
+    return {vertex.valid, vertex.depth,         vertex.depth * millimetres,  z,
             height,       height * millimetres, field.properties(x, y, 0, 0)};
 }
 

@@ -50,6 +50,7 @@ struct PixelValues {
     bool valid;                   ///< false: a hole; all but the properties are those of the far plane
     double depth;                 ///< as the coding has it (range or planar), height taken off, scene units
     double depth_mm;              ///< the same, as the scene says what its unit is
+    double z;                     ///< planar depth: along the camera's axis, scene units
     double height;                ///< taken off the depth, scene units
     double height_mm;             ///< likewise
     HapticProperties properties;  ///< stiffness N/m

@@ -20,7 +20,7 @@ void ClipPicture::forget() {
 
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field, int step) {
     const FramePair& pair = moment.held.pair;
-    const PlaneView colour = moment.colour ? moment.colour->plane : PlaneView{};
+    const PlaneView colour = moment.colour();
     const Shown now{pair.epoch, pair.prev.number, pair.next.number, pair.blend, colour.data, tinted_, step};
     if (shown_ == now) return {};
     shown_.reset();
@@ -54,7 +54,7 @@ std::size_t shown_of(const WatchedMoment& moment, int count) {
     return std::min(moment.felt.fingers.size(), static_cast<std::size_t>(count));
 }
 const void* colour_of(const WatchedMoment& moment) {
-    return moment.colour ? moment.colour->plane.data : nullptr;
+    return moment.colour().data;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics_cpu/force_guard.hpp"
+#include "player/control/pixel_words.hpp"
 #include "player/view/surface_pick.hpp"
 
 namespace touchable {
@@ -25,13 +26,24 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
-    if (!met->drawn) return {{"no depth here:", "nothing to touch"}};
+    const Scene& scene = clip.scene();
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
-    PlaceFacts place{{words_of("pixel %d, %d", x, y)}, glm::ivec2(x, y)};
-    if (!values.valid) return place;
+    PlaceFacts place{{words_of("pixel %d, %d", x, y)}};
     std::vector<std::string>& lines = place.lines;
-    lines.push_back(words_of("depth %.1f mm of the scene", values.depth_mm));
+    if (moment.stored && !moment.stored->depth.empty())
+        lines[0] += ", " + stored_in_words(moment.stored->depth, scene, x, y);
+    if (values.valid) {
+        const bool is_range = scene.depth.semantics == DepthSemantics::range;
+        lines.push_back("z " + metres_in_words(values.z, scene) +
+                        (is_range ? ", ray " + metres_in_words(values.depth, scene) : ""));
+    }
+    if (!met->drawn) {
+        lines.insert(lines.end(), {values.valid ? "an edge:" : "no depth here:", "nothing to touch"});
+        return place;
+    }
+    place.pixel = {x, y};
+    if (!values.valid) return place;
     lines.push_back(words_of("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
                              values.properties.dynamic_friction));

@@ -169,7 +169,8 @@ Result<void> WindowLoop::turn() {
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_in_list(clip_->session().look());
     panel_->bar_shown = bar_is_wanted();
-    const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() && !brush_.is_held();
+    const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() &&
+                           !brush_.is_held() && !measure_.is_held();
     screen_->hide_pointer((is_finger && !panel_->covers(pointer_at_.x, pointer_at_.y)) ||
                           (options_.hand && !panel_->bar_shown));
     brush_.go_on(screen_->size());
@@ -330,6 +331,7 @@ void WindowLoop::take(const InputEvent& event) {
     const bool leaves = layer_->holds_pointer() || (is_over && !panel_->is_bar(pointer_at_.x, pointer_at_.y));
     if (leaves && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
+    if (!is_of_panel && measure_.take(event, pointer_at_)) return;
     if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;

@@ -13,6 +13,7 @@
 #include "player/control/double_click.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
+#include "player/control/measure_tool.hpp"
 #include "player/control/playlist.hpp"
 #include "player/control/pointer_input.hpp"
 #include "player/panel/imgui_layer.hpp"
@@ -69,6 +70,8 @@ private:
     void look_after_hand(const WatchedMoment* moment);
     void power_hand_off();
     void set_overlay(const std::string& name);
+    void take_of_measure(const WindowCommand& command);
+    void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void open_others(const std::vector<std::string>& named);
     void open_instead(const ClipChoice& choice);
     void go_in_list(int by);
@@ -176,6 +179,7 @@ private:
     std::int64_t changed_at_ = 0;                    // figures_.pictures at the last change
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
+    MeasureTool measure_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;    // since the last picture
     std::vector<std::string> dropped_;  // at once

@@ -53,6 +53,8 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::redo:
         case WindowVerb::save_materials:
             return take_of_brush(command);
+        case WindowVerb::measure:
+            return take_of_measure(command);
         default:
             return take_of_window(command);
     }
@@ -157,7 +159,9 @@ void WindowLoop::take_of_sound(const WindowCommand& command) {
 /// Help, a fault, the brush, full screen: one of them, from front to back. Whether there was any.
 bool WindowLoop::leave_what_is_in_front() {
     if (std::exchange(panel_->help_shown, false) || notices_.dismiss()) return true;
-    if (brush_.is_held())
+    if (measure_.is_held())
+        measure_.let_go();
+    else if (brush_.is_held())
         take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
     else if (fullscreen_)
         turn_full_screen();
@@ -201,6 +205,7 @@ void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
         return say("the clip is about to go; nothing is painted any more", Tone::refusal);
     brush_.take(command);
+    if (brush_.is_held()) measure_.hold(false);
     if (brush_.is_held() && (command.verb == WindowVerb::tool || command.verb == WindowVerb::material))
         panel_->shown = true;
     heed_brush();
@@ -263,6 +268,7 @@ void WindowLoop::reset() {
     clip_->fingers().set_count(KeptSettings().fingers);
     sound_->set_volume(KeptSettings().volume);
     picture_.set_overlay(Overlay::colour);
+    measure_.let_go();
     if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
 }
 

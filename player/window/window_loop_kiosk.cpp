@@ -112,6 +112,7 @@ void WindowLoop::begin_anew() {
     clip_->fingers().lift();
     clip_->device().set_force(true);
     picture_.set_overlay(Overlay::colour);
+    measure_.let_go();
     sound_->set_muted(false);
     say(playback_->begin_anew(options_.session.playback, playlist_.size() < 2));
 }

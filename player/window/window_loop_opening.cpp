@@ -170,6 +170,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     tell_guesses();
     if (wanted_settings_) wanted_settings_->painted.reset();
     brush_.go_to(*clip_);
+    measure_.let_go();
     return {};
 }
 

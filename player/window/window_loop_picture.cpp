@@ -127,6 +127,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
+    measure(moment, field, camera);
     if (is_inviting_) show_how(field, camera);
     std::vector<Contact> met;
     for (const WatchedFinger& finger : moment.felt.fingers) met.push_back(finger.contact);
@@ -177,6 +178,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     facts.settings.b_is_on = settings_.in_effect.b_is_on;
     facts.settings.relief = relief_words();
     facts.brush = brush_.facts();
+    facts.measure = measure_.facts(camera, clip_->scene());
     if (facts.place.pixel)
         if (const auto words = brush_.segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
             !words.empty())

@@ -253,7 +253,7 @@ TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
         ASSERT_TRUE(goes_on(20));
         const WatchedMoment* seen = clip.session().look();
         ASSERT_NE(seen, nullptr);
-        EXPECT_TRUE(seen->colour.has_value());
+        EXPECT_TRUE(seen->colour().data != nullptr);
         EXPECT_EQ(clip.session().ask(PlaybackVerb::seek, 0).error().kind, ErrorKind::usage);
         SessionSettings settings = clip.settings();
         ASSERT_EQ(message(settings.set("median", "5")), "");

@@ -185,11 +185,13 @@ void ask_anything(WatchedSession& session, Random& random) {
     EXPECT_TRUE(asked.ok()) << asked.error().message;
 }
 
-TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColour) {
-    std::vector<std::vector<std::uint8_t>> colours;
+TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColourAndItsStoredDepth) {
+    std::vector<std::vector<std::uint8_t>> colours, depths;
     auto reader = open_clip(clip).value();
-    for (auto raw = reader->next(); raw.ok() && *raw; raw = reader->next())
+    for (auto raw = reader->next(); raw.ok() && *raw; raw = reader->next()) {
         colours.push_back(bytes_of((*raw)->colour));
+        depths.push_back(bytes_of((*raw)->depth));
+    }
     ASSERT_EQ(colours.size(), std::size_t{watched_frames});
     Random random(15);
     for (const bool temporal : {false, true}) {
@@ -203,9 +205,10 @@ TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColour) {
             const WatchedMoment& seen = *session->look();
             const FramePair& pair = seen.held.pair;
             ASSERT_TRUE(pair.prev.frame->vertices && pair.next.frame->vertices);
-            ASSERT_TRUE(seen.colour);
+            ASSERT_FALSE(seen.colour().empty());
             const auto number = static_cast<std::size_t>((pair.blend < 0.5 ? pair.prev : pair.next).number);
-            ASSERT_EQ(bytes_of(seen.colour->plane), colours[number]);
+            ASSERT_EQ(bytes_of(seen.colour()), colours[number]);
+            ASSERT_EQ(bytes_of(seen.stored->depth), depths[number]);
             ASSERT_EQ(seen.felt.fingers.size(), 1U);
         }
         EXPECT_GT(session->setup().feed->figures().frames, 10);

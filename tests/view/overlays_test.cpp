@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "player/overlay/colour_ramp.hpp"
 #include "player/view/surface_pick.hpp"
@@ -146,7 +149,7 @@ TEST(Overlays, AColourIsItsValuesPlaceOnTheScale) {
         Overlay kind;
         Scalar scalar;
         double per_unit;
-    } kinds[] = {{Overlay::depth, Scalar::depth, per_mm},
+    } kinds[] = {{Overlay::depth_linear, Scalar::depth, per_mm},
                  {Overlay::height, Scalar::height, per_mm},
                  {Overlay::stiffness, Scalar::stiffness, 1000},
                  {Overlay::static_friction, Scalar::static_friction, 1},
@@ -184,7 +187,8 @@ TEST(Overlays, TheScaleOfDepthLeavesOutOutliersAndTheFarPlane) {
     painted.prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
     const FramePair pair = painted.pair(0);
     Overlays overlays;
-    const OverlayScale& scale = overlays.paint(Overlay::depth, HeightField(painted.scene, pair), pair).scale;
+    const OverlayScale& scale =
+        overlays.paint(Overlay::depth_linear, HeightField(painted.scene, pair), pair).scale;
     const double unit = painted.scene.metres_per_unit * (scale.unit == "m" ? 1 : 1000);
     EXPECT_NEAR(scale.range.least, 2 * coding.near * unit, 0.02 * coding.near * unit);
     EXPECT_NEAR(scale.range.greatest, 3 * coding.near * unit, 0.02 * coding.near * unit);
@@ -200,10 +204,141 @@ TEST(Overlays, WhatIsTheSameEverywhereIsOneColour) {
     const OverlayPicture& picture =
         overlays.paint(Overlay::stiffness, HeightField(painted.scene, pair), pair);
     EXPECT_EQ(picture.scale.range, (ValueRange{0.6, 0.6}));
+    EXPECT_EQ(picture.scale.everywhere(), "0.6 N/mm everywhere: this clip has no map");
     for (int x = 0; x < 77; ++x)
         if (painted.prev.is_valid(x, 20)) {
             EXPECT_EQ(colour_at(picture, x, 20), channels(ramp_colour(0.5)));
         }
+}
+
+TEST(Overlays, StiffnessOfHolesIsNoMap) {
+    Painted painted(DepthCodingKind::linear);
+    painted.prev.haptic.clear();
+    const FramePair pair = painted.pair(0);
+    Overlays overlays;
+    const OverlayPicture& picture =
+        overlays.paint(Overlay::stiffness, HeightField(painted.scene, pair), pair);
+    EXPECT_EQ(picture.scale.everywhere(), "0.6 N/mm everywhere: this clip has no map; 0.05 N/mm at holes");
+    for (int x = 0; x < 77; ++x)
+        if (painted.prev.is_valid(x, 20)) {
+            EXPECT_EQ(colour_at(picture, x, 20), channels(ramp_colour(0.5)));
+        }
+}
+
+TEST(Overlays, SaysWhetherAMapTellsWhatIsTheSameEverywhere) {
+    Painted painted(DepthCodingKind::linear);
+    painted.scene.hole_stiffness.reset();
+    std::fill(painted.prev.haptic.begin(), painted.prev.haptic.end(), std::uint8_t{255});
+    painted.prev.heights.clear();
+    const FramePair pair{{0, 0, &painted.prev}, {0, 0, &painted.prev}, 0, 0};
+    const HeightField field(painted.scene, pair);
+    Overlays overlays;
+    EXPECT_EQ(overlays.paint(Overlay::stiffness, field, pair).scale.everywhere(), "3 N/mm everywhere");
+    EXPECT_EQ(overlays.paint(Overlay::static_friction, field, pair).scale.everywhere(), "0.9 everywhere");
+    EXPECT_EQ(overlays.paint(Overlay::height, field, pair).scale.everywhere(),
+              "0 mm of the scene everywhere: this clip has no map");
+    EXPECT_EQ(overlays.paint(Overlay::depth, field, pair).scale.everywhere(), "");
+    EXPECT_EQ(overlays.paint(Overlay::tiles, field, pair).scale.everywhere(), "");
+}
+
+/// Where every twelfth pixel is forty times as far away as the others.
+struct WithOutliers : Painted {
+    WithOutliers() : Painted(DepthCodingKind::linear) {
+        prev.heights.clear();
+        std::vector<double> depths(prev.codes.size());
+        for (std::size_t k = 0; k < depths.size(); ++k)
+            depths[k] = k % 12 == 0 ? 60 : 0.5 + 0.001 * static_cast<double>(k % 1000);
+        prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
+    }
+    /// Places on the ramp of each pixel, 0 (dark) to 255.
+    std::vector<int> places(Overlay kind, OverlayScale& scale) const {
+        const FramePair once{{0, 0, &prev}, {0, 0, &prev}, 0, 0};
+        Overlays overlays;
+        const OverlayPicture& picture = overlays.paint(kind, HeightField(this->scene, once), once);
+        scale = picture.scale;
+        std::vector<int> places;
+        for (int y = 0; y < 41; ++y)
+            for (int x = 0; x < 77; ++x) {
+                const glm::ivec3 seen = colour_at(picture, x, y);
+                const auto& ramp = colour_ramp();
+                const auto at = std::find(
+                    ramp.begin(), ramp.end(),
+                    pack_colour(static_cast<std::uint32_t>(seen.r), static_cast<std::uint32_t>(seen.g),
+                                static_cast<std::uint32_t>(seen.b)));
+                places.push_back(static_cast<int>(at - ramp.begin()));
+            }
+        return places;
+    }
+};
+
+TEST(Overlays, DepthIsEqualisedSoThatFarOutliersLeaveContrast) {
+    const WithOutliers painted;
+    OverlayScale equalised, linear;
+    const std::vector<int> places = painted.places(Overlay::depth, equalised),
+                           even = painted.places(Overlay::depth_linear, linear);
+    int least = 255, greatest = 0, least_even = 255, greatest_even = 0;
+    std::array<int, 8> counts{};
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        ASSERT_LT(places[k], 256) << "no colour of the ramp";
+        ++counts[static_cast<std::size_t>(places[k] / 32)];
+        if (k % 12 == 0) continue;
+        least = std::min(least, places[k]);
+        greatest = std::max(greatest, places[k]);
+        least_even = std::min(least_even, even[k]);
+        greatest_even = std::max(greatest_even, even[k]);
+        if (k > 12 && (k - 1) % 12 != 0 && k % 1000 != 0) {
+            ASSERT_LE(places[k], places[k - 1]) << "what is farther is not lighter";
+        }
+    }
+    EXPECT_GT(greatest - least, 220);
+    EXPECT_LT(greatest_even - least_even, 8);
+    for (const int count : counts)
+        EXPECT_NEAR(count, static_cast<double>(places.size()) / 8, 0.05 * static_cast<double>(places.size()));
+    EXPECT_EQ(equalised.spread, "equalised");
+    EXPECT_EQ(linear.spread, "linear, 1 to 99 %");
+    EXPECT_EQ(equalised.range, linear.range) << "the ends are the same";
+    ASSERT_EQ(equalised.levels.size(), 5U);
+    EXPECT_EQ(equalised.levels.front(), equalised.range.least);
+    EXPECT_EQ(equalised.levels.back(), equalised.range.greatest);
+    // The middle is half-way between the ranks of the ends: 1 %, and the middle of the farthest twelfth.
+    std::vector<double> depths;
+    for (std::size_t k = 0; k < places.size(); ++k)
+        depths.push_back(painted.prev.vertices->at(static_cast<int>(k % 77), static_cast<int>(k / 77)).depth);
+    std::sort(depths.begin(), depths.end());
+    const double rank = (0.01 + 1 - 1.0 / 24) / 2, unit = equalised.range.greatest / 60;
+    EXPECT_NEAR(equalised.levels[2] / unit,
+                depths[static_cast<std::size_t>(rank * static_cast<double>(depths.size()))], 0.003);
+}
+
+TEST(EqualisedDepth, FollowsThePictureInPartsOfASecond) {
+    const Painted painted(DepthCodingKind::linear);
+    const auto field_at = [&](double seconds, std::uint64_t epoch) {
+        const auto time = static_cast<std::int64_t>(1e9 * seconds);
+        return HeightField(painted.scene, {{0, time, &painted.prev}, {0, time, &painted.prev}, 0, epoch});
+    };
+    const std::vector<float> near(100, 1.0F), far(100, 2.0F);
+    const auto near_share = [](const EqualisedDepth& depth) {
+        const float one = 1.0F;
+        std::uint32_t bin = 0;
+        depth.find_bins(&one, 1, &bin);
+        return 2 * depth.share_of_bin(bin);  // half of them are told as nearer
+    };
+    EqualisedDepth depth;
+    depth.update(near, field_at(0, 0));
+    EXPECT_NEAR(near_share(depth), 1, 1e-5);
+    depth.update(far, field_at(0, 0));
+    EXPECT_NEAR(near_share(depth), 1, 1e-5) << "paused";
+    depth.update(far, field_at(0.1, 0));
+    EXPECT_NEAR(near_share(depth), 1 - 0.1 / EqualisedDepth::adapting_s, 1e-5);
+    depth.update(far, field_at(9, 0));
+    EXPECT_NEAR(near_share(depth), 0, 1e-5);
+    depth.update(near, field_at(9, 1));
+    EXPECT_NEAR(near_share(depth), 1, 1e-5) << "another epoch";
+    EXPECT_NEAR(depth.depth_at(0.4), 1, 1.0 / 4096);
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    std::uint32_t bin = 0;
+    depth.find_bins(&none, 1, &bin);
+    EXPECT_EQ(bin, depth.bins());
 }
 
 TEST(Overlays, NormalsOfAPlaneAreThatPlanes) {
@@ -330,7 +465,7 @@ TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
     const FramePair pair = painted.pair(0);
     const HeightField field(painted.scene, pair);
     Overlays overlays;
-    for (const auto kind : {Overlay::depth, Overlay::stiffness}) {
+    for (const auto kind : {Overlay::depth, Overlay::depth_linear, Overlay::stiffness}) {
         const OverlayPicture& picture = overlays.paint(kind, field, pair);
         ViewSurface surface = make_view_surface(field, picture.view());
         const std::vector<PackedColour> lit = surface.colours;
@@ -338,7 +473,7 @@ TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
         for (std::size_t k = 0; k < lit.size(); ++k) {
             const glm::ivec3 flat(picture.rgb[3 * k], picture.rgb[3 * k + 1], picture.rgb[3 * k + 2]);
             const glm::ivec3 drawn = channels(surface.colours[k]), in_light = channels(lit[k]);
-            if (kind == Overlay::depth) {
+            if (kind != Overlay::stiffness) {
                 ASSERT_EQ(drawn, flat);
                 continue;
             }

@@ -48,7 +48,7 @@ bool shows(const Image& image, PackedColour colour) {
 }
 
 TEST(ScaleBar, ShowsItsColours) {
-    OverlayScale scale{"depth", "mm", {64, 96}, true, {}};
+    OverlayScale scale{.name = "depth", .unit = "mm", .range = {64, 96}, .least_is_light = true};
     Image image = even_image(1280, 720);
     ASSERT_TRUE(draw_scale_bar(scale, image).ok());
     for (std::size_t k = 0; k < 256; k += 5) EXPECT_TRUE(shows(image, colour_ramp()[k])) << k;
@@ -64,7 +64,7 @@ TEST(ScaleBar, ShowsItsColours) {
 }
 
 TEST(ScaleBar, StaysInItsCornerAtEverySizeAndOutOfSmallPictures) {
-    const OverlayScale scale{"dynamic friction", "", {-1234.5, 98765.4}, false, {}};
+    const OverlayScale scale{.name = "dynamic friction", .range = {-1234.5, 98765.4}};
     for (const auto& [width, height] :
          {std::pair(480, 270), std::pair(1280, 720), std::pair(3840, 2160), std::pair(600, 1800)}) {
         Image image = even_image(width, height);

@@ -66,6 +66,26 @@ TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
     EXPECT_NE(parse_window_command("speed 5").error().message.find("0.1 to 4"), std::string::npos);
 }
 
+TEST(WindowCommand, MeasuresBetweenTwoPixelsOfWhatIsSeen) {
+    const auto measure = parse_window_command("measure 20,32 70,31");
+    ASSERT_TRUE(measure.ok()) << measure.error().message;
+    EXPECT_EQ(measure->verb, WindowVerb::measure);
+    EXPECT_EQ(measure->places, (std::vector<PixelOfFrame>{{20, 32, -1}, {70, 31, -1}}));
+    for (const char* words : {"measure", "measure off"}) {
+        const auto tool = parse_window_command(words);
+        ASSERT_TRUE(tool.ok()) << words;
+        EXPECT_TRUE(tool->places.empty());
+    }
+    for (const char* words : {"measure 20,32", "measure 20,32 70", "measure 20,32 70,-1", "measure on",
+                              "measure 20,32 70,31,2", "measure 1,2 3,4 5,6"}) {
+        const auto read = parse_window_command(words);
+        ASSERT_FALSE(read.ok()) << words;
+        EXPECT_NE(read.error().message.find("two pixels"), std::string::npos) << read.error().message;
+    }
+    ASSERT_TRUE(binding_of("t", false, false));
+    EXPECT_EQ(binding_of("t", false, false)->verb, WindowVerb::measure);
+}
+
 TEST(WindowCommand, SetsWhatIsFelt) {
     const auto median = parse_window_command("median 5");
     ASSERT_TRUE(median.ok());

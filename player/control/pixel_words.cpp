@@ -1,0 +1,35 @@
+#include "player/control/pixel_words.hpp"
+
+#include <cstdio>
+
+#include "engine/frame/stored_code.hpp"
+
+namespace touchable {
+namespace {
+
+std::string number_words(const char* format, double number) {
+    char words[64];
+    std::snprintf(words, sizeof words, format, number);
+    return words;
+}
+
+}  // namespace
+
+std::string metres_in_words(double depth, const Scene& scene) {
+    return number_words("%.4f m", depth * scene.metres_per_unit);
+}
+
+std::string stored_in_words(const PlaneView& depth, const Scene& scene, int x, int y) {
+    if (depth.empty()) return "";
+    const std::uint16_t code = stored_code(depth, scene.depth, x, y);
+    if (code == no_hue && scene.depth.kind == DepthCodingKind::hue) return "no hue";
+    return "code " + std::to_string(code) + (scene.depth.is_valid(code) ? "" : ", no depth");
+}
+
+std::string length_in_words(double length, const Scene& scene) {
+    const double metres = length * scene.metres_per_unit;
+    if (metres >= 10) return number_words("%.3f m", metres);
+    return number_words(metres < 0.1 ? "%.2f mm" : "%.1f mm", 1000 * metres);
+}
+
+}  // namespace touchable
