@@ -42,7 +42,7 @@ void WindowLoop::measure(const WatchedMoment& moment, const HeightField& field, 
     constexpr std::size_t most_told = 1000;
     for (MeasureTool::News& news : measure_.take_news()) {
         if (news.is_bad)
-            say(std::move(news.words), Tone::remark);
+            say(std::move(news.words), Tone::refusal);
         else if (figures_.measured.size() < most_told)
             figures_.measured.push_back(std::move(news.words));
     }
