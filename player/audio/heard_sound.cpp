@@ -181,6 +181,7 @@ void ClipVoice::add(const HeardTick& tick, ClipSound& sound, ContactSound::Sampl
 void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Samples& samples) {
     contacts_.render(tick, samples);
     clip_.add(tick, clip, samples);
+    spoken_.add(tick.spoken, tick.spoken_number, tick.muted, samples);
     for (StereoSample& sample : samples) {
         // A damaged track may give anything.
         sample.left = std::isfinite(sample.left) ? std::clamp(sample.left, -1.0F, 1.0F) : 0;

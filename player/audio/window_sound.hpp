@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
@@ -89,6 +90,10 @@ public:
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
     /// A film that began at `begun` gets what is heard from now on. Once; sessions end before `keep` does.
     void film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun);
+    /// What `say` can say. Before the first session.
+    void set_spoken(std::vector<std::shared_ptr<const SpokenSound>> sounds);
+    /// One of these, from its begin, in place of another that is still being said.
+    void say(std::size_t sound);
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
     /// No finger is heard; the clip's own sound is.
     void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
@@ -106,6 +111,9 @@ private:
     WindowSound() = default;
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
+    static constexpr std::uint32_t most_spoken = 1024;
+    std::vector<std::shared_ptr<const SpokenSound>> spoken_;
+    std::atomic<std::uint32_t> said_{0};  // how often something was said, times most_spoken, and what
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;

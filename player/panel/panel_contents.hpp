@@ -8,6 +8,7 @@
 
 #include "player/control/finger_halos.hpp"
 #include "player/control/hand_state.hpp"
+#include "player/control/kiosk_texts.hpp"
 #include "player/overlay/overlays.hpp"
 #include "player/panel/materials_panel.hpp"
 #include "player/panel/settings_panel.hpp"
@@ -18,6 +19,14 @@ namespace touchable {
 struct PlaceFacts {
     std::vector<std::string> lines;
     std::optional<glm::ivec2> pixel{};  ///< of the clip; nothing: no surface
+};
+
+/// What a kiosk shows beside the picture.
+struct KioskFacts {
+    const KioskTexts& texts;
+    TouchedBy by = TouchedBy::mouse;
+    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};              ///< of what a finger rests on; empty: none
 };
 
 /// What the window's own words, bars and curves show.
@@ -45,8 +54,7 @@ struct PanelFacts {
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened
     bool message_is_bad = false;
-    bool is_kiosk = false;            ///< only what a visitor needs
-    std::optional<double> invited_s;  ///< since when it invites to touch, seconds; nothing: it does not
+    std::optional<KioskFacts> kiosk;  ///< only what a visitor needs; nothing: it is none
 };
 
 }  // namespace touchable
