@@ -22,8 +22,13 @@ public:
     void came(double now_s) {
         if (!is_there_) began_s_ = now_s;
         is_there_ = true;
-        last_s_ = now_s;
+        last_s_ = input_s_ = now_s;
         was_visited_ = true;
+    }
+    /// A finger is still pressed: somebody is there, even one who does nothing, until it is so long that a
+    /// button may be stuck.
+    void holds(double now_s) {
+        if (is_there_ && now_s - input_s_ < times_.reset_s) last_s_ = now_s;
     }
     /// Whether a visit has begun and not ended.
     bool is_there() const { return is_there_; }
@@ -41,7 +46,7 @@ public:
 
 private:
     KioskTimes times_;
-    double began_s_ = 0, last_s_ = 0;
+    double began_s_ = 0, input_s_ = 0, last_s_ = 0;
     bool is_there_ = false, was_visited_ = false;
 };
 

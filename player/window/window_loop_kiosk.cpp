@@ -77,6 +77,7 @@ Result<void> WindowLoop::check_labels() const {
 void WindowLoop::watch_over() {
     const double now = now_s();
     try_again();
+    if (pointer_.holds()) kiosk_->holds(now);
     log_visit(kiosk_->ended(now));
     if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);

@@ -52,6 +52,11 @@ public:
         for (int k = below(4); k >= 0; --k) turn.events.push_back(something());
         const bool is_seen = std::ranges::any_of(
             turn.events, [](const InputEvent& event) { return is_for_visitors(event) && is_a_visit(event); });
+        using Kind = InputEvent::Kind;
+        for (const InputEvent& event : turn.events) {
+            holds_ = holds_ || event.kind == Kind::pressed;
+            holds_ = holds_ && event.kind != Kind::released && event.kind != Kind::left_window;
+        }
         if (!is_seen) return turn;
         if (!is_there_) {
             ++count_;
@@ -67,7 +72,7 @@ private:
     Turn wait() {
         if (comes_s_ <= now_s_) {
             // Never near the times of the kiosk, as the machine's own time is added.
-            const double pause = below(3) == 0 ? 24 + below(30) : 66 + below(200);
+            const double pause = below(3) == 0 && !holds_ ? 24 + below(30) : 150 + below(200);
             comes_s_ = std::max(last_s_, now_s_ - 15) + pause;
         }
         Turn turn{std::min(1.0 + below(9), comes_s_ - now_s_ + 0.1), {}};
@@ -78,7 +83,8 @@ private:
     }
     void leave() {
         is_there_ = false;
-        seconds_ += last_s_ - came_s_;
+        seconds_ += last_s_ - came_s_ + (holds_ ? times.reset_s : 0);
+        holds_ = false;
     }
     int below(int count) { return static_cast<int>(random_() % static_cast<unsigned>(count)); }
 
@@ -132,7 +138,7 @@ private:
     std::minstd_rand random_{37};
     double now_s_ = 0, end_s_;
     double comes_s_ = 0, leaves_s_ = 0;  // the next one; the one who is there
-    bool is_there_ = false;
+    bool is_there_ = false, holds_ = false;
     double came_s_ = 0, last_s_ = -100, seconds_ = 0;
     int count_ = 0;
 };

@@ -207,7 +207,9 @@ TEST(SpokenSound, IsReadWholeAndSaidOnceWhileOthersAreSofter) {
         for (StereoSample& sample : samples) sample.right = sample.left = 0.1F;
         voice.add(ms < 10 ? nullptr : sound->get(), ms < 10 ? 0 : 7, false, samples);
         for (const StereoSample& sample : samples) {
-            if (ms < 10) EXPECT_EQ(sample.left, 0.1F);
+            if (ms < 10) {
+                EXPECT_EQ(sample.left, 0.1F);
+            }
             said = std::max(said, std::abs(static_cast<double>(sample.left)));
             if (ms == 199) after = static_cast<double>(sample.left);
         }

@@ -34,6 +34,18 @@ TEST(Kiosk, InvitesWhereNobodyIsAndForgetsAVisitOnce) {
     EXPECT_TRUE(watch.begins_anew(36060));
 }
 
+TEST(Kiosk, FingerThatIsHeldStillIsSomebodyForAWhile) {
+    KioskWatch watch({20, 60});
+    watch.holds(50);
+    EXPECT_TRUE(watch.invites(50)) << "nobody came";
+    watch.came(100);
+    for (double at = 100; at < 400; ++at) watch.holds(at);
+    EXPECT_FALSE(watch.invites(178));
+    EXPECT_TRUE(watch.invites(180)) << "a button may be stuck";
+    EXPECT_EQ(watch.ended(400)->seconds, 59);
+    EXPECT_TRUE(watch.begins_anew(400));
+}
+
 TEST(Kiosk, CountsAVisitFromTheFirstToTheLastThingThatSomebodyDoes) {
     KioskWatch watch({20, 60});
     EXPECT_FALSE(watch.ended(100)) << "nobody came";
@@ -89,11 +101,8 @@ TEST(KioskTexts, ThatCannotBeAreRefusedAndWhatIsLeftOutIsEnglish) {
     EXPECT_NE(message(begin + R"(, "invitatoin": "x"})").find("invitation"), std::string::npos)
         << "no word of what is right";
     EXPECT_NE(message(begin + R"(, "invitation": ""})").find("invitation"), std::string::npos);
-    EXPECT_NE(message(begin + R"(, "invitation": "a
-b"})")
-                  .find("a line"),
-              std::string::npos);
-    EXPECT_NE(message(R"({"touchable_kiosk_texts": 1, "language": "Svenska"})").find("" de ""),
+    EXPECT_NE(message(begin + R"(, "invitation": "a\nb"})").find("a line"), std::string::npos);
+    EXPECT_NE(message(R"({"touchable_kiosk_texts": 1, "language": "Svenska"})").find("de"),
               std::string::npos);
     EXPECT_NE(message(R"({"touchable_kiosk_texts": 2, "language": "sv"})").find("must be 1"),
               std::string::npos);
@@ -105,9 +114,8 @@ TEST(TouchScreens, AreInputsOnADisplayWithPlacesOfFingers) {
     const TemporaryFolder inputs;
     const auto add = [&](const char* name, const char* properties, const char* abs) {
         std::filesystem::create_directories(inputs / name / "capabilities");
-        std::ofstream(inputs / name / "properties") << properties << '
-'; std::ofstream(inputs / name / "capabilities/abs") << abs << '
-';
+        std::ofstream(inputs / name / "properties") << properties << "\n";
+        std::ofstream(inputs / name / "capabilities/abs") << abs << "\n";
     };
     EXPECT_FALSE(has_touch_screen(inputs / "none"));
     add("input1", "0", "0");                // a keyboard
