@@ -320,9 +320,10 @@ TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
 TEST_F(Control, BeginsAnewAsItWasBeforeAnybodyHeldIt) {
     const glm::dvec3 there(0.05, 0.01, 0), before = goal(there);
     control.recentre();
+    EXPECT_NE(goal(there), before);
     control.ask_force(true);
     control.hold(true);
-    EXPECT_NE(goal(there), before);
+    EXPECT_EQ(goal(there), goal({0.02, 0, 0})) << "the clutch is held";
     goal({0.02, 0, 0});
     control.begin_anew();
     EXPECT_EQ(goal(there), before);
