@@ -101,7 +101,7 @@ void WindowLoop::welcome(const InputEvent& event) {
 /// Says what a finger rests on: to be read, and to be heard by whoever cannot.
 void WindowLoop::look_for_labels(const WatchedMoment& moment) {
     const TouchLabels& labels = options_.kiosk->labels;
-    if (labels.labels.empty() || clip_->choice().file != options_.session.clip.file) return;
+    if (labels.labels.empty() || clip_->choice().file != options_.session.clip.file) return resting_.reset();
     constexpr double reach = 0.03;  // of the picture's width
     if (!resting_) resting_.emplace(reach * clip_->scene().width);
     std::vector<LabelledFinger> fingers;
