@@ -71,7 +71,8 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
         if (!parsed.ok()) return parsed.error();
         for (const NamedSegment& segment : parsed->segments) names.push_back(segment.name);
     }
-    if (auto there = labels->has_segments(names); !there.ok()) return there.error();
+    if (auto there = labels->has_segments(names); !there.ok())
+        return input_error(there.error().message + "; right would be a name in the file of --segments");
     return labels;
 }
 

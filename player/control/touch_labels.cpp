@@ -125,8 +125,7 @@ Result<void> TouchLabels::has_segments(const std::vector<std::string>& names) co
         if (const std::string& name = labels[k].segment;
             !name.empty() && std::ranges::find(names, name) == names.end())
             return input_error(name_of_label(*this, k) + " is of a segment " + in_quotes(name) +
-                               ", which no file of segments names; right would be a name in the file of "
-                               "--segments");
+                               ", which no file of segments names");
     return {};
 }
 

@@ -131,7 +131,9 @@ KioskFacts WindowLoop::kiosk_facts() const {
 /// What a visitor is to know of the device that is held.
 void WindowLoop::put_in_kiosk_words(HandState& state) const {
     const KioskTexts& texts = options_.kiosk->texts;
-    state.words = texts.of_device(state.what);
+    // What it waits for is said to whoever set it up.
+    const bool waits = !state.remark.empty() && !state.has_to_come_out;
+    state.words = texts.of_device(waits ? HandState::What::away : state.what);
     if (state.has_to_come_out) state.remark = texts.come_out;
 }
 
