@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr KioskTimes times{20, 60};
-constexpr int width = 240, height = 180;
+constexpr int public_width = 240, public_height = 180;
 const InputEvent to_the_middle{.kind = InputEvent::Kind::moved, .x = 122, .y = 76};
 
 /// Hours of it; TOUCHABLE_KIOSK_HOURS says another number of them, 24 in the long run of the tests.
@@ -96,8 +96,8 @@ private:
         InputEvent event;
         event.control = below(4) == 0;
         event.shift = below(4) == 0;
-        event.x = below(width);
-        event.y = below(height);
+        event.x = below(public_width);
+        event.y = below(public_height);
         switch (below(12)) {
             case 0:
             case 1:
@@ -167,7 +167,7 @@ public:
     std::vector<std::string> extensions() const override { return {}; }
     Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
     Result<void> health() const override { return {}; }
-    ScreenSize size() const override { return {width, height, 1}; }
+    ScreenSize size() const override { return {public_width, public_height, 1}; }
     std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
         if (!is_open_) {
             std::this_thread::sleep_for(longest);
