@@ -95,6 +95,8 @@ void HandControl::go_on_from(const HandControl& before) {
     ask_force(before.force_is_asked());
     hold(before.held_.load(std::memory_order_relaxed));
     if (before.recentrings_.load(std::memory_order_relaxed) != before.recentred_) recentre();
+    if (before.beginnings_.load(std::memory_order_relaxed) != before.begun_)
+        beginnings_.fetch_add(1, std::memory_order_relaxed);
     // Of a hand that is away, where the device's middle is stays.
     const glm::dvec3 hand = before.centre().value_or(glm::dvec3(0));
     const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect());
@@ -152,6 +154,13 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, 
     clutched_.store(clutched, std::memory_order_relaxed);
     if (clutched && hand) grip();
     if (!clutched && gripped_ && hand) let_go(surface);
+    const std::uint32_t beginnings = beginnings_.load(std::memory_order_relaxed);
+    if (beginnings != begun_ && !gripped_) {
+        begun_ = beginnings;
+        recentred_ = recentrings_.load(std::memory_order_relaxed);
+        offset_ = mapping_.offset;
+        close_gates();
+    }
     const std::uint32_t recentrings = recentrings_.load(std::memory_order_relaxed);
     if (recentrings != recentred_ && hand && !gripped_) {
         recentred_ = recentrings;

@@ -73,6 +73,13 @@ public:
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
     void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
+    /// As before anybody held it: forces off, no clutch of a key, and the device's middle where the mapping
+    /// has it.
+    void begin_anew() {
+        ask_force(false);
+        hold(false);
+        beginnings_.fetch_add(1, std::memory_order_relaxed);
+    }
     /// By a key or a button: the hand moves, and the fingers do not.
     bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
     /// Of a finger's guarded force, how much reached the hand in the newest tick: 0 to 1.
@@ -112,14 +119,14 @@ private:
     HandMapping mapping_;
     const std::size_t count_;
     std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false};
-    std::atomic<std::uint32_t> recentrings_{0};
+    std::atomic<std::uint32_t> recentrings_{0}, beginnings_{0};
     std::atomic<bool> insists_{false};
     std::array<std::atomic<double>, most_fingers> shares_{};
     // The haptic thread's.
     std::array<Finger, most_fingers> fingers_{};
     glm::dvec3 offset_{0.0};  // added to places, the person's axes
     bool gripped_ = false;    // by the clutch
-    std::uint32_t recentred_ = 0;
+    std::uint32_t recentred_ = 0, begun_ = 0;
     std::uint32_t pressed_ = ~0U;  // before
     bool clutch_button_ = false;
     bool passes_ = false;

@@ -185,6 +185,7 @@ void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Sa
     const float from = std::exchange(loudness_, tick.loudness),
                 step = (loudness_ - from) / static_cast<float>(samples.size());
     float loudness = from;
+    spoken_.add(tick.spoken, tick.spoken_number, tick.muted, samples);
     for (StereoSample& sample : samples) {
         loudness += step;
         // A damaged track may give anything.

@@ -14,6 +14,7 @@
 
 #include "engine/sound/sound_track.hpp"
 #include "player/audio/contact_sound.hpp"
+#include "player/audio/spoken_sound.hpp"
 
 namespace touchable {
 
@@ -79,7 +80,7 @@ private:
     std::uint64_t epoch_ = 0;
 };
 
-/// All that is heard: contacts, and the clip's own sound.
+/// All that is heard: contacts, the clip's own sound, and what is said.
 class HeardSound {
 public:
     /// The next millisecond; samples are within -1 and 1.
@@ -89,6 +90,7 @@ private:
     ContactSound contacts_;
     ClipVoice clip_;
     float loudness_ = 1;  // of the tick before
+    SpokenVoice spoken_;
 };
 
 }  // namespace touchable

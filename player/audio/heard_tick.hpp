@@ -27,11 +27,15 @@ struct HeardClip {
     float speed = 1;
 };
 
+struct SpokenSound;
+
 /// What is heard of a millisecond.
 struct HeardTick {
     static constexpr int most_fingers = 10;
     std::array<HeardFinger, most_fingers> fingers{};
     HeardClip clip;
+    const SpokenSound* spoken = nullptr;  ///< that is said; null: nothing yet
+    std::uint32_t spoken_number = 0;      ///< another one begins it anew
     bool muted = false;
     float loudness = 1;  ///< factor on all samples, 0 to 1
 };

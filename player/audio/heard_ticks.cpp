@@ -17,7 +17,10 @@ HeardTick HeardTicks::next(std::uint64_t wanted) {
     const std::uint64_t end = pushed_.load(std::memory_order_acquire);
     if (at == end) {
         if (++bridged_ <= longest_bridge) return going_on(last_);
-        return HeardTick{{}, {}, last_.muted, last_.loudness};
+        HeardTick silence;
+        silence.muted = last_.muted;
+        silence.loudness = last_.loudness;
+        return silence;
     }
     HeardTick tick = ticks_[at++ % ticks_.size()];
     while (end - at > wanted + slack) tick = merged(tick, ticks_[at++ % ticks_.size()]);

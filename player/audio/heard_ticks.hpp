@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "player/audio/heard_sound.hpp"
 
@@ -18,6 +19,8 @@ namespace touchable {
 class HeardTicks {
 public:
     explicit HeardTicks(std::shared_ptr<ClipSound> clip) : clip_(std::move(clip)) {}
+    /// What is said lives as long as this. Before anything else.
+    void keep(std::vector<std::shared_ptr<const SpokenSound>> sounds) { spoken_ = std::move(sounds); }
     /// The session's thread. What finds no room is not heard.
     void push(const HeardTick& tick);
     /// The device's thread: the next samples. What came before the first call is not heard.
@@ -37,6 +40,7 @@ private:
     // The device's.
     alignas(64) HeardSound sound_;
     std::shared_ptr<ClipSound> clip_;
+    std::vector<std::shared_ptr<const SpokenSound>> spoken_;
     ContactSound::Samples samples_{};
     std::size_t played_ = ContactSound::samples_per_tick;  // of `samples_`
     HeardTick last_;

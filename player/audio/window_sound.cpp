@@ -193,6 +193,10 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
     const float share = static_cast<float>(volume()) / 100;
     tick.loudness = share * share * share;
     if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
+    if (const std::uint32_t said = said_.load(std::memory_order_relaxed); said != 0) {
+        tick.spoken = spoken_[said % most_spoken].get();
+        tick.spoken_number = said;
+    }
     if (output_) ticks_->push(tick);
     if (is_filmed_.load(std::memory_order_acquire)) {
         const auto since = std::chrono::steady_clock::now() - film_begun_;
@@ -211,6 +215,18 @@ void WindowSound::film(FilmedSound::Keep keep, std::chrono::steady_clock::time_p
     film_.emplace(std::move(keep));
     film_begun_ = begun;
     is_filmed_.store(true, std::memory_order_release);
+}
+
+void WindowSound::set_spoken(std::vector<std::shared_ptr<const SpokenSound>> sounds) {
+    spoken_ = std::move(sounds);
+    ticks_->keep(spoken_);
+}
+
+void WindowSound::say(std::size_t sound) {
+    if (sound >= spoken_.size() || sound >= most_spoken || !spoken_[sound]) return;
+    const std::uint32_t before = said_.load(std::memory_order_relaxed) / most_spoken;
+    const std::uint32_t number = before + 1 < UINT32_MAX / most_spoken ? before + 1 : 1;
+    said_.store(number * most_spoken + static_cast<std::uint32_t>(sound), std::memory_order_relaxed);
 }
 
 std::string WindowSound::state() const {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
@@ -93,6 +94,10 @@ public:
     /// Of all that is heard and kept, 0 to 100; half of it sounds half as loud (a factor of 1/8).
     void set_volume(int percent) { volume_.store(std::clamp(percent, 0, 100), std::memory_order_relaxed); }
     int volume() const { return volume_.load(std::memory_order_relaxed); }
+    /// What `say` can say. Before the first session.
+    void set_spoken(std::vector<std::shared_ptr<const SpokenSound>> sounds);
+    /// One of these, from its begin, in place of another that is still being said.
+    void say(std::size_t sound);
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
     /// No finger is heard; the clip's own sound is.
     void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
@@ -111,6 +116,9 @@ private:
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::atomic<int> volume_{100};
+    static constexpr std::uint32_t most_spoken = 1024;
+    std::vector<std::shared_ptr<const SpokenSound>> spoken_;
+    std::atomic<std::uint32_t> said_{0};  // how often something was said, times most_spoken, and what
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;

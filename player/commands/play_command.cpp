@@ -14,6 +14,7 @@
 #include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 #include "engine/stream/stream_url.hpp"
+#include "player/commands/kiosk_options.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/control/own_folder.hpp"
 #include "player/control/playlist.hpp"
@@ -53,8 +54,9 @@ struct PlayWords {
     CLI::Option* latency = nullptr;
     double seconds_value = 0;
     std::optional<double> stale_after_ms;
-    bool kiosk = false;
-    std::vector<double> idle;
+    CLI::Option* max_force = nullptr;
+    double max_force_n = 0;
+    KioskWords kiosk;
 };
 
 /// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
@@ -182,7 +184,7 @@ bool ends_by_itself(const std::vector<ScriptedInput>& script) {
 /// The mouse needs nothing, and no other is beside it.
 Result<void> hold(const PlayWords& words, PlayOptions& options) {
     HeldDeviceWords held = words.held;
-    held.is_looked_for_always = words.kiosk;
+    held.is_looked_for_always = words.kiosk.kiosk;
     const auto mouse = std::find(held.devices.begin(), held.devices.end(), "mouse");
     if (mouse != held.devices.end() && held.devices.size() > 1)
         return usage_error("--device mouse leads the fingers alone, not beside another device");
@@ -201,9 +203,6 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
 }
 
 Result<PlayOptions> read_words(const PlayWords& words) {
-    if (!words.idle.empty() && words.idle[1] < words.idle[0])
-        return usage_error(
-            "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
     PlayOptions options = words.options;
     // First, while there is little in memory, and one thread.
     if (auto made = hold(words, options); !made.ok()) return made.error();
@@ -235,11 +234,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
-    if (words.kiosk) {
-        options.kiosk.emplace();
-        options.screen.fullscreen = options.screen.stays = true;
-        if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
-    }
+    if (words.max_force->count() > 0) options.most_newtons = words.max_force_n;
+    auto kiosk = read_kiosk(words.kiosk, options.segments);
+    if (!kiosk.ok()) return kiosk.error();
+    options.kiosk = std::move(*kiosk);
+    if (options.kiosk) options.screen.fullscreen = options.screen.stays = options.screen.awake = true;
     if (is_empty)
         if (auto fits = check_empty(options); !fits.ok()) return fits.error();
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
@@ -389,19 +388,11 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--video", o.video,
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
-    auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
-                               "for a place where nobody watches over it: full screen, again and again, an "
-                               "invitation to touch, and nothing that ends it (docs/play.md)")
-                      ->excludes("--record")
-                      ->excludes("--settings")
-                      ->excludes("--brush-history");
     sub.get_option("--segments")->excludes("--record")->excludes("--camera");
-    add_number_option(sub, "--idle", words.idle,
-                      "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
-                      "it begins anew; 20 60 where they are left out",
-                      0.1, 1e6)
-        ->expected(2)
-        ->needs(kiosk);
+    words.max_force =
+        add_number_option(sub, "--max-force", words.max_force_n,
+                          "N: no finger's force is above it, whatever is chosen in the panel", 0.1, 20);
+    add_kiosk_options(sub, words.kiosk);
     add_overwrite_option(sub, o.existing);
 }
 
@@ -410,17 +401,18 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {{"The clip",
-                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
-                    "--align", "--fill-from-motion", "--least-confidence", "--camera", "--latency",
-                    "--stale-after", "--start", "--rate", "--loop"}},
-                  {"The window",
-                   {"--size", "--scale", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds",
-                    "--screenshot", "--at", "--record", "--sound", "--video", "--settings", "--segments",
-                    "--brush-history", "--overwrite"}},
-                  {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
-                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {
+        {"The clip",
+         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
+          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
+          "--rate", "--loop"}},
+        {"The window",
+         {"--size", "--scale", "--fullscreen", "--dent", "--seconds", "--screenshot", "--at", "--record",
+          "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+        {"A kiosk", kiosk_option_names()},
+        {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale", "--max-force"}},
+        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }

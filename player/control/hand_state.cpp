@@ -18,21 +18,25 @@ std::string words_of_fault(const PersistentDevice& hand) {
 
 HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside) {
     using Mood = HandState::Mood;
-    if (std::string fault = words_of_fault(hand); !fault.empty()) return {Mood::away, std::move(fault), {}};
+    using What = HandState::What;
+    if (std::string fault = words_of_fault(hand); !fault.empty())
+        return {Mood::away, What::away, std::move(fault), {}};
     std::string remark = hand.prompt();
     if (remark.empty() && !(hand.age_s() <= HapticDevice::oldest_s)) remark = "no position comes from it";
     if (!remark.empty()) remark = hand.name() + ": " + remark;
     const DeviceCapabilities has = hand.capabilities();
     if (has.axes_driven == 0)
-        return {Mood::off, "the " + hand.name() + " exerts no force: you see what you touch", remark};
-    if (control.is_repositioned()) return {Mood::off, "no force while the hand is repositioned", remark};
+        return {Mood::off, What::has_no_force,
+                "the " + hand.name() + " exerts no force: you see what you touch", remark};
+    if (control.is_repositioned())
+        return {Mood::off, What::repositioned, "no force while the hand is repositioned", remark};
     if (control.force_is_asked()) {
-        if (remark.empty() && (is_inside || control.waits_to_be_free()))
-            remark = "lift the finger off the surface: then it is felt";
-        return {Mood::on, "forces on - F turns them off", remark};
+        const bool has_to_come_out = remark.empty() && (is_inside || control.waits_to_be_free());
+        if (has_to_come_out) remark = "lift the finger off the surface: then it is felt";
+        return {Mood::on, What::on, "forces on - F turns them off", remark, has_to_come_out};
     }
     const std::string button = has.buttons > 0 ? std::string(" or ") + has.first_button : "";
-    return {Mood::off, "forces off - press F" + button, remark};
+    return {Mood::off, What::off, "forces off - press F" + button, remark};
 }
 
 }  // namespace touchable

@@ -10,9 +10,12 @@ namespace touchable {
 /// Whether a device that is held exerts forces, and what to do about it.
 struct HandState {
     enum class Mood { off, on, away };
+    enum class What { away, has_no_force, repositioned, on, off };
     Mood mood = Mood::off;
-    std::string words;   ///< always to be read in the picture
-    std::string remark;  ///< what the person has to do (HapticDevice::prompt); empty: nothing
+    What what = What::off;
+    std::string words;             ///< always to be read in the picture
+    std::string remark;            ///< what the person has to do (HapticDevice::prompt); empty: nothing
+    bool has_to_come_out = false;  ///< `remark` is that the finger is to leave the surface first
 };
 
 /// `is_inside`: the guard keeps a finger's force back until it has been free.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "player/control/window_command.hpp"
 
@@ -16,6 +17,15 @@ bool KioskWatch::begins_anew(double now_s) {
     if (!was_visited_ || now_s - last_s_ < times_.reset_s) return false;
     was_visited_ = false;
     return true;
+}
+
+std::optional<KioskWatch::Visit> KioskWatch::ended(double now_s) {
+    return now_s - last_s_ < times_.invite_s ? std::nullopt : end();
+}
+
+std::optional<KioskWatch::Visit> KioskWatch::end() {
+    if (!std::exchange(is_there_, false)) return std::nullopt;
+    return Visit{began_s_, last_s_ - began_s_};
 }
 
 namespace {

@@ -20,9 +20,25 @@ public:
 
     /// Somebody did something.
     void came(double now_s) {
-        last_s_ = now_s;
+        if (!is_there_) began_s_ = now_s;
+        is_there_ = true;
+        last_s_ = input_s_ = now_s;
         was_visited_ = true;
     }
+    /// A finger is still pressed: somebody is there, even one who does nothing, until it is so long that a
+    /// button may be stuck.
+    void holds(double now_s) {
+        if (is_there_ && now_s - input_s_ < times_.reset_s) last_s_ = now_s;
+    }
+    /// Whether a visit has begun and not ended.
+    bool is_there() const { return is_there_; }
+    struct Visit {
+        double came_s = 0, seconds = 0;  ///< from the first thing that somebody did to the last
+    };
+    /// The visit that has ended, once: nobody has done anything for as long as until it invites.
+    std::optional<Visit> ended(double now_s);
+    /// Likewise the one that goes on, where the window closes.
+    std::optional<Visit> end();
     /// For how many seconds the window has been inviting; nothing while somebody is there.
     std::optional<double> invites(double now_s) const;
     /// Whether to begin anew now: once after each visit.
@@ -30,8 +46,8 @@ public:
 
 private:
     KioskTimes times_;
-    double last_s_ = 0;
-    bool was_visited_ = false;
+    double began_s_ = 0, input_s_ = 0, last_s_ = 0;
+    bool is_there_ = false, was_visited_ = false;
 };
 
 /// Whether a visitor may do this. A visitor may not close the window, open or write files, or change

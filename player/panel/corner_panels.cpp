@@ -130,7 +130,7 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
                .flags = ImGuiWindowFlags_NoInputs});
     double most = 0;
     for (const double force : facts.forces) most = std::max(most, force);
-    if (facts.force_on)
+    if (facts.force_on || facts.kiosk)  // which says it large, in its own words
         ImGui::TextUnformatted(short_text("%.1f N", most).c_str());
     else
         ImGui::TextColored(ImVec4(0.95F, 0.65F, 0.35F, 1), "force off");

@@ -53,7 +53,7 @@ std::string font_file(const char* family) {
 
 /// The current ImGui context's fonts, colours and distances; `scale` as in ScreenSize. Words are set in the
 /// system's own sans-serif typeface where it has one.
-void apply_theme(double scale) {
+void apply_theme(double scale, const std::string& kiosk_words) {
     ImGui::StyleColorsDark();
     ImGuiStyle& style = ImGui::GetStyle();
     colour(style);
@@ -69,18 +69,24 @@ void apply_theme(double scale) {
     // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign.
     const std::string file = font_file("sans");
     ImFont* font = nullptr;
+    static ImVector<ImWchar> ranges, large_ranges;
+    const auto letters_of = [&kiosk_words](ImVector<ImWchar>& to, const char* words, const ImWchar* usual) {
+        ImFontGlyphRangesBuilder letters;
+        if (usual) letters.AddRanges(usual);
+        letters.AddText(words);
+        letters.AddText(kiosk_words.c_str());
+        to.clear();
+        letters.BuildRanges(&to);
+        return to.Data;
+    };
     if (file.ends_with(".ttf") || file.ends_with(".otf"))
-        font = fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(text_pixels * scale));
+        font = fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(text_pixels * scale), nullptr,
+                                        letters_of(ranges, "", fonts.GetGlyphRangesDefault()));
     if (font) {
         // Of the large size only what is written in it.
-        ImFontGlyphRangesBuilder letters;
-        static ImVector<ImWchar> ranges;
-        letters.AddText(invitation_words());
-        letters.AddText(empty_page_title());
-        ranges.clear();
-        letters.BuildRanges(&ranges);
+        const std::string large_words = std::string(invitation_words()) + empty_page_title();
         fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(large_text_pixels * scale), nullptr,
-                                 ranges.Data);
+                                 letters_of(large_ranges, large_words.c_str(), nullptr));
     } else {
         fonts.AddFontDefault();
         ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
@@ -140,13 +146,13 @@ void tell(ImGuiIO& io, const InputEvent& event) {
 
 }  // namespace
 
-ImGuiLayer::ImGuiLayer(double scale) : context_(ImGui::CreateContext()) {
+ImGuiLayer::ImGuiLayer(double scale, const std::string& words) : context_(ImGui::CreateContext()) {
     ImGui::SetCurrentContext(context_);
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     map_keys(io);
-    apply_theme(scale);
+    apply_theme(scale, words);
 }
 
 ImGuiLayer::~ImGuiLayer() {

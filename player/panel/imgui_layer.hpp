@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "player/control/input_event.hpp"
@@ -12,8 +13,8 @@ namespace touchable {
 /// Dear ImGui: its input, and what it lays out, whoever draws it then (ImGuiVulkan). One at a time.
 class ImGuiLayer {
 public:
-    /// `scale` as in ScreenSize.
-    explicit ImGuiLayer(double scale);
+    /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says.
+    explicit ImGuiLayer(double scale, const std::string& words = "");
     ~ImGuiLayer();
     ImGuiLayer(const ImGuiLayer&) = delete;
     ImGuiLayer& operator=(const ImGuiLayer&) = delete;

@@ -1,17 +1,18 @@
 #pragma once
 
+#include "player/panel/panel_contents.hpp"
+
 namespace touchable {
 
-/// Draws words over a kiosk's picture that invite to touch it. `seconds`: since they began to show. (The
-/// finger that shows how is drawn with the others.) `held`: a device is there to touch it with. Between
-/// ImGuiLayer's `begin` and `draw`.
-void draw_invitation(double seconds, float width, float height, bool held);
+/// Draws a kiosk's words over the lower part of its picture: an invitation to touch it, that forces of the
+/// mouse's fingers are off and what brings them back (`is_stopped`), or a caption. Whether there are any.
+/// (The finger that shows how is drawn with the others.) Between ImGuiLayer's `begin` and `end`.
+bool draw_kiosk_words(const KioskFacts& facts, bool is_stopped, float width, float height);
 
-/// Draws words over the picture while the forces of the mouse's fingers are off: that they are, and what
-/// turns them on again.
-void draw_stop(float width, float height, bool is_kiosk);
+/// Likewise while the forces of the mouse's fingers are off in a window that is no kiosk.
+void draw_stop(float width, float height);
 
-/// All words that these draw, so that the font has their letters in the large size.
+/// All words that these draw of their own, so that the font has their letters in the large size.
 const char* invitation_words();
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 
 #include "player/control/finger_halos.hpp"
 #include "player/control/hand_state.hpp"
+#include "player/control/kiosk_texts.hpp"
 #include "player/control/measure_tool.hpp"
 #include "player/overlay/overlays.hpp"
 #include "player/panel/materials_panel.hpp"
@@ -19,6 +20,14 @@ namespace touchable {
 struct PlaceFacts {
     std::vector<std::string> lines;
     std::optional<glm::ivec2> pixel{};  ///< of the clip; nothing: no surface
+};
+
+/// What a kiosk shows beside the picture.
+struct KioskFacts {
+    const KioskTexts& texts;
+    TouchedBy by = TouchedBy::mouse;
+    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};              ///< of what a finger rests on; empty: none
 };
 
 /// What the window's own words, bars and curves show.
@@ -51,8 +60,7 @@ struct PanelFacts {
     std::vector<std::string> faults;  ///< that nobody has read yet; the first is shown
     int volume = 100;
     bool is_empty = false;            ///< nobody has said yet what to show
-    bool is_kiosk = false;            ///< only what a visitor needs
-    std::optional<double> invited_s;  ///< since when it invites to touch, seconds; nothing: it does not
+    std::optional<KioskFacts> kiosk;  ///< only what a visitor needs; nothing: it is none
 };
 
 }  // namespace touchable

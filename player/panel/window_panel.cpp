@@ -140,13 +140,15 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     draw_brush_line(facts.brush, scale_);
     draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
-    if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
-    if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
+    const bool is_stopped = !facts.force_on && !facts.hand;
+    if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
     if (!help_shown) draw_state(facts, w);  // it is among the help
-    if (facts.is_kiosk) {
-        if (!facts.invited_s) draw_force(facts, h, scale_);
-        if (facts.scale && !facts.invited_s) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
+    if (facts.kiosk) {
+        const bool has_words = draw_kiosk_words(*facts.kiosk, is_stopped, w, h);
+        if (facts.kiosk->invited_s) return;
+        draw_force(facts, h, scale_);
+        if (facts.scale && !has_words) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
         return;
     }
     if (wants_bar(facts)) {

@@ -8,6 +8,7 @@
 
 #include "player/screen/glfw_keys.hpp"
 #include "player/screen/screen.hpp"
+#include "player/screen/screen_saver.hpp"
 #include "player/screen/swapchain.hpp"
 
 #define GLFW_INCLUDE_VULKAN
@@ -30,8 +31,13 @@ public:
     bool has_lost_window() const;
     /// Until there is something to be read, but no longer than that.
     void wait(std::chrono::milliseconds longest) const;
+    /// Of the display, as long as the connection is there.
+    void keep_awake() const {
+        if (is_open()) keep_screen_awake(display_);
+    }
 
 private:
+    void* display_ = nullptr;
     int socket_ = -1;
 };
 
@@ -71,6 +77,7 @@ void XConnection::open() {
     if (!display_of_glfw || !socket_of || !set_on_fault || !set_on_exit || !set_on_refusal) return;
     void* const display = display_of_glfw();
     if (!display) return;
+    display_ = display;
     set_on_refusal(note_refusal);
     set_on_fault([](void*) {
         met_fault = true;
@@ -133,6 +140,7 @@ public:
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
         if (!glfwInit()) return no_display();
         connection_.open();
+        if (options.awake) connection_.keep_awake();
         if (!glfwVulkanSupported())
             return Error{
                 ErrorKind::gpu,

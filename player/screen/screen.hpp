@@ -48,6 +48,7 @@ struct ScreenOptions {
     int width = 1280, height = 720;
     bool fullscreen = false;
     bool stays = false;  ///< it stays full screen while another window has the focus
+    bool awake = false;  ///< the display neither blanks nor sleeps, as far as the system can be asked so
 };
 
 /// A window of the system's. Refused (ErrorKind::gpu) where there is no display or no Vulkan to show by.

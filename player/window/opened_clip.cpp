@@ -82,7 +82,10 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     // and the ramp is for that. No hand is pushed out of what it did not come into.
     session.start_buried = !options_.hand;
     session.recorded = options_.record.has_value();
-    return with_settings(std::move(session), settings);
+    session = with_settings(std::move(session), settings);
+    if (options_.most_newtons)
+        session.guard.max_force = std::min(session.guard.max_force, *options_.most_newtons);
+    return session;
 }
 
 /// The arrow of the greatest force stays within a third of the picture.

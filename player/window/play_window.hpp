@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,8 +11,11 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/remark.hpp"
+#include "player/audio/spoken_sound.hpp"
 #include "player/control/kiosk.hpp"
+#include "player/control/kiosk_texts.hpp"
 #include "player/control/persistent_device.hpp"
+#include "player/control/touch_labels.hpp"
 #include "player/control/window_script.hpp"
 #include "player/screen/screen.hpp"
 #include "player/session/session_options.hpp"
@@ -34,6 +38,17 @@ struct PlayNames {
     std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
+/// A window in a public place, where nobody watches over it.
+struct KioskOptions {
+    KioskTimes times{};
+    KioskTexts texts{};
+    TouchedBy touched_by = TouchedBy::mouse;  ///< where no device is held
+    TouchLabels labels{};                     ///< of the first clip
+    /// What is said of each label, in the language of the texts; null: nothing.
+    std::vector<std::shared_ptr<const SpokenSound>> label_sounds{};
+    std::optional<std::filesystem::path> use_log{};  ///< UseLog; nothing: none is kept
+};
+
 /// A window, and what becomes of it.
 struct PlayOptions {
     SessionOptions session;
@@ -41,15 +56,18 @@ struct PlayOptions {
     std::vector<ClipChoice> next_clips{};      ///< that come after the session's, in their order
     ScreenOptions screen;
     bool headless = false;
-    std::optional<double> scale{};      ///< of words and bars; nothing: the display's
-    std::optional<KioskTimes> kiosk{};  ///< nobody watches over it; it loops and keeps nothing
-    std::shared_ptr<RunGpu> gpu{};      ///< that draws; nothing: the window opens one
-    std::string painter = "auto";       ///< auto, cpu, raster or mesh
+    std::optional<double> scale{};  ///< of words and bars; nothing: the display's
+    /// That takes the place of a window, such as a test's.
+    std::function<std::unique_ptr<Screen>(const ScreenOptions&)> make_screen{};
+    std::optional<KioskOptions> kiosk{};  ///< it loops and keeps no settings
+    std::shared_ptr<RunGpu> gpu{};        ///< that draws; nothing: the window opens one
+    std::string painter = "auto";         ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path>
         screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done
     double screenshot_s = 3;
-    std::optional<double> seconds;  ///< the window closes then
+    std::optional<double> seconds;       ///< the window closes then
+    std::optional<double> most_newtons;  ///< of any finger, whatever settings are chosen
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
     std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)

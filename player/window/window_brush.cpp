@@ -345,6 +345,17 @@ BrushFacts WindowBrush::facts() const {
     return facts;
 }
 
+std::string WindowBrush::segment_name(const WatchedMoment& moment, const glm::dvec2& pixel) const {
+    if (!painted_ || shown_frame(moment) >= painted_->segments->frames()) return "";
+    const SegmentStore& segments = *painted_->segments;
+    const auto place = [](double at, int side) {
+        return std::clamp(static_cast<int>(std::lround(at)), 0, side - 1);
+    };
+    const auto paint = painted_->by_label.find(segments.label_at(
+        shown_frame(moment), place(pixel.x, segments.width()), place(pixel.y, segments.height())));
+    return paint == painted_->by_label.end() ? "" : paint->second.name;
+}
+
 std::string WindowBrush::segment_words(const WatchedMoment& moment, int x, int y) const {
     const bool is_of_interest = painted_ && (tool_.is_held() || clip_->in_effect().at("materials") == "on");
     if (!is_of_interest || shown_frame(moment) >= painted_->segments->frames()) return "";

@@ -72,6 +72,9 @@ public:
     /// The segment at a pixel of the depth plane, and what it is; empty where none is shown or felt.
     std::string segment_words(const WatchedMoment& moment, int x, int y) const;
 
+    /// The name of the segment at a pixel; empty where it has none.
+    std::string segment_name(const WatchedMoment& moment, const glm::dvec2& pixel) const;
+
     /// What is not saved, at the end, and where it is then; empty: nothing was painted, or all is saved.
     std::string unsaved_words() const;
     /// Gives up what it is at, and waits for its files. What went wrong with them is still to be told: the

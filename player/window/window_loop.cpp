@@ -16,7 +16,8 @@
 namespace touchable {
 
 Result<void> WindowLoop::open() {
-    if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
+    if (options_.kiosk)
+        if (auto opened = open_kiosk(); !opened.ok()) return opened;
     if (options_.settings_file) settings_file_ = SettingsFile(*options_.settings_file);
     const KeptSettings& kept = settings_file_.read();
     if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
@@ -26,6 +27,7 @@ Result<void> WindowLoop::open() {
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
     sound_->set_volume(kept.volume);
+    if (options_.kiosk) sound_->set_spoken(options_.kiosk->label_sounds);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     ClipChoice first = options_.session.clip;
     options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew
@@ -36,6 +38,7 @@ Result<void> WindowLoop::open() {
     if (!is_empty) ask_for_clip(std::move(first));
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = is_empty ? wait_for_wish() : wait_for_clip(); !opened.ok() || !clip_) return opened;
+    if (auto checked = check_labels(); !checked.ok()) return checked;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     is_dented_ = options_.dent.value_or(kept.dent);
@@ -49,7 +52,9 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
         wanted.height = kept.height;
     }
     fullscreen_ = wanted.fullscreen;
-    if (options_.headless) {
+    if (options_.make_screen) {
+        screen_ = options_.make_screen(wanted);
+    } else if (options_.headless) {
         screen_ = make_headless_screen(wanted);
     } else {
         auto screen = open_glfw_screen(wanted);
@@ -66,7 +71,7 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
 /// What draws.
 Result<void> WindowLoop::open_parts() {
     const double scale = options_.scale.value_or(screen_->size().scale);
-    layer_.emplace(scale);
+    layer_.emplace(scale, kiosk_letters());
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
     if (!options_.video) return {};
@@ -99,6 +104,8 @@ Result<PlayFigures> WindowLoop::run() {
         if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
     }
+    if (kiosk_) log_visit(kiosk_->end());
+    if (use_log_) use_log_->end(std::chrono::system_clock::now());
     opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
     if (auto written = settings_file_.write(to_keep()); !written.ok())
@@ -218,7 +225,8 @@ void WindowLoop::note_screenshots() {
 /// What is to be kept and no longer can be: once, as it happens.
 void WindowLoop::note_files() {
     for (const auto& fault :
-         {clip_->record_fault(), sound_->file_fault(), film_ ? film_->fault() : std::nullopt})
+         {clip_->record_fault(), sound_->file_fault(), film_ ? film_->fault() : std::nullopt,
+          use_log_ ? use_log_->missing() : std::nullopt})
         if (fault && file_faults_.insert(fault->message).second) say(fault->message, Tone::fault);
 }
 
@@ -350,6 +358,7 @@ void WindowLoop::say(const Error& error) {
 /// Who sees no window, or is no visitor, learns what went wrong all the same.
 void WindowLoop::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
+    log_fault(fault);
     const bool is_told = kiosk_ && (told_.size() == most_told || !told_.insert(fault).second);
     if ((options_.headless || kiosk_) && !is_told)
         std::cerr << "touchable: warning: " << printable(fault, 500) << '\n';

@@ -16,6 +16,8 @@
 #include "player/control/measure_tool.hpp"
 #include "player/control/playlist.hpp"
 #include "player/control/pointer_input.hpp"
+#include "player/control/resting_fingers.hpp"
+#include "player/control/use_log.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_picture.hpp"
@@ -29,6 +31,7 @@
 #include "player/window/screenshots.hpp"
 #include "player/window/slow_reading.hpp"
 #include "player/window/window_brush.hpp"
+#include "player/window/window_clock.hpp"
 #include "player/window/window_film.hpp"
 
 namespace touchable {
@@ -45,7 +48,7 @@ public:
     Result<PlayFigures> run();
 
 private:
-    using Clock = std::chrono::steady_clock;
+    using Clock = WindowClock;
 
     Result<void> open_screen(const KeptSettings& kept);
     Result<std::unique_ptr<WindowGraphics>> make_graphics();
@@ -115,7 +118,15 @@ private:
     void compare_with_before();
     bool has_to_stay();
     Result<void> finish_brush();
+    Result<void> open_kiosk();
+    std::string kiosk_letters() const;
+    Result<void> check_labels() const;
     void watch_over();
+    void look_for_labels(const WatchedMoment& moment);
+    KioskFacts kiosk_facts() const;
+    void put_in_kiosk_words(HandState& state) const;
+    void log_visit(const std::optional<KioskWatch::Visit>& visit);
+    void log_fault(const std::string& fault);
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
@@ -164,6 +175,10 @@ private:
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
+    std::optional<RestingFingers> resting_;  // once there is a clip
+    std::unique_ptr<UseLog> use_log_;
+    std::string logged_fault_;  // the newest
+    double logged_fault_s_ = 0;
     bool is_inviting_ = false;
     bool hand_is_gone_ = false;
     glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, when it last was a visit

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
@@ -44,14 +47,39 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 
 }  // namespace
 
+Result<void> WindowLoop::open_kiosk() {
+    kiosk_.emplace(options_.kiosk->times);
+    if (!options_.kiosk->use_log) return {};
+    auto log = UseLog::open(*options_.kiosk->use_log);
+    if (!log.ok()) return log.error();
+    use_log_ = std::move(*log);
+    use_log_->start(std::chrono::system_clock::now());
+    return {};
+}
+
+/// Of all that it may have to write.
+std::string WindowLoop::kiosk_letters() const {
+    if (!options_.kiosk) return {};
+    const KioskTexts& texts = options_.kiosk->texts;
+    std::string letters = texts.all();
+    for (const TouchLabel& label : options_.kiosk->labels.labels)
+        if (const std::string* const caption = said_in(label.captions, texts.language)) letters += *caption;
+    return letters;
+}
+
+/// Whether they go with the clip that they are of.
+Result<void> WindowLoop::check_labels() const {
+    if (!options_.kiosk) return {};
+    return options_.kiosk->labels.fits(clip_->scene().width, clip_->scene().height, clip_->frames());
+}
+
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
     const double now = now_s();
     try_again();
-    if (kiosk_->begins_anew(now)) {
-        begin_anew();
-        if (options_.hand) clip_->set_force(false);
-    }
+    if (pointer_.holds()) kiosk_->holds(now);
+    log_visit(kiosk_->ended(now));
+    if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
@@ -63,9 +91,66 @@ void WindowLoop::watch_over() {
 
 /// Somebody did something. Of the mouse's force no visitor has to know how it was stopped.
 void WindowLoop::welcome(const InputEvent& event) {
+    watch_over();  // of a time in which the machine stood still nothing is the visitor's
+    const bool has_come = !kiosk_->is_there();
     kiosk_->came(now_s());
     watch_over();  // the finger that showed how goes before the visitor's comes
-    if (event.kind == InputEvent::Kind::pressed && !options_.hand) clip_->set_force(true);
+    if ((has_come || event.kind == InputEvent::Kind::pressed) && !options_.hand) clip_->set_force(true);
+}
+
+/// Says what a finger rests on: to be read, and to be heard by whoever cannot.
+void WindowLoop::look_for_labels(const WatchedMoment& moment) {
+    const TouchLabels& labels = options_.kiosk->labels;
+    if (labels.labels.empty() || clip_->choice().file != options_.session.clip.file) return resting_.reset();
+    constexpr double reach = 0.03;  // of the picture's width
+    if (!resting_) resting_.emplace(reach * clip_->scene().width);
+    std::vector<LabelledFinger> fingers;
+    const auto count = std::min(moment.felt.fingers.size(), static_cast<std::size_t>(clip_->shown()));
+    for (std::size_t k = 0; k < count && !is_inviting_; ++k) {
+        const Contact& met = moment.felt.fingers[k].contact;
+        LabelledFinger& finger = fingers.emplace_back(LabelledFinger{{met.pixel_x, met.pixel_y}, {}});
+        if (met.touching && std::isfinite(met.pixel_x) && std::isfinite(met.pixel_y))
+            finger.label = labels.at(finger.pixel, moment.held.pair.prev.number,
+                                     brush_.segment_name(moment, finger.pixel));
+    }
+    if (const auto said = resting_->take(fingers, now_s())) sound_->say(*said);
+}
+
+KioskFacts WindowLoop::kiosk_facts() const {
+    const KioskOptions& kiosk = *options_.kiosk;
+    KioskFacts facts{.texts = kiosk.texts,
+                     .by = options_.hand ? TouchedBy::device : kiosk.touched_by,
+                     .invited_s = kiosk_->invites(now_s())};
+    if (resting_ && resting_->shown())
+        if (const auto* const caption =
+                said_in(kiosk.labels.labels[*resting_->shown()].captions, kiosk.texts.language))
+            facts.caption = *caption;
+    return facts;
+}
+
+/// What a visitor is to know of the device that is held.
+void WindowLoop::put_in_kiosk_words(HandState& state) const {
+    const KioskTexts& texts = options_.kiosk->texts;
+    // What it waits for is said to whoever set it up.
+    const bool waits = !state.remark.empty() && !state.has_to_come_out;
+    state.words = texts.of_device(waits ? HandState::What::away : state.what);
+    if (state.has_to_come_out) state.remark = texts.come_out;
+}
+
+void WindowLoop::log_visit(const std::optional<KioskWatch::Visit>& visit) {
+    if (!use_log_ || !visit) return;
+    const std::chrono::duration<double> ago(now_s() - visit->came_s);
+    using Clock = std::chrono::system_clock;
+    use_log_->visit(Clock::now() - std::chrono::duration_cast<Clock::duration>(ago), visit->seconds);
+}
+
+/// One that goes on, or comes again and again, once an hour.
+void WindowLoop::log_fault(const std::string& fault) {
+    constexpr double again_s = 3600;
+    if (!use_log_ || (fault == logged_fault_ && now_s() < logged_fault_s_ + again_s)) return;
+    logged_fault_ = fault;
+    logged_fault_s_ = now_s();
+    use_log_->fault(std::chrono::system_clock::now(), fault);
 }
 
 /// A clip that broke off may have come back: a disk that was away, a file that was being written.
@@ -74,7 +159,7 @@ void WindowLoop::try_again() {
         clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
     if (!failure) return;
     if (!told_.contains(failure->message)) say(failure->message, Tone::fault);
-    if (now_s() < tried_again_s_ + options_.kiosk->reset_s || ready_ || opening_.is_busy()) return;
+    if (now_s() < tried_again_s_ + options_.kiosk->times.reset_s || ready_ || opening_.is_busy()) return;
     tried_again_s_ = now_s();
     ask_for_clip(playlist_.now());
 }
@@ -110,7 +195,9 @@ void WindowLoop::begin_anew() {
     clip_->view().go_home();
     clip_->fingers().set_count(KeptSettings().fingers);
     clip_->fingers().lift();
+    if (!is_inviting_) pointer_.leave(clip_->fingers());  // a button that nobody has let go of
     clip_->device().set_force(true);
+    if (HandControl* const control = clip_->control()) control->begin_anew();
     picture_.set_overlay(Overlay::colour);
     measure_.let_go();
     sound_->set_muted(false);

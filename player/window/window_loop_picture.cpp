@@ -149,6 +149,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
         !drawn.ok())
         return drawn;
     const auto drawn = Clock::now();
+    if (kiosk_) look_for_labels(moment);
     PanelFacts facts = words_of(moment, field, camera);
     facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
@@ -186,9 +187,11 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     facts.is_dented = is_dented_;
     facts.figures.push_back(sound_->state());
     facts.volume = sound_->volume();
-    facts.is_kiosk = kiosk_.has_value();
-    if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
-    if (kiosk_) return facts;
+    if (kiosk_) {
+        facts.kiosk.emplace(kiosk_facts());
+        if (facts.hand) put_in_kiosk_words(facts.hand->state);
+        return facts;
+    }
     const std::string& passing = notices_.passing();
     facts.message = passing;
     facts.message_is_bad = notices_.is_refusal();

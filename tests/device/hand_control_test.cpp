@@ -317,6 +317,21 @@ TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
 }
 
+TEST_F(Control, BeginsAnewAsItWasBeforeAnybodyHeldIt) {
+    const glm::dvec3 there(0.05, 0.01, 0), before = goal(there);
+    control.recentre();
+    EXPECT_NE(goal(there), before);
+    control.ask_force(true);
+    control.hold(true);
+    EXPECT_EQ(goal(there), goal({0.02, 0, 0})) << "the clutch is held";
+    goal({0.02, 0, 0});
+    control.begin_anew();
+    EXPECT_EQ(goal(there), before);
+    EXPECT_EQ(goal({0.02, 0, 0}), glm::dvec3(200, 0, -500)) << "the clutch is let go of";
+    EXPECT_FALSE(control.force_is_asked());
+    EXPECT_EQ(felt({0, 0, 1}), glm::dvec3(0));
+}
+
 TEST_F(Control, RecentringWaitsForAHandAndForTheClutch) {
     const glm::dvec3 middle(0, 0, -500);
     control.recentre();

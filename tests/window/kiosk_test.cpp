@@ -1,11 +1,15 @@
 // A window that nobody watches over.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "player/control/kiosk.hpp"
+#include "player/control/kiosk_texts.hpp"
 #include "player/control/window_command.hpp"
+#include "player/screen/touch_screens.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {
@@ -28,6 +32,98 @@ TEST(Kiosk, InvitesWhereNobodyIsAndForgetsAVisitOnce) {
     watch.came(36000);
     EXPECT_FALSE(watch.invites(36001));
     EXPECT_TRUE(watch.begins_anew(36060));
+}
+
+TEST(Kiosk, FingerThatIsHeldStillIsSomebodyForAWhile) {
+    KioskWatch watch({20, 60});
+    watch.holds(50);
+    EXPECT_TRUE(watch.invites(50)) << "nobody came";
+    watch.came(100);
+    for (double at = 100; at < 400; ++at) watch.holds(at);
+    EXPECT_FALSE(watch.invites(178));
+    EXPECT_TRUE(watch.invites(180)) << "a button may be stuck";
+    EXPECT_EQ(watch.ended(400)->seconds, 59);
+    EXPECT_TRUE(watch.begins_anew(400));
+}
+
+TEST(Kiosk, CountsAVisitFromTheFirstToTheLastThingThatSomebodyDoes) {
+    KioskWatch watch({20, 60});
+    EXPECT_FALSE(watch.ended(100)) << "nobody came";
+    watch.came(100);
+    EXPECT_TRUE(watch.is_there());
+    watch.came(119);
+    EXPECT_FALSE(watch.ended(138.9));
+    const auto visit = watch.ended(139);
+    ASSERT_TRUE(visit);
+    EXPECT_DOUBLE_EQ(visit->came_s, 100);
+    EXPECT_DOUBLE_EQ(visit->seconds, 19);
+    EXPECT_FALSE(watch.is_there());
+    EXPECT_FALSE(watch.ended(140)) << "once";
+    watch.came(141);
+    EXPECT_EQ(watch.end()->seconds, 0);
+    EXPECT_FALSE(watch.end());
+}
+
+std::string texts_of(const char* language) {
+    return file_contents(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "share/kiosk" /
+                         (std::string(language) + ".json"));
+}
+
+/// So who translates them has all of them.
+TEST(KioskTexts, ThatComeWithTheProgramAreWhole) {
+    const auto english = parse_kiosk_texts(texts_of("en"), "en.json"),
+               german = parse_kiosk_texts(texts_of("de"), "de.json");
+    ASSERT_TRUE(english.ok()) << english.error().message;
+    ASSERT_TRUE(german.ok()) << german.error().message;
+    EXPECT_EQ(*english, KioskTexts()) << "a program without its files says the same";
+    EXPECT_EQ(german->language, "de");
+    const std::string all = texts_of("en"), all_german = texts_of("de");
+    EXPECT_EQ(std::count(all.begin(), all.end(), '\n'),
+              std::count(all_german.begin(), all_german.end(), '\n'));
+    for (const TouchedBy by : {TouchedBy::mouse, TouchedBy::touch_screen, TouchedBy::device}) {
+        EXPECT_NE(english->how(by), german->how(by));
+        EXPECT_NE(english->again(by), german->again(by));
+    }
+    EXPECT_EQ(german->how(TouchedBy::touch_screen).find("Taste"), std::string::npos)
+        << "a touch screen has no button";
+}
+
+TEST(KioskTexts, ThatCannotBeAreRefusedAndWhatIsLeftOutIsEnglish) {
+    const auto message = [](const std::string& json) {
+        const auto parsed = parse_kiosk_texts(json, "t.json");
+        return parsed.ok() ? "" : parsed.error().message;
+    };
+    const std::string begin = R"({"touchable_kiosk_texts": 1, "language": "sv")";
+    const auto some = parse_kiosk_texts(begin + R"(, "invitation": "Rör bilden"})", "t.json");
+    ASSERT_TRUE(some.ok()) << some.error().message;
+    EXPECT_EQ(some->invitation, "Rör bilden");
+    EXPECT_EQ(some->force_is_off, KioskTexts().force_is_off);
+    EXPECT_NE(message(begin + R"(, "invitatoin": "x"})").find("invitation"), std::string::npos)
+        << "no word of what is right";
+    EXPECT_NE(message(begin + R"(, "invitation": ""})").find("invitation"), std::string::npos);
+    EXPECT_NE(message(begin + R"(, "invitation": "a\nb"})").find("a line"), std::string::npos);
+    EXPECT_NE(message(R"({"touchable_kiosk_texts": 1, "language": "Svenska"})").find("de"),
+              std::string::npos);
+    EXPECT_NE(message(R"({"touchable_kiosk_texts": 2, "language": "sv"})").find("must be 1"),
+              std::string::npos);
+    EXPECT_EQ(message("x").find("t.json: "), 0U);
+}
+
+/// As Linux's kernel writes what it knows of its inputs.
+TEST(TouchScreens, AreInputsOnADisplayWithPlacesOfFingers) {
+    const TemporaryFolder inputs;
+    const auto add = [&](const char* name, const char* properties, const char* abs) {
+        std::filesystem::create_directories(inputs / name / "capabilities");
+        std::ofstream(inputs / name / "properties") << properties << "\n";
+        std::ofstream(inputs / name / "capabilities/abs") << abs << "\n";
+    };
+    EXPECT_FALSE(has_touch_screen(inputs / "none"));
+    add("input1", "0", "0");                // a keyboard
+    add("input2", "5", "260800000000003");  // a touch pad: places of fingers, not on a display
+    add("input3", "2", "1000d000003");      // a pen on a display
+    EXPECT_FALSE(has_touch_screen(inputs.path()));
+    add("input4", "2", "260800000000003");
+    EXPECT_TRUE(has_touch_screen(inputs.path()));
 }
 
 TEST(Kiosk, VisitorsNeitherEndItNorOpenNorLeaveFiles) {

@@ -117,7 +117,7 @@ TEST_F(LostWindow, OfAKioskOpensAClipThatComesBack) {
     std::filesystem::copy(file, aside);
     options_.record.reset();
     options_.painter = "cpu";
-    options_.kiosk = KioskTimes{60, 0.3};
+    options_.kiosk = KioskOptions{.times = {60, 0.3}};
     options_.seconds = 2.6;
     for (const double seconds : {2.3, 2.45})
         options_.script.push_back(

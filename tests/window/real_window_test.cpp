@@ -285,6 +285,46 @@ xdotool key Escape
     EXPECT_NE(saved_by("key ctrl+y").find("wood"), std::string::npos) << "done again in the next one";
 }
 
+/// Somebody sets it to a second after the window has opened; only a window that asks keeps it away.
+TEST(RealWindow, OfAKioskKeepsTheScreenSaverAway) {
+    if (!has_display_programs() ||
+        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXss.so.1") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool, python3 and libXss are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
+            .code,
+        0);
+    std::ofstream(folder / "saver.py") << R"(
+from ctypes import *
+import time
+class Info(Structure):
+    _fields_ = [("window", c_ulong), ("state", c_int), ("kind", c_int), ("since", c_ulong), ("idle", c_ulong),
+                ("mask", c_ulong)]
+x11, xss = CDLL("libX11.so.6"), CDLL("libXss.so.1")
+x11.XOpenDisplay.restype, x11.XDefaultRootWindow.restype = c_void_p, c_ulong
+display = c_void_p(x11.XOpenDisplay(None))
+root, info = c_ulong(x11.XDefaultRootWindow(display)), Info()
+x11.XSetScreenSaver(display, 1, 0, 1, 1)
+for k in range(35):
+    time.sleep(0.1)
+    xss.XScreenSaverQueryInfo(display, root, byref(info))
+    if info.state == 1: break
+print("blank" if info.state == 1 else "awake")
+)";
+    const auto seen = [&](const std::string& words) {
+        with_display(folder, "play globe.mkv --size 400x300 --painter cpu" + words, R"(
+python3 saver.py >seen
+kill $program
+)");
+        return file_contents(folder / "seen");
+    };
+    EXPECT_EQ(seen(""), "blank\n");
+#ifdef TOUCHABLE_HAS_XSS
+    EXPECT_EQ(seen(" --kiosk"), "awake\n");
+#endif
+}
+
 TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
     if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
     const TemporaryFolder folder;

@@ -1,0 +1,151 @@
+#include "player/commands/kiosk_options.hpp"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <system_error>
+
+#include "engine/content/materials/segment_names.hpp"
+#include "engine/given_file.hpp"
+#include "engine/printable.hpp"
+#include "player/control/plain_line.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/number_option.hpp"
+#include "player/screen/touch_screens.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where texts are that come with the program, where it was built and where it is installed.
+fs::path folder_of_texts() {
+    std::error_code fault;
+    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+    return (program.parent_path() / TOUCHABLE_KIOSK_FROM_PROGRAM).lexically_normal();
+}
+
+std::string languages_there() {
+    std::vector<std::string> languages;
+    std::error_code failed;
+    for (fs::directory_iterator at(folder_of_texts(), failed), end; !failed && at != end;
+         at.increment(failed))
+        if (at->path().extension() == ".json") languages.push_back(at->path().stem().string());
+    std::ranges::sort(languages);
+    std::string words;
+    for (const std::string& language : languages) words += (words.empty() ? "" : ", ") + language;
+    return words;
+}
+
+Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named) {
+    const auto text =
+        read_given_file(file, named, "a file of a kiosk's texts (docs/play.md)", largest_kiosk_texts);
+    if (!text.ok()) return text.error();
+    return parse_kiosk_texts(*text, file.string());
+}
+
+/// `asked`: a language or a file; empty: the language of whoever is logged in, as far as there are texts.
+Result<KioskTexts> choose_texts(const std::string& asked) {
+    const std::string language = asked.empty() ? own_language() : asked;
+    if (!is_language(language)) return read_texts_of(asked, "--kiosk-texts " + asked);
+    const fs::path file = folder_of_texts() / (language + ".json");
+    std::error_code failed;
+    if (fs::exists(file, failed)) return read_texts_of(file, file.string());
+    if (asked.empty() || language == KioskTexts().language) return KioskTexts();
+    return usage_error("--kiosk-texts " + asked + ": there are texts in these languages: " +
+                       languages_there() + "; right would be one of them, or the name of a file");
+}
+
+Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
+    const auto text =
+        read_given_file(file, "--labels " + file.string(), "a file of labels (docs/play.md)", largest_labels);
+    if (!text.ok()) return text.error();
+    auto labels = parse_touch_labels(*text, file.string(), file.parent_path());
+    if (!labels.ok()) return labels;
+    std::vector<std::string> names;
+    if (segments) {
+        const auto named = read_given_file(*segments, "--segments " + segments->string(),
+                                           "a file of segments", largest_segment_names);
+        if (!named.ok()) return named.error();
+        const auto parsed = parse_segment_names(*named, segments->string());
+        if (!parsed.ok()) return parsed.error();
+        for (const NamedSegment& segment : parsed->segments) names.push_back(segment.name);
+    }
+    if (auto there = labels->has_segments(names); !there.ok())
+        return input_error(there.error().message + "; right would be a name in the file of --segments");
+    return labels;
+}
+
+/// Each file once, however many labels have it.
+Result<void> read_sounds(KioskOptions& kiosk) {
+    std::map<fs::path, std::shared_ptr<const SpokenSound>> read;
+    for (const TouchLabel& label : kiosk.labels.labels) {
+        const fs::path* const file = said_in(label.sounds, kiosk.texts.language);
+        if (file && !read.contains(*file)) {
+            auto sound = SpokenSound::read(*file);
+            if (!sound.ok()) return sound.error();
+            read.emplace(*file, std::move(*sound));
+        }
+        kiosk.label_sounds.push_back(file ? read.at(*file) : nullptr);
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<const char*> kiosk_option_names() {
+    return {"--kiosk", "--idle", "--kiosk-texts", "--labels", "--use-log"};
+}
+
+void add_kiosk_options(CLI::App& sub, KioskWords& words) {
+    auto* const kiosk =
+        sub.add_flag("--kiosk", words.kiosk,
+                     "for a place where nobody watches over it: full screen, again and again, an "
+                     "invitation to touch, and nothing that ends it (docs/play.md)")
+            ->excludes("--record")
+            ->excludes("--settings")
+            ->excludes("--brush-history");
+    add_number_option(sub, "--idle", words.idle,
+                      "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
+                      "it begins anew; 20 60 where they are left out",
+                      0.1, 1e6)
+        ->expected(2)
+        ->needs(kiosk);
+    sub.add_option(
+           "--kiosk-texts", words.texts,
+           "what a kiosk says: a language that comes with the program (en, de), or a file of texts; left "
+           "out: this person's language (docs/play.md)")
+        ->needs(kiosk)
+        ->type_name("LANGUAGE|FILE");
+    add_file_option(sub, "--labels", words.labels,
+                    "captions and sounds of places of the clip, which a kiosk shows and plays where a finger "
+                    "rests (docs/play.md)")
+        ->needs(kiosk);
+    add_file_option(sub, "--use-log", words.use_log,
+                    "a table, CSV, to which a kiosk adds each visit and each fault")
+        ->needs(kiosk);
+}
+
+Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
+                                               const std::optional<fs::path>& segments) {
+    if (!words.kiosk) return std::optional<KioskOptions>();
+    if (!words.idle.empty() && words.idle[1] < words.idle[0])
+        return usage_error(
+            "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
+    KioskOptions kiosk;
+    if (!words.idle.empty()) kiosk.times = {words.idle[0], words.idle[1]};
+    auto texts = choose_texts(words.texts);
+    if (!texts.ok()) return texts.error();
+    kiosk.texts = std::move(*texts);
+    kiosk.touched_by = has_touch_screen() ? TouchedBy::touch_screen : TouchedBy::mouse;
+    if (words.labels) {
+        auto labels = read_labels(*words.labels, segments);
+        if (!labels.ok()) return labels.error();
+        kiosk.labels = std::move(*labels);
+        if (auto read = read_sounds(kiosk); !read.ok()) return read.error();
+    }
+    kiosk.use_log = words.use_log;
+    return std::optional(std::move(kiosk));
+}
+
+}  // namespace touchable
