@@ -280,6 +280,8 @@ void WindowLoop::take(const InputEvent& event) {
     if (kiosk_ && is_a_visit(event)) welcome(event);
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
+    if (is_touch(event)) return take_of_touch(event);
+    if (event.kind == Kind::left_window) lift_touches();
     events_.push_back(event);
     if (event.kind == Kind::close) {
         leaves_at_once_ = quit_;
@@ -304,6 +306,11 @@ void WindowLoop::take(const InputEvent& event) {
                 take(WindowCommand{WindowVerb::clutch, 0});
         return;
     }
+    take_of_pointer(event);
+}
+
+void WindowLoop::take_of_pointer(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
     if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
     const bool is_of_panel =
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));

@@ -13,6 +13,7 @@
 #include "player/control/kept_settings.hpp"
 #include "player/control/kiosk.hpp"
 #include "player/control/pointer_input.hpp"
+#include "player/control/touch_input.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_picture.hpp"
@@ -51,6 +52,10 @@ private:
     Result<void> turn();
     void take_script(double now_s);
     void take(const InputEvent& event);
+    void take_of_pointer(const InputEvent& event);
+    void take_of_touch(const InputEvent& event);
+    void lift_touches();
+    TouchInput::Ground ground_at(double x, double y);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
     void take_of_view(const WindowCommand& command);
@@ -158,6 +163,7 @@ private:
     std::int64_t changed_at_ = 0;                    // figures_.pictures at the last change
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
+    TouchInput touches_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;

@@ -65,7 +65,9 @@ void WindowLoop::watch_over() {
 void WindowLoop::welcome(const InputEvent& event) {
     kiosk_->came(now_s());
     watch_over();  // the finger that showed how goes before the visitor's comes
-    if (event.kind == InputEvent::Kind::pressed && !options_.hand) clip_->set_force(true);
+    const bool presses =
+        event.kind == InputEvent::Kind::pressed || event.kind == InputEvent::Kind::touch_began;
+    if (presses && !options_.hand) clip_->set_force(true);
 }
 
 /// A clip that broke off may have come back: a disk that was away, a file that was being written.
