@@ -191,6 +191,7 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
 void WindowSound::take(HeardTick tick, std::int64_t passed) {
     tick.muted = is_muted();
     if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
+    if (rumble_) rumble_->take(tick);
     if (output_) ticks_->push(tick);
     if (is_filmed_.load(std::memory_order_acquire)) {
         const auto since = std::chrono::steady_clock::now() - film_begun_;

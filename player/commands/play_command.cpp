@@ -343,6 +343,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                    "person's own folder")
         ->type_name("FOLDER");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    sub.add_flag("--rumble", o.rumble, "a gamepad that is plugged in rumbles by what is felt");
     add_file_option(sub, "--video", o.video,
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
@@ -374,7 +375,8 @@ void group_window_options(CLI::App& sub) {
           "--rate", "--loop"}},
         {"The window",
          {"--size", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-          "--record", "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+          "--record", "--sound", "--rumble", "--video", "--settings", "--segments", "--brush-history",
+          "--overwrite"}},
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
         {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
         {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};

@@ -25,6 +25,7 @@ Result<void> WindowLoop::open() {
         WindowSound::create(!options_.headless, options_.sound, options_.existing, options_.names.sound);
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
+    if (options_.rumble && !options_.headless) sound_->begin_rumble();
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     ClipChoice first = options_.session.clip;
     options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew

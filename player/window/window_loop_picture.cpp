@@ -181,8 +181,8 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.is_dented = is_dented_;
     facts.figures.push_back(sound_->state());
-    if (std::string touches = screen_->touch_state(); !touches.empty())
-        facts.figures.push_back(std::move(touches));
+    for (std::string words : {screen_->touch_state(), sound_->rumble_state()})
+        if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
     if (kiosk_) return facts;

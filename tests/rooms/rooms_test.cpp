@@ -100,6 +100,7 @@ Names included_by(const fs::path& file, const std::string& begin, char end) {
 std::string library_of_header(const std::string& header) {
     static const std::map<std::string, std::string> libraries{{"CLI/", "CLI11"},
                                                               {"GLFW/", "GLFW"},
+                                                              {"SDL.h", "SDL2"},
                                                               {"X11/", "X11"},
                                                               {"alsa/", "ALSA"},
                                                               {"backends/imgui", "Dear ImGui"},
@@ -237,6 +238,7 @@ TEST(Rooms, LinkOnlyWhatTheyMayUse) {
         {"PkgConfig::LZ4", "LZ4"},
         {"PkgConfig::OPENEXR", "OpenEXR"},
         {"PkgConfig::PUGIXML", "pugixml"},
+        {"PkgConfig::SDL2", "SDL2"},
         {"PkgConfig::TIFF", "libtiff"},
         {"PkgConfig::WEBSOCKETS", "libwebsockets"},
         {"PkgConfig::X_TOUCH", "X11"},
