@@ -45,7 +45,6 @@ std::optional<glm::dvec2> PointerFingers::looked_at() const {
 std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
     const auto free = std::find(touches_.begin(), touches_.end(), std::nullopt);
     if (free == touches_.end()) return std::nullopt;
-    if (!is_touched()) device_.intend({}, glm::dvec3(0.0));  // the pointer's leave
     *free = at;
     was_pressed_ = true;
     const auto finger = static_cast<std::size_t>(free - touches_.begin());

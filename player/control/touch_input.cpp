@@ -47,6 +47,8 @@ std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground
         touches_.push_back(touch);
         return {pointer_event(Kind::moved, at), pointer_event(Kind::pressed, at)};
     }
+    // Until it is moved again: X may have told of its pointer before it told of the finger.
+    fingers.set_pointer(std::nullopt);
     if (is_pair(touch, height))
         pair_since_s_ = event.seconds;
     else

@@ -298,6 +298,10 @@ TEST_F(Touches, PointerLeadsNoFingerMeanwhile) {
     ASSERT_EQ(pressing(2000), 3);
     begin(1, 300, 200, 0);
     EXPECT_EQ(pressing(), 1);
+    end(1, 0.5);
+    EXPECT_EQ(fingers_->shown(), 0) << "the mouse's come back when it is moved";
+    EXPECT_EQ(pressing(), 0);
+    begin(1, 300, 200, 1);
     fingers_->set_pointer(glm::dvec2(330, 240));
     fingers_->set_pointer(std::nullopt);
     EXPECT_EQ(pressing(), 1) << "a mouse that leaves lifts the mouse's fingers";
