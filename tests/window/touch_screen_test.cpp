@@ -262,9 +262,9 @@ for k in $(seq 100); do [[ -s display && -S fingers ]] && break; kill -0 $server
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
 ")" << TOUCHABLE_PROGRAM << "\" " << words
                                      << R"( >out 2>err & program=$!
-timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
+timeout 60 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
 xdotool windowmove $(head -1 window) 0 0
-for k in $(seq 150); do  # until the clip is open
+for k in $(seq 600); do  # until the clip is open
     title=$(xdotool getwindowname $(head -1 window))
     [[ $title == *' - touchable' && $title != *...* ]] && break
     sleep 0.1
