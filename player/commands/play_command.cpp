@@ -368,18 +368,17 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {
-        {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
-          "--rate", "--loop"}},
-        {"The window",
-         {"--size", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-          "--record", "--sound", "--rumble", "--video", "--settings", "--segments", "--brush-history",
-          "--overwrite"}},
-        {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
-        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {{"The clip",
+                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
+                    "--align", "--fill-from-motion", "--least-confidence", "--camera", "--latency",
+                    "--stale-after", "--start", "--rate", "--loop"}},
+                  {"The window",
+                   {"--size", "--fullscreen", "--dent", "--kiosk", "--idle", "--seconds", "--screenshot",
+                    "--at", "--record", "--sound", "--rumble", "--video", "--settings", "--segments",
+                    "--brush-history", "--overwrite"}},
+                  {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
+                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }
