@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 namespace touchable {
 namespace {
@@ -16,6 +17,11 @@ glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
     const glm::dvec3 way = to - from;
     const double length = std::sqrt(glm::dot(way, way));
     return length > 1e-9 && std::isfinite(length) ? way / length : glm::dvec3(0);
+}
+
+/// Not what is no number.
+bool is_near(const glm::dvec3& place) {
+    return glm::dot(place, place) <= PointerDevice::farthest * PointerDevice::farthest;
 }
 
 }  // namespace
@@ -57,15 +63,21 @@ void PointerDevice::retreat() {
         led.point.put(refuge_);
         led.quick.put(refuge_);
         led.comes = true;
+        led.was_meant = false;
     }
 }
 
 void PointerDevice::lead(const Meant& meant, Led& led) const {
     if (!meant.place) {
         led.comes = true;
+        led.was_meant = false;
         led.point.follow(refuge_, glm::dvec3(0), settings_.max_speed);
         led.quick.put(led.point.place());
         return;
+    }
+    if (!std::exchange(led.was_meant, true) && meant.from) {
+        led.point.put(*meant.from);
+        led.quick.put(*meant.from);
     }
     const double speed = led.comes ? settings_.approach_speed : settings_.max_speed;
     const glm::dvec3 before = led.point.place();
@@ -112,9 +124,23 @@ void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3&
     for (std::size_t finger = 0; finger < meant_.size(); ++finger) {
         if (finger >= places.size())
             meant_[finger].place.reset();
-        else if (glm::dot(places[finger], places[finger]) <= farthest * farthest)  // not of what is no number
+        else if (is_near(places[finger]))
             meant_[finger] = {places[finger], direction(eye, places[finger])};
     }
+    intents_.write(meant_);
+}
+
+void PointerDevice::intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from,
+                           const glm::dvec3& eye) {
+    assert(finger < led_.size());
+    if (!is_near(place)) return;
+    meant_[finger] = {place, direction(eye, place), is_near(from) ? std::optional(from) : std::nullopt};
+    intents_.write(meant_);
+}
+
+void PointerDevice::withdraw(std::size_t finger) {
+    assert(finger < led_.size());
+    meant_[finger].place.reset();
     intents_.write(meant_);
 }
 

@@ -68,6 +68,12 @@ public:
     /// finite, or beyond `farthest`, leaves its finger's goal as it was. `eye`: from where the scene is seen,
     /// device metres; along the line from there a finger is slow.
     void intend(std::span<const glm::dvec3> places, const glm::dvec3& eye);
+    /// Of one finger, which is led for itself, and of none else. Where it was away it begins at `from`: a
+    /// place in front of every surface, and so near to its goal that it is there at once, as a finger on a
+    /// touch screen is. A `from` that is no place counts as none.
+    void intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from, const glm::dvec3& eye);
+    /// That finger has no goal any more.
+    void withdraw(std::size_t finger);
 
     // Any thread but the haptic one.
     void set_force(bool on);
@@ -75,14 +81,16 @@ public:
 
 private:
     struct Meant {
-        std::optional<glm::dvec3> place;  // nothing: no goal
-        glm::dvec3 along{0.0};            // unit, away from the eye, or zero
+        std::optional<glm::dvec3> place;   // nothing: no goal
+        glm::dvec3 along{0.0};             // unit, away from the eye, or zero
+        std::optional<glm::dvec3> from{};  // where it begins if it was away; nothing: at the refuge
     };
     /// One finger on its way.
     struct Led {
         LedPoint point;
-        LedPoint quick;     // as quick along the view as across; `point` stays within `leash` of it
-        bool comes = true;  // it was away, and has not come to its goal yet
+        LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
+        bool comes = true;       // it was away, and has not come to its goal yet
+        bool was_meant = false;  // it had a goal in the reading before
     };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
     bool works() const;

@@ -197,6 +197,7 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
         tick.spoken = spoken_[said % most_spoken].get();
         tick.spoken_number = said;
     }
+    if (rumble_) rumble_->take(tick);
     if (output_) ticks_->push(tick);
     if (is_filmed_.load(std::memory_order_acquire)) {
         const auto since = std::chrono::steady_clock::now() - film_begun_;

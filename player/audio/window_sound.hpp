@@ -17,6 +17,7 @@
 #include "engine/result.hpp"
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/filmed_sound.hpp"
+#include "player/audio/gamepad_rumble.hpp"
 #include "player/audio/heard_ticks.hpp"
 #include "player/record/output_file.hpp"
 
@@ -87,6 +88,11 @@ public:
     }
 
     // The window's.
+    /// From now on a gamepad, if there is one, rumbles by what is felt, however loud it is. Once, before the
+    /// first session.
+    void begin_rumble() { rumble_.emplace(); }
+    /// In a few words, for a person; empty: it was not begun.
+    std::string rumble_state() const { return rumble_ ? rumble_->state() : std::string(); }
     /// The clip's own sound, if it has any, is that of this file from now on.
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
     /// A film that began at `begun` gets what is heard from now on. Once; sessions end before `keep` does.
@@ -125,6 +131,7 @@ private:
     std::chrono::steady_clock::time_point film_begun_;
     std::atomic<bool> is_filmed_{false};
     std::unique_ptr<SoundFile> file_;
+    std::optional<GamepadRumble> rumble_;
     HeardSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
     ContactSound::Samples samples_{};
     std::optional<SoundOutput> output_;

@@ -385,6 +385,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                    "person's own folder")
         ->type_name("FOLDER");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    sub.add_flag("--rumble", o.rumble, "a gamepad that is plugged in rumbles by what is felt");
     add_file_option(sub, "--video", o.video,
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
@@ -408,7 +409,7 @@ void group_window_options(CLI::App& sub) {
           "--rate", "--loop"}},
         {"The window",
          {"--size", "--scale", "--fullscreen", "--dent", "--seconds", "--screenshot", "--at", "--record",
-          "--sound", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
+          "--sound", "--rumble", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
         {"A kiosk", kiosk_option_names()},
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale", "--max-force"}},
         {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace touchable {
@@ -16,7 +17,10 @@ struct InputEvent {
         key_released,  ///< likewise
         resized,       ///< the picture is now x by y pixels
         dropped,       ///< `word`: a file or folder that was dropped on the window
-        left_window,   ///< the pointer is nowhere, or the window is no longer looked at
+        left_window,   ///< the pointer is nowhere, or the window is no longer looked at: nothing touches
+        touch_began,   ///< a finger came down on a touch screen, at (x, y); `touch` is its number
+        touch_moved,   ///< likewise
+        touch_ended,   ///< it was lifted
         close          ///< the window is to be closed
     };
     Kind kind = Kind::moved;
@@ -24,6 +28,14 @@ struct InputEvent {
     std::string word{};
     bool control = false, shift = false;  ///< held at that moment
     bool repeated = false;                ///< a key that is still held
+    std::int64_t touch = 0;               ///< no two fingers that are down have the same
+    double seconds = 0;  ///< of a touch: when, by a clock that does not go backward while a finger is down
 };
+
+inline bool is_touch(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
+    return event.kind == Kind::touch_began || event.kind == Kind::touch_moved ||
+           event.kind == Kind::touch_ended;
+}
 
 }  // namespace touchable

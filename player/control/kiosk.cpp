@@ -68,7 +68,7 @@ bool is_for_visitors(const InputEvent& event) {
 bool is_a_visit(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     return event.kind == Kind::moved || event.kind == Kind::pressed || event.kind == Kind::wheel ||
-           event.kind == Kind::key;
+           event.kind == Kind::key || event.kind == Kind::touch_began || event.kind == Kind::touch_moved;
 }
 
 ShownStroke stroke_at(double seconds) {

@@ -20,12 +20,52 @@ constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0
 // It is lifted to so far beyond what it goes over, and by that share of the way there farther: meant to be
 // higher than it has to, it is there sooner.
 constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
+// A finger on a touch screen comes from so far before the surface: there before it is missed.
+constexpr double arrives_m = 0.008;
 
 }  // namespace
 
 void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {
     pointer_ = at;
-    if (!at) device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
+    if (at || is_touched()) return;
+    device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
+}
+
+int PointerFingers::shown() const {
+    if (is_touched()) return distance_ ? touched() : 0;
+    return pointer_ && distance_ ? count_ : 0;
+}
+
+std::optional<glm::dvec2> PointerFingers::looked_at() const {
+    for (const auto& touch : touches_)
+        if (touch) return touch;
+    return pointer_;
+}
+
+std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
+    const auto free = std::find(touches_.begin(), touches_.end(), std::nullopt);
+    if (free == touches_.end()) return std::nullopt;
+    *free = at;
+    was_pressed_ = true;
+    const auto finger = static_cast<std::size_t>(free - touches_.begin());
+    goes_over_[finger] = false;
+    return finger;
+}
+
+bool PointerFingers::has_free() const {
+    return std::find(touches_.begin(), touches_.end(), std::nullopt) != touches_.end();
+}
+
+void PointerFingers::lift(std::size_t finger) {
+    touches_[finger].reset();
+    device_.withdraw(finger);
+}
+
+/// Up to the last that is down.
+int PointerFingers::touched() const {
+    for (int k = most; k > 0; --k)
+        if (touches_[static_cast<std::size_t>(k - 1)]) return k;
+    return 0;
 }
 
 void PointerFingers::deepen(double metres) {
@@ -33,24 +73,23 @@ void PointerFingers::deepen(double metres) {
 }
 
 double PointerFingers::depth_m() const {
-    return held_ ? std::max(press_m, rest_m_) : rest_m_;
+    return held_ || is_touched() ? std::max(press_m, rest_m_) : rest_m_;
 }
 
-/// World.
-std::optional<glm::dvec3> PointerFingers::place_of(std::size_t finger, const HeightField& field,
-                                                   const ViewCamera& camera, const Contact* felt) {
-    const glm::dvec2 offset = finger_offset(static_cast<int>(finger), count_, spread * camera.height);
-    const glm::dvec2 at = *pointer_ + glm::dvec2(offset.x, -offset.y);
+std::optional<PointerFingers::Meant> PointerFingers::meant_at(std::size_t finger, const glm::dvec2& at,
+                                                              const HeightField& field,
+                                                              const ViewCamera& camera, const Contact* felt) {
     const glm::dvec3 direction = ray_of(camera, at.x, at.y).direction;
     const auto met = pick(field, camera, at.x, at.y);
     const bool is_there = met && met->drawn && met->from_front;
     if (is_there) distance_ = glm::length(met->point - camera.eye);
     if (!distance_) return std::nullopt;
     const double deep_m = is_there ? depth_m() : std::min(depth_m(), hover_m);
+    const std::optional<glm::dvec3> ground = is_there ? std::optional(met->point) : std::nullopt;
     if (felt)
         if (const auto over = way_over(finger, field, camera.eye + direction * *distance_, deep_m, *felt))
-            return over;
-    return camera.eye + direction * (*distance_ + deep_m / workspace_.metres_per_scene_unit);
+            return Meant{*over, ground};
+    return Meant{camera.eye + direction * (*distance_ + deep_m / workspace_.metres_per_scene_unit), ground};
 }
 
 /// Where the finger is to go instead, if it is not to go straight to the `ground` that is meant.
@@ -98,13 +137,35 @@ bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
                             std::span<const Contact> felt) {
+    if (is_touched()) return intend_touches(field, camera, felt);
     std::array<glm::dvec3, most> places;
     places.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));  // changes nothing for its finger
-    for (std::size_t k = 0; pointer_ && k < static_cast<std::size_t>(count_); ++k)
-        if (const auto place = place_of(k, field, camera, k < felt.size() ? &felt[k] : nullptr))
-            places[k] = workspace_.to_device(*place);
+    for (std::size_t k = 0; pointer_ && k < static_cast<std::size_t>(count_); ++k) {
+        const glm::dvec2 offset = finger_offset(static_cast<int>(k), count_, spread * camera.height),
+                         at = *pointer_ + glm::dvec2(offset.x, -offset.y);
+        if (const auto meant = meant_at(k, at, field, camera, k < felt.size() ? &felt[k] : nullptr))
+            places[k] = workspace_.to_device(meant->place);
+    }
     device_.intend(std::span(places).first(static_cast<std::size_t>(shown())),
                    workspace_.to_device(camera.eye));
+}
+
+/// One that comes begins a little before the surface, on the way there from the clip's camera, where nothing
+/// can be in between.
+void PointerFingers::intend_touches(const HeightField& field, const ViewCamera& camera,
+                                    std::span<const Contact> felt) {
+    const auto before = [&](const glm::dvec3& ground) {
+        const double distance = glm::length(ground), nearer = arrives_m / workspace_.metres_per_scene_unit;
+        return ground * std::max(1 - nearer / distance, 0.0);
+    };
+    for (std::size_t k = 0; k < touches_.size(); ++k) {
+        if (!touches_[k]) continue;
+        const auto meant = meant_at(k, *touches_[k], field, camera, k < felt.size() ? &felt[k] : nullptr);
+        if (!meant) continue;
+        const glm::dvec3 from = meant->ground ? workspace_.to_device(before(*meant->ground))
+                                              : glm::dvec3(std::numeric_limits<double>::quiet_NaN());
+        device_.intend(k, workspace_.to_device(meant->place), from, workspace_.to_device(camera.eye));
+    }
 }
 
 }  // namespace touchable

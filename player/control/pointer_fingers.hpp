@@ -13,7 +13,8 @@
 
 namespace touchable {
 
-/// The pointer over the picture, as fingers of a device: over what is seen there, or pressed into it.
+/// The pointer over the picture, as fingers of a device: over what is seen there, or pressed into it. Or the
+/// fingers on a touch screen, each of which presses where it is; while one is down the pointer leads none.
 class PointerFingers {
 public:
     static constexpr int most = 5;
@@ -29,10 +30,23 @@ public:
     int count() const { return count_; }
     /// Of them, those that are meant somewhere: none before the pointer was over something for the first
     /// time.
-    int shown() const { return pointer_ && distance_ ? count_ : 0; }
+    int shown() const;
+    /// How many there are, away or not: of a touch screen up to the last that is down.
+    int present() const { return is_touched() ? touched() : count_; }
     /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
     void set_pointer(std::optional<glm::dvec2> at);
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }
+    /// The place that a person looks at: the pointer's, or that of the first finger on a touch screen.
+    std::optional<glm::dvec2> looked_at() const;
+
+    // Fingers on a touch screen, which count from 0.
+    /// One comes down there, pixels of the picture, and presses; which it is. Nothing: there are no more.
+    std::optional<std::size_t> put_down(const glm::dvec2& at);
+    bool has_free() const;
+    void move(std::size_t finger, const glm::dvec2& at) { touches_[finger] = at; }
+    /// It touches nothing any more, from now on.
+    void lift(std::size_t finger);
+
     void press(bool held) {
         held_ = held;
         was_pressed_ = was_pressed_ || held;
@@ -52,8 +66,16 @@ public:
     void intend(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt = {});
 
 private:
-    std::optional<glm::dvec3> place_of(std::size_t finger, const HeightField& field, const ViewCamera& camera,
-                                       const Contact* felt);
+    bool is_touched() const { return touched() > 0; }
+    int touched() const;
+    void intend_touches(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt);
+    /// Where a finger is meant to be, and what of the surface is seen there; nothing: a hole. World.
+    struct Meant {
+        glm::dvec3 place;
+        std::optional<glm::dvec3> ground;
+    };
+    std::optional<Meant> meant_at(std::size_t finger, const glm::dvec2& at, const HeightField& field,
+                                  const ViewCamera& camera, const Contact* felt);
     std::optional<glm::dvec3> way_over(std::size_t finger, const HeightField& field, const glm::dvec3& ground,
                                        double deep_m, const Contact& felt);
     bool is_caught(const Contact& felt, double deep_m) const;
@@ -61,6 +83,7 @@ private:
     PointerDevice& device_;
     Workspace workspace_;
     std::optional<glm::dvec2> pointer_;
+    std::array<std::optional<glm::dvec2>, most> touches_{};
     int count_ = 1;
     bool held_ = false, was_pressed_ = false;
     double rest_m_ = hover_m;

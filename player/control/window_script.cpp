@@ -16,6 +16,8 @@ bool ends(std::istringstream& words) {
     return !(words >> more);
 }
 
+constexpr std::int64_t most_scripted = 10;
+
 /// "move 10 20" and the like; nothing where it is none of the inputs.
 Result<std::optional<InputEvent>> read_input(const std::string& line) {
     using Kind = InputEvent::Kind;
@@ -51,6 +53,21 @@ Result<std::optional<InputEvent>> read_input(const std::string& line) {
         }
         return usage_error("no key " + event.word + " does anything; there are " + known);
     }
+    if (name == "touch" || name == "touch-move" || name == "touch-end") {
+        const bool has_place = name != "touch-end";
+        event.kind = name == "touch" ? Kind::touch_began : has_place ? Kind::touch_moved : Kind::touch_ended;
+        const bool is_read = (words >> event.touch) && (!has_place || (words >> event.x >> event.y));
+        if (!is_read || event.touch < 1 || event.touch > most_scripted || !ends(words))
+            return usage_error(name + " needs the number of a finger, from 1 to " +
+                               std::to_string(most_scripted) +
+                               (has_place ? ", and two numbers, pixels from the upper left" : ""));
+        return std::optional(event);
+    }
+    if (name == "leave") {
+        event.kind = Kind::left_window;
+        if (!ends(words)) return usage_error("leave stands alone");
+        return std::optional(event);
+    }
     if (name == "drop") {
         event.kind = Kind::dropped;
         std::getline(words >> std::ws, event.word);
@@ -70,14 +87,17 @@ Result<ScriptedInput> read_line(const std::string& line) {
     const auto event = read_input(rest);
     if (!event.ok()) return event.error();
     if (*event) {
-        input.what = **event;
+        InputEvent known = **event;
+        known.seconds = input.seconds;
+        input.what = std::move(known);
         return input;
     }
     auto command = parse_window_command(rest);
     if (!command.ok() && names_window_command(rest.substr(0, rest.find(' ')))) return command.error();
     if (!command.ok())
         return usage_error(command.error().message +
-                           "; or an input: move, press, release, wheel, key, key-up, drop");
+                           "; or an input: move, press, release, wheel, key, key-up, touch, touch-move, "
+                           "touch-end, leave, drop");
     input.what = std::move(*command);
     return input;
 }

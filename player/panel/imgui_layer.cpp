@@ -137,6 +137,9 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
+        case Kind::touch_began:  // one that is at a panel comes as the pointer
+        case Kind::touch_moved:
+        case Kind::touch_ended:
         case Kind::resized:
         case Kind::dropped:
         case Kind::close:
@@ -163,17 +166,22 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
-    // ImGui sees what a button is when a picture begins: of a short click each half gets a picture.
+    // ImGui sees what a button is when a picture begins: of a short click each half gets a picture, and a
+    // pointer that leaves with it, as a finger's does, is there until it is let go.
     std::vector<InputEvent> now = std::exchange(later_, {});
     now.insert(now.end(), events.begin(), events.end());
     std::set<std::string> pressed;
+    bool is_released = false;
     for (const InputEvent& event : now) {
-        const bool is_let_go = event.kind == InputEvent::Kind::released && pressed.contains(event.word);
-        if (is_let_go || !later_.empty()) {
+        using Kind = InputEvent::Kind;
+        const bool is_let_go = event.kind == Kind::released && pressed.contains(event.word),
+                   leaves = event.kind == Kind::left_window && is_released;
+        if (is_let_go || leaves || !later_.empty()) {
             later_.push_back(event);
             continue;
         }
-        if (event.kind == InputEvent::Kind::pressed) pressed.insert(event.word);
+        if (event.kind == Kind::pressed) pressed.insert(event.word);
+        is_released = is_released || event.kind == Kind::released;
         tell(io, event);
     }
     // Words have a size even where nobody draws them.

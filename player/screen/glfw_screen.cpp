@@ -2,14 +2,17 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <tuple>
 #include <utility>
 
 #include "player/screen/glfw_keys.hpp"
 #include "player/screen/screen.hpp"
 #include "player/screen/screen_saver.hpp"
 #include "player/screen/swapchain.hpp"
+#include "player/screen/touch_screen.hpp"
 
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
@@ -29,8 +32,8 @@ public:
     bool is_lost() const;
     /// Another program has destroyed the window: an X server has refused something for that reason.
     bool has_lost_window() const;
-    /// Until there is something to be read, but no longer than that.
-    void wait(std::chrono::milliseconds longest) const;
+    /// Until there is something to be read, there or from that other socket, but no longer than that.
+    void wait(std::chrono::milliseconds longest, int other) const;
     /// Of the display, as long as the connection is there.
     void keep_awake() const {
         if (is_open()) keep_screen_awake(display_);
@@ -99,9 +102,9 @@ bool XConnection::has_lost_window() const {
     return is_open() && met_no_window;
 }
 
-void XConnection::wait(std::chrono::milliseconds longest) const {
-    pollfd look{socket_, POLLIN, 0};
-    poll(&look, 1, static_cast<int>(longest.count()));
+void XConnection::wait(std::chrono::milliseconds longest, int other) const {
+    std::array<pollfd, 2> look{{{socket_, POLLIN, 0}, {other, POLLIN, 0}}};
+    poll(look.data(), look.size(), static_cast<int>(longest.count()));
 }
 
 /// GLFW's own words for what went wrong last.
@@ -155,6 +158,7 @@ public:
         glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
         glfwSetWindowUserPointer(window_, this);
         listen();
+        listen_for_touches();
         if (options.fullscreen) set_fullscreen(true);
         return {};
     }
@@ -207,13 +211,15 @@ public:
             return std::exchange(events_, {});
         }
         // GLFW's own wait would never end on a connection that is lost in it.
-        glfwPollEvents();
+        read_events();
         if (events_.empty()) {
-            connection_.wait(longest);
-            glfwPollEvents();
+            connection_.wait(longest, touches_ ? touches_->socket() : -1);
+            read_events();
         }
         return std::exchange(events_, {});
     }
+
+    std::string touch_state() const override { return touch_state_; }
 
     Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
@@ -259,6 +265,31 @@ public:
     }
 
 private:
+    /// Touches first: of what GLFW tells then it is known whose pointer it is.
+    void read_events() {
+        if (touches_)
+            for (InputEvent& event : touches_->take()) {
+                std::tie(event.x, event.y) = pixels(event.x, event.y);
+                add(std::move(event));
+            }
+        glfwPollEvents();
+    }
+
+    void listen_for_touches() {
+        auto* const window_of = function<unsigned long(GLFWwindow*)>("glfwGetX11Window");
+        if (!connection_.is_open() || !window_of) {
+            touch_state_ = "touch screen: one finger (this is not X11)";
+            return;
+        }
+        auto opened = TouchScreen::open(window_of(window_));
+        touch_state_ = opened.ok() ? "touch screen: every finger touches"
+                                   : "touch screen: one finger (" + opened.error().message + ")";
+        if (opened.ok()) touches_ = std::move(*opened);
+    }
+
+    /// X's pointer goes along with a finger, which is told of already.
+    bool pointer_is_finger() const { return touches_ && touches_->has_pointer(); }
+
     static GlfwScreen& of(GLFWwindow* window) {
         return *static_cast<GlfwScreen*>(glfwGetWindowUserPointer(window));
     }
@@ -276,18 +307,19 @@ private:
     void listen() {
         using Kind = InputEvent::Kind;
         glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+            if (of(window).pointer_is_finger()) return;
             const auto [px, py] = of(window).pixels(x, y);
             of(window).add({.kind = Kind::moved, .x = px, .y = py});
         });
         glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int entered) {
-            if (!entered) of(window).add({.kind = Kind::left_window});
+            if (!entered && !of(window).pointer_is_finger()) of(window).add({.kind = Kind::left_window});
         });
         glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int focused) {
             if (!focused) of(window).add({.kind = Kind::left_window});
         });
         glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int held) {
             constexpr const char* names[] = {"left", "right", "middle"};
-            if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+            if (button > GLFW_MOUSE_BUTTON_MIDDLE || of(window).pointer_is_finger()) return;
             of(window).add({.kind = action == GLFW_RELEASE ? Kind::released : Kind::pressed,
                             .word = names[button],
                             .control = (held & GLFW_MOD_CONTROL) != 0,
@@ -329,6 +361,8 @@ private:
     XConnection connection_;
     mutable ScreenSize size_;  // as last known
     std::unique_ptr<Swapchain> swapchain_;
+    std::unique_ptr<TouchScreen> touches_;  // nothing: the first finger is the pointer
+    std::string touch_state_;
     std::vector<InputEvent> events_;
     int place_[4] = {0, 0, 1280, 720};  // before it became full-screen: x, y, width, height
     bool hidden_ = false, repeats_ = false;

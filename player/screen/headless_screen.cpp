@@ -18,6 +18,7 @@ public:
         std::this_thread::sleep_for(longest);
         return {};
     }
+    std::string touch_state() const override { return {}; }
     Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override {}

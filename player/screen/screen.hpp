@@ -32,6 +32,8 @@ public:
     virtual ScreenSize size() const = 0;
     /// Waits for input, at most so long, and gives what has come.
     virtual std::vector<InputEvent> poll(std::chrono::milliseconds longest) = 0;
+    /// What becomes of the fingers on a touch screen, in a few words for a person; empty: there is none.
+    virtual std::string touch_state() const = 0;
     /// Submits what draws `canvas`, which is then in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, waits for it, and
     /// shows it, stretched where the screen has another size by now. Gives how long the marked stretches
     /// took.

@@ -22,7 +22,7 @@ std::string words_of(const char* format, Values... values) {
 /// What is under the pointer, to be read at a glance.
 PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, const HeightField& field,
                        const ViewCamera& camera) {
-    const auto& pointer = clip.fingers().pointer();
+    const auto pointer = clip.fingers().looked_at();
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
@@ -108,7 +108,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.pressed_mm = clip.fingers().depth_m() * 1000;
     const auto fingers =
         std::min(moment.felt.fingers.size(),
-                 static_cast<std::size_t>(clip.hand() ? clip.shown() : clip.fingers().count()));
+                 static_cast<std::size_t>(clip.hand() ? clip.shown() : clip.fingers().present()));
     for (std::size_t k = 0; k < fingers; ++k)
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
     facts.place = place_facts(clip, moment, field, camera);

@@ -70,6 +70,7 @@ struct PlayOptions {
     std::optional<double> most_newtons;  ///< of any finger, whatever settings are chosen
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
+    bool rumble = false;  ///< a gamepad rumbles by what is felt; not where it is `headless`
     std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)
     Existing existing = Existing::keep;
     PlayNames names{};

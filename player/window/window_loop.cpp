@@ -28,6 +28,7 @@ Result<void> WindowLoop::open() {
     sound_ = std::move(*sound);
     sound_->set_volume(kept.volume);
     if (options_.kiosk) sound_->set_spoken(options_.kiosk->label_sounds);
+    if (options_.rumble && !options_.headless) sound_->begin_rumble();
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     ClipChoice first = options_.session.clip;
     options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew
@@ -314,6 +315,8 @@ void WindowLoop::take(const InputEvent& event) {
     if (is_a_visit(event)) stirred_s_ = time_s_;
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
+    if (is_touch(event)) return take_of_touch(event);
+    if (event.kind == Kind::left_window) lift_touches();
     events_.push_back(event);
     if (event.kind == Kind::close) {
         leaves_at_once_ = quit_;
@@ -332,6 +335,11 @@ void WindowLoop::take(const InputEvent& event) {
                 take(WindowCommand{WindowVerb::clutch, 0});
         return;
     }
+    take_of_pointer(event);
+}
+
+void WindowLoop::take_of_pointer(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
     if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
     const bool is_over = !pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y);
     const bool is_of_panel = layer_->holds_pointer() || is_over;

@@ -17,6 +17,7 @@
 #include "player/control/playlist.hpp"
 #include "player/control/pointer_input.hpp"
 #include "player/control/resting_fingers.hpp"
+#include "player/control/touch_input.hpp"
 #include "player/control/use_log.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
@@ -58,6 +59,10 @@ private:
     Result<void> turn();
     void take_script();
     void take(const InputEvent& event);
+    void take_of_pointer(const InputEvent& event);
+    void take_of_touch(const InputEvent& event);
+    void lift_touches();
+    TouchInput::Ground ground_at(double x, double y);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
     void take_of_view(const WindowCommand& command);
@@ -195,6 +200,7 @@ private:
     std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
     MeasureTool measure_;
+    TouchInput touches_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;    // since the last picture
     std::vector<std::string> dropped_;  // at once

@@ -95,7 +95,9 @@ void WindowLoop::welcome(const InputEvent& event) {
     const bool has_come = !kiosk_->is_there();
     kiosk_->came(now_s());
     watch_over();  // the finger that showed how goes before the visitor's comes
-    if ((has_come || event.kind == InputEvent::Kind::pressed) && !options_.hand) clip_->set_force(true);
+    const bool presses =
+        (has_come || event.kind == InputEvent::Kind::pressed) || event.kind == InputEvent::Kind::touch_began;
+    if (presses && !options_.hand) clip_->set_force(true);
 }
 
 /// Says what a finger rests on: to be read, and to be heard by whoever cannot.

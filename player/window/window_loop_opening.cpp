@@ -145,6 +145,7 @@ bool WindowLoop::note_failure() {
 /// In place of the one that is there, if one is.
 Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     if (clip_) {
+        lift_touches();
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
         note_failure();
         clip->fingers().set_count(clip_->fingers().count());

@@ -186,6 +186,8 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.is_dented = is_dented_;
     facts.figures.push_back(sound_->state());
+    for (std::string words : {screen_->touch_state(), sound_->rumble_state()})
+        if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.volume = sound_->volume();
     if (kiosk_) {
         facts.kiosk.emplace(kiosk_facts());

@@ -87,6 +87,34 @@ TEST_F(Pointer, FingersAreAwayUntilTheyAreMeantSomewhere) {
     EXPECT_LT(glm::length(read_for(2000)[0] - camera), 1e-9);
 }
 
+TEST_F(Pointer, FingerThatIsLedForItselfBeginsWhereItIsTold) {
+    const glm::dvec3 first(0.02, 0.01, -0.002), second(-0.03, 0, 0.01), near(0.02, 0.01, 0.006);
+    intend({second, second});
+    read_for(2000);
+    device.withdraw(0);
+    const Places gone = read_for(2000);
+    EXPECT_LT(glm::length(gone[0] - camera), 1e-9);
+    EXPECT_LT(glm::length(gone[1] - second), 1e-6) << "the other stays";
+    device.intend(0, first, near, camera);
+    glm::dvec3 before = read()[0];
+    EXPECT_LT(glm::length(before - near), 0.001);
+    for (int k = 0; k < 500; ++k) {
+        device.intend(0, first, near, camera);  // with each picture
+        const glm::dvec3 now = read()[0];
+        EXPECT_LE(glm::length(now - before), settings.approach_speed * 1e-3 * (1 + 1e-12));
+        before = now;
+    }
+    EXPECT_LT(glm::length(before - first), 1e-4);
+    device.intend(0, {nan, 0, 0}, near, camera);
+    device.intend(0, {1e9, 0, 0}, near, camera);
+    EXPECT_LT(glm::length(read_for(100)[0] - first), 1e-4) << "what is no place changes nothing";
+    device.intend(2, first, glm::dvec3(nan), camera);
+    EXPECT_LT(glm::length(read()[2] - camera), 0.001) << "it comes from where it is away";
+    EXPECT_LT(glm::length(read_for(2000)[2] - first), 1e-6);
+    device.set_force(false);
+    EXPECT_EQ(read_for(100), (Places{camera, camera, camera}));
+}
+
 TEST_F(Pointer, ComesSlowlyAndLeavesAtOnceOnItsWayToTheEye) {
     const glm::dvec3 deep(0.04, -0.02, -0.01);
     intend({deep});

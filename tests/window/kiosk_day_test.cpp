@@ -186,6 +186,7 @@ public:
         return turn.events;
     }
     Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
+    std::string touch_state() const override { return ""; }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override { ADD_FAILURE() << "a visitor has left full screen"; }
     /// By the script, once the window shows pictures.

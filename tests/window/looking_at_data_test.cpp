@@ -21,11 +21,11 @@
 namespace touchable::test {
 namespace {
 
-constexpr int width = 96, height = 64;
+constexpr int depth_width = 96, depth_height = 64;
 
 /// 16 bits from 10 mm to 60 m, with hardly any perspective; code 0 is a hole.
 Scene wide_scene() {
-    Scene scene = small_scene(width, height, 16);
+    Scene scene = small_scene(depth_width, depth_height, 16);
     scene.camera = {400, 400, 47.5, 31.5};
     scene.metres_per_unit = 0.001;
     scene.depth.far = 60'000;
@@ -45,8 +45,8 @@ RawFrame frame_of(const Scene& scene, std::int64_t number, const CodeAt& code_at
         std::vector<std::uint8_t> haptic;
     };
     auto memory = std::make_shared<Memory>();
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < depth_height; ++y)
+        for (int x = 0; x < depth_width; ++x) {
             memory->depth.push_back(static_cast<std::uint16_t>(code_at(x, y)));
             if (stiffness)
                 memory->haptic.insert(memory->haptic.end(), 3, static_cast<std::uint8_t>(stiffness(x, y)));
@@ -54,9 +54,13 @@ RawFrame frame_of(const Scene& scene, std::int64_t number, const CodeAt& code_at
     RawFrame frame;
     frame.number = number;
     frame.time_ns = scene.rate.time_ns(number);
-    frame.depth = {
-        reinterpret_cast<const std::uint8_t*>(memory->depth.data()), 2 * width, width, height, 2, 1};
-    if (stiffness) frame.haptic = {memory->haptic.data(), 3 * width, width, height, 1, 3};
+    frame.depth = {reinterpret_cast<const std::uint8_t*>(memory->depth.data()),
+                   2 * depth_width,
+                   depth_width,
+                   depth_height,
+                   2,
+                   1};
+    if (stiffness) frame.haptic = {memory->haptic.data(), 3 * depth_width, depth_width, depth_height, 1, 3};
     frame.storage = std::move(memory);
     return frame;
 }

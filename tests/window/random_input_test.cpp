@@ -37,7 +37,7 @@ private:
 
     std::string something() {
         const char* const buttons[] = {"left", "right", "middle"};
-        switch (below(12)) {
+        switch (below(17)) {
             case 0:
             case 1:
             case 2:
@@ -55,10 +55,20 @@ private:
                 return "size " + std::to_string(64 + below(700)) + 'x' + std::to_string(64 + below(400));
             case 9:
                 return "drop nowhere-" + number(9);
+            case 10:
+            case 11:
+                return "touch " + finger() + ' ' + number(700) + ' ' + number(420);
+            case 12:
+            case 13:
+                return "touch-move " + finger() + ' ' + number(700) + ' ' + number(420);
+            case 14:
+                return below(8) == 0 ? "leave" : "touch-end " + finger();
             default:
                 return key();
         }
     }
+
+    std::string finger() { return std::to_string(1 + below(7)); }
 
     /// Any but those that end it, leave files or fill the screen.
     std::string key() {

@@ -42,6 +42,21 @@ TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
     EXPECT_EQ(std::get<InputEvent>((*read)[4].what).word, "a b.mkv");
 }
 
+TEST(WindowScript, FingersOnATouchScreenHaveNumbersAndTimes) {
+    const auto read = read_words("0.5 touch 2 10 20.5\n0.75 touch-move 2 11 21\n1 touch-end 2\n1 leave\n");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->size(), 4U);
+    const auto event = [&](std::size_t k) { return std::get<InputEvent>((*read)[k].what); };
+    EXPECT_EQ(event(0).kind, InputEvent::Kind::touch_began);
+    EXPECT_EQ(event(0).touch, 2);
+    EXPECT_EQ(event(0).y, 20.5);
+    EXPECT_EQ(event(0).seconds, 0.5);
+    EXPECT_EQ(event(1).kind, InputEvent::Kind::touch_moved);
+    EXPECT_EQ(event(1).seconds, 0.75);
+    EXPECT_EQ(event(2).kind, InputEvent::Kind::touch_ended);
+    EXPECT_EQ(event(3).kind, InputEvent::Kind::left_window);
+}
+
 TEST(WindowScript, FaultIsNamedWithItsLine) {
     const struct {
         const char *words, *where, *what;
@@ -57,6 +72,12 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"0 key up\n", "line 1", "no key up"},  // without Ctrl
                   {"0 overlay heat\n", "line 1", "stiffness"},
                   {"0 speed fast\n", "line 1", "needs a number"},
+                  {"0 touch 1 20\n", "line 1", "the number of a finger"},
+                  {"0 touch 0 20 30\n", "line 1", "from 1 to 10"},
+                  {"0 touch-move 1 20 30 40\n", "line 1", "two numbers"},
+                  {"0 touch-end\n", "line 1", "the number of a finger"},
+                  {"0 touch-end 1 2 3\n", "line 1", "the number of a finger"},
+                  {"0 leave now\n", "line 1", "stands alone"},
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
         const auto read = read_words(fault.words);

@@ -1,0 +1,60 @@
+#define SDL_MAIN_HANDLED
+#include <SDL.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "player/audio/gamepad.hpp"
+
+namespace touchable {
+namespace {
+
+struct Released {
+    void operator()(SDL_GameController* pad) const { SDL_GameControllerClose(pad); }
+};
+
+class SdlGamepad final : public Gamepad {
+public:
+    ~SdlGamepad() override {
+        rumble({}, 0);
+        pad_.reset();
+        SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+    }
+
+    std::string look() override {
+        SDL_GameControllerUpdate();
+        SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);  // nobody asks for its sticks and buttons
+        if (pad_ && SDL_GameControllerGetAttached(pad_.get()) != SDL_TRUE) pad_.reset();
+        for (int k = 0; !pad_ && k < SDL_NumJoysticks(); ++k) {
+            if (SDL_IsGameController(k) != SDL_TRUE) continue;
+            pad_.reset(SDL_GameControllerOpen(k));
+            if (pad_ && SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE) pad_.reset();
+        }
+        const char* const name = pad_ ? SDL_GameControllerName(pad_.get()) : "";
+        return name ? name : "gamepad";
+    }
+
+    void rumble(const Rumble& rumble, int milliseconds) override {
+        const auto motor = [](float share) { return static_cast<std::uint16_t>(std::lround(share * 65535)); };
+        if (pad_)
+            SDL_GameControllerRumble(pad_.get(), motor(rumble.low), motor(rumble.high),
+                                     static_cast<std::uint32_t>(milliseconds));
+    }
+
+private:
+    std::unique_ptr<SDL_GameController, Released> pad_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Gamepad>> Gamepad::open() {
+    SDL_SetMainReady();
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
+    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+    if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return Error{ErrorKind::device, SDL_GetError()};
+    return std::unique_ptr<Gamepad>(std::make_unique<SdlGamepad>());
+}
+
+}  // namespace touchable
