@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
+#include <string>
 
 #include "player/control/window_command.hpp"
 #include "player/overlay/colour_ramp.hpp"
@@ -161,14 +163,19 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     ImGui::End();
 }
 
-void draw_place(const PanelFacts& facts, float height, float scale) {
-    if (facts.place.lines.empty()) return;
+void draw_place(const PanelFacts& facts, float width, float height, float scale) {
+    std::span<const std::string> words = facts.place.lines;
+    if (words.empty()) return;
     const float m = panel_margin * scale;
     const ImGuiStyle& style = ImGui::GetStyle();
-    float wide = 0;
-    for (const std::string& line : facts.place.lines)
-        wide = std::max(wide, ImGui::CalcTextSize(line.c_str()).x);
-    const auto lines = static_cast<float>(facts.place.lines.size());
+    const auto widest = [&words] {
+        float wide = 0;
+        for (const std::string& line : words) wide = std::max(wide, ImGui::CalcTextSize(line.c_str()).x);
+        return wide;
+    };
+    if (widest() > 0.5F * width) words = words.first(1);
+    const float wide = widest();
+    const auto lines = static_cast<float>(words.size());
     begin_box("place", {.x = m,
                         .y = height - 2 * m - panel_bar_height * scale,
                         .pivot_y = 1,
@@ -176,7 +183,7 @@ void draw_place(const PanelFacts& facts, float height, float scale) {
                         .height = lines * ImGui::GetTextLineHeightWithSpacing() - style.ItemSpacing.y +
                                   2 * style.WindowPadding.y,
                         .flags = ImGuiWindowFlags_NoInputs});
-    for (const std::string& line : facts.place.lines) ImGui::TextUnformatted(line.c_str());
+    for (const std::string& line : words) ImGui::TextUnformatted(line.c_str());
     ImGui::End();
 }
 

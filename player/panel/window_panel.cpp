@@ -164,7 +164,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         return ImGui::End();
     }
     draw_force(facts, h, scale_);
-    draw_place(facts, h, scale_);
+    draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
         draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
     if (shown) draw_side(facts, w, h, asked);

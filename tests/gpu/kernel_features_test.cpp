@@ -43,8 +43,8 @@ const KernelFeature kernel_features[] = {
 };
 #undef TOUCHABLE_KERNEL_FEATURE
 
-/// Shader, SampledBuffer, ImageBuffer: every Vulkan has them.
-const std::set<std::uint32_t> capabilities_of_all = {1, 46, 47};
+/// Shader, SampledBuffer, ImageBuffer, ImageQuery: every Vulkan has them.
+const std::set<std::uint32_t> capabilities_of_all = {1, 46, 47, 50};
 
 /// Not of kernels, but of what C++ calls.
 const std::set<std::string> called = {"timelineSemaphore", "synchronization2", "dynamicRendering"};

@@ -114,7 +114,7 @@ TEST(HeadlessWindow, IsDrawnByTheCpuAlike) {
     const Shot cpu = shot_of(still(), touch, "0.8", by_cpu);
     const Shot bare = shot_of(still(), large, "0.3", by_cpu);
     EXPECT_GT(differences(bare.image, cpu.image, 300, 140, 420, 220), 400);
-    EXPECT_LE(differences(gpu.image, cpu.image, 230, 60, 300, 400), 60);
+    EXPECT_LE(differences(gpu.image, cpu.image, 240, 60, 300, 400), 60);
     EXPECT_LE(differences(gpu.image, cpu.image, 300, 220, 620, 400), 60);
     EXPECT_NE(cpu.outcome.out.find("by the cpu painter\n"), std::string::npos) << cpu.outcome.out;
 }
