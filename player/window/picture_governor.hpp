@@ -28,7 +28,7 @@ private:
     };
     static constexpr std::array<Level, 4> levels{{{1, false}, {1, true}, {0.75, true}, {0.5, true}}};
     static constexpr double all_vertices = 3;  // times the drawing of a coarse picture
-    static constexpr std::int64_t few = 10;    // frames that are judged together
+    static constexpr std::int64_t few = 15;    // frames that are judged together
     static constexpr double tolerated = 0.8;   // of them in time
     static constexpr double cause = 0.5;       // of a frame's time: what takes less makes nothing late
     static constexpr double room = 0.8;        // of a frame's time, for a larger picture

@@ -79,8 +79,9 @@ int WindowLoop::vertex_step(const ViewCamera& camera) {
     return governor_.coarse() && playback.playing && !playback.at_end ? coarse : 1;
 }
 
-/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch: compiling
-/// what they are drawn by would make the first touch come late.
+/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch, and half
+/// the size for a governor that will want it: compiling what they are drawn by would make a picture come
+/// late.
 Result<void> WindowLoop::draw_opening() {
     const ScreenSize size = screen_->size();
     if (size.width < 1 || size.height < 1) return {};
@@ -93,9 +94,10 @@ Result<void> WindowLoop::draw_opening() {
     FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
     finger.under = UnderFinger{behind, {0, 0, 1}};
     finger.given_way = {0, 0, -1};
-    if (auto drawn = graphics.draw(own_view(scene, size.width, size.height, 0.1), {{finger}}, {}, size.width,
-                                   size.height);
-        !drawn.ok())
+    const int part = graphics.can_stretch() ? 2 : 1;
+    const ViewCamera camera =
+        own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
+    if (auto drawn = graphics.draw(camera, {{finger}}, {}, size.width, size.height); !drawn.ok())
         return drawn;
     PanelFacts facts;
     facts.is_empty = options_.session.clip.file.empty() && !opening_.is_busy();
