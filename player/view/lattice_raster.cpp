@@ -118,6 +118,34 @@ private:
                 load<F>(&row.red[x]), load<F>(&row.green[x]), load<F>(&row.blue[x])};
     }
 
+    template <int n>
+    struct Cells {
+        Corners<n> top_left, top_right, bottom_right, bottom_left;
+    };
+
+    /// Pixels that cells may cover: the first one, and how many follow to the right and down; less than 0
+    /// where there is none.
+    template <int n>
+    struct Extent {
+        Ints<n> first_x, first_y, beyond_x, beyond_y;
+        Ints<n> is_large;  ///< for products of 32 bits
+    };
+
+    template <int n>
+    [[gnu::always_inline]] Extent<n> extent_of(const Cells<n>& cells) const {
+        using I = Ints<n>;
+        const auto& [top_left, top_right, bottom_right, bottom_left] = cells;
+        const I least_x = lesser(lesser(top_left.x, top_right.x), lesser(bottom_left.x, bottom_right.x)),
+                most_x = greater(greater(top_left.x, top_right.x), greater(bottom_left.x, bottom_right.x)),
+                least_y = lesser(lesser(top_left.y, top_right.y), lesser(bottom_left.y, bottom_right.y)),
+                most_y = greater(greater(top_left.y, top_right.y), greater(bottom_left.y, bottom_right.y));
+        const I first_x = greater(first_pixel(least_x), I{}),
+                first_y = greater(first_pixel(least_y), I{} + first_);
+        return {first_x, first_y, lesser(last_pixel(most_x), I{} + (width_ - 1)) - first_x,
+                lesser(last_pixel(most_y), I{} + last_) - first_y,
+                (most_x - least_x >= RASTER_LARGE_CELL) | (most_y - least_y >= RASTER_LARGE_CELL)};
+    }
+
     /// n cells from (x, y) on.
     template <int n>
     [[gnu::always_inline]] void draw_cells(const Rows& rows, int x, int y) {
@@ -129,39 +157,35 @@ private:
         const I no_right = cut(q00, q10, q11, cut_ratio_), no_left = cut(q00, q11, q01, cut_ratio_);
         I is_drawn = ~(no_right & no_left);
         if (or_of(is_drawn) == 0) return;
-        Corners<n> top_left = corners<n>(up, x), top_right = corners<n>(up, x + 1),
-                   bottom_left = corners<n>(low, x), bottom_right = corners<n>(low, x + 1);
-        top_right.x = no_right ? top_left.x : top_right.x;  // a triangle without area is not drawn
-        top_right.y = no_right ? top_left.y : top_right.y;
-        bottom_left.x = no_left ? top_left.x : bottom_left.x;
-        bottom_left.y = no_left ? top_left.y : bottom_left.y;
-        const I top_left_in_front = load<I>(&up.in_front[x]),
-                top_right_in_front = load<I>(&up.in_front[x + 1]),
-                bottom_left_in_front = load<I>(&low.in_front[x]),
-                bottom_right_in_front = load<I>(&low.in_front[x + 1]);
-        const I in_front = top_left_in_front & bottom_right_in_front & (top_right_in_front | no_right) &
-                           (bottom_left_in_front | no_left);
-        const I partly = top_left_in_front | bottom_right_in_front | (top_right_in_front & ~no_right) |
-                         (bottom_left_in_front & ~no_left);
-        const I least_x = lesser(lesser(top_left.x, top_right.x), lesser(bottom_left.x, bottom_right.x)),
-                most_x = greater(greater(top_left.x, top_right.x), greater(bottom_left.x, bottom_right.x)),
-                least_y = lesser(lesser(top_left.y, top_right.y), lesser(bottom_left.y, bottom_right.y)),
-                most_y = greater(greater(top_left.y, top_right.y), greater(bottom_left.y, bottom_right.y));
-        const I first_x = greater(first_pixel(least_x), I{}),
-                first_y = greater(first_pixel(least_y), I{} + first_),
-                beyond_x = lesser(last_pixel(most_x), I{} + (width_ - 1)) - first_x,
-                beyond_y = lesser(last_pixel(most_y), I{} + last_) - first_y;
+        Cells<n> cells{corners<n>(up, x), corners<n>(up, x + 1), corners<n>(low, x + 1), corners<n>(low, x)};
+        cells.top_right.x = no_right ? cells.top_left.x : cells.top_right.x;  // without area: not drawn
+        cells.top_right.y = no_right ? cells.top_left.y : cells.top_right.y;
+        cells.bottom_left.x = no_left ? cells.top_left.x : cells.bottom_left.x;
+        cells.bottom_left.y = no_left ? cells.top_left.y : cells.bottom_left.y;
+        const I diagonal_starts = load<I>(&up.in_front[x]), diagonal_ends = load<I>(&low.in_front[x + 1]),
+                right_is = load<I>(&up.in_front[x + 1]), left_is = load<I>(&low.in_front[x]);
+        const I in_front = diagonal_starts & diagonal_ends & (right_is | no_right) & (left_is | no_left),
+                partly = diagonal_starts | diagonal_ends | (right_is & ~no_right) | (left_is & ~no_left);
+        const Extent<n> extent = extent_of(cells);
         // Where part of a cell is behind the eye, its corners say nothing of where it is seen.
-        is_drawn &= partly & (~in_front | ((beyond_x >= 0) & (beyond_y >= 0)));
+        is_drawn &= partly & (~in_front | ((extent.beyond_x >= 0) & (extent.beyond_y >= 0)));
         if (or_of(is_drawn) == 0) return;
-        const I is_large =
-            ~in_front | (most_x - least_x >= RASTER_LARGE_CELL) | (most_y - least_y >= RASTER_LARGE_CELL);
-        if (const I large = is_drawn & is_large; or_of(large) != 0) {
+        if (const I large = is_drawn & (extent.is_large | ~in_front); or_of(large) != 0) {
             for (int k = 0; k < n; ++k)
                 if (large[k] != 0) draw_cell(x + k, y, no_right[k] != 0, no_left[k] != 0);
-            is_drawn &= ~is_large;
+            is_drawn &= ~large;
         }
-        for (Corners<n>* const corner : {&top_left, &top_right, &bottom_left, &bottom_right}) {
+        plot_cells(cells, extent, is_drawn);
+    }
+
+    /// Each from its own first pixel on: small ones side by side, larger ones one after the other.
+    template <int n>
+    [[gnu::always_inline]] void plot_cells(Cells<n>& cells, const Extent<n>& extent,
+                                           const Ints<n>& is_drawn) {
+        using I = Ints<n>;
+        const auto& [first_x, first_y, beyond_x, beyond_y, is_large] = extent;
+        for (Corners<n>* const corner :
+             {&cells.top_left, &cells.top_right, &cells.bottom_left, &cells.bottom_right}) {
             corner->x = (corner->x - first_x * VIEW_SUBPIXELS - half_pixel) & is_drawn;
             corner->y = (corner->y - first_y * VIEW_SUBPIXELS - half_pixel) & is_drawn;
         }
@@ -170,22 +194,15 @@ private:
         const I is_small = is_drawn & (beyond_x < most_pixels) & (beyond_y < most_pixels);
         if (const I others = is_drawn & ~is_small; or_of(others) != 0)
             for (int k = 0; k < n; ++k)
-                if (others[k] != 0)
-                    plot_cell<n>({top_left, top_right, bottom_right, bottom_left}, k, start[k], beyond_x[k],
-                                 beyond_y[k]);
+                if (others[k] != 0) plot_cell<n>(cells, k, start[k], beyond_x[k], beyond_y[k]);
         if (or_of(is_small) == 0) return;
+        // A bit for each column, and for each line, that one of them has.
         const std::uint32_t extents =
-            or_of((is_small & 17) |
-                  (is_small & (((beyond_x > 0) & 2) | ((beyond_x > 1) & 4) | ((beyond_x > 2) & 8) |
-                               ((beyond_y > 0) & 32) | ((beyond_y > 1) & 64) | ((beyond_y > 2) & 128))));
-        plot_pixels<n, 1>({top_left, top_right, bottom_right, bottom_left}, start, is_small ? beyond_x : ~I{},
-                          beyond_y & is_small, std::bit_width(extents & 15U), std::bit_width(extents >> 4));
+            or_of(is_small & (17 | ((beyond_x > 0) & 2) | ((beyond_x > 1) & 4) | ((beyond_x > 2) & 8) |
+                              ((beyond_y > 0) & 32) | ((beyond_y > 1) & 64) | ((beyond_y > 2) & 128)));
+        plot_pixels<n, 1>(cells, start, is_small ? beyond_x : ~I{}, beyond_y & is_small,
+                          std::bit_width(extents & 15U), std::bit_width(extents >> 4));
     }
-
-    template <int n>
-    struct Cells {
-        Corners<n> top_left, top_right, bottom_right, bottom_left;
-    };
 
     /// One cell, with neighbouring pixels side by side.
     template <int n>
