@@ -27,7 +27,7 @@ float motor(double value) {
 Rumble ContactRumble::next(const HeardTick& tick) {
     double newtons = 0, knock = 0, rough = 0;
     for (const HeardFinger& finger : tick.fingers) {
-        const double pressed = finger.touching ? value_of(finger.newtons, 50) : 0;
+        const double pressed = finger.touching ? value_of(finger.share * finger.newtons, 50) : 0;
         if (pressed == 0) continue;
         newtons += pressed;
         knock = std::max({knock, share_of(value_of(finger.met, 10), usual_knock),

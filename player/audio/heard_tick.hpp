@@ -17,6 +17,7 @@ struct HeardFinger {
     float met = 0;        ///< m/s with which it met the surface in this tick; 0: it did not
     float let_go = 0;     ///< N by which the force fell as it, stuck until then, slipped; 0: it did not
     float side = 0;       ///< place in the picture, -1 left to 1 right
+    float share = 1;      ///< of its force that a held device is sent: 0 while forces are off
 };
 
 /// Where the clip's own sound is.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "player/audio/gamepad.hpp"
@@ -28,9 +29,11 @@ public:
         SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);  // nobody asks for its sticks and buttons
         if (pad_ && SDL_GameControllerGetAttached(pad_.get()) != SDL_TRUE) pad_.reset();
         for (int k = 0; !pad_ && k < SDL_NumJoysticks(); ++k) {
-            if (SDL_IsGameController(k) != SDL_TRUE) continue;
+            const SDL_JoystickID id = SDL_JoystickGetDeviceInstanceID(k);
+            if (SDL_IsGameController(k) != SDL_TRUE || without_rumble_.contains(id)) continue;
             pad_.reset(SDL_GameControllerOpen(k));
             if (pad_ && SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE) pad_.reset();
+            if (!pad_) without_rumble_.insert(id);  // one that comes back has another
         }
         const char* const name = pad_ ? SDL_GameControllerName(pad_.get()) : "";
         return name ? name : "gamepad";
@@ -45,6 +48,7 @@ public:
 
 private:
     std::unique_ptr<SDL_GameController, Released> pad_;
+    std::set<SDL_JoystickID> without_rumble_;
 };
 
 }  // namespace

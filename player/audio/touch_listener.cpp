@@ -24,6 +24,7 @@ HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
     const double newtons = glm::length(force), changed = glm::length(force - before.force);
     HeardFinger heard;
     heard.touching = contact.touching;
+    heard.share = static_cast<float>(tick.share(finger));
     heard.newtons = static_cast<float>(newtons);
     heard.stiffness = static_cast<float>(contact.properties.stiffness);
     heard.side = static_cast<float>(2 * contact.pixel_x / width_ - 1);

@@ -32,6 +32,7 @@ void MeasureTool::set(const glm::ivec2& from, const glm::ivec2& to) {
 
 bool MeasureTool::take(const InputEvent& event, const glm::dvec2& pointer) {
     using Kind = InputEvent::Kind;
+    if (event.kind == Kind::left_window) pressed_at_.reset();
     if (!is_held_ || event.word != "left" || event.control) return false;
     if (event.kind == Kind::pressed) {
         pressed_at_ = pointer;

@@ -29,6 +29,7 @@ struct MeasureFacts {
 class MeasureTool {
 public:
     bool is_held() const { return is_held_; }
+    bool has_line() const { return !ends_.empty(); }
     void hold(bool held);
     /// Nothing is measured any more, and the tool is away.
     void let_go() { *this = {}; }

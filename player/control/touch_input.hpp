@@ -31,6 +31,8 @@ public:
     /// does where the touch is one.
     std::vector<InputEvent> take(const InputEvent& event, Ground ground, PointerFingers& fingers,
                                  WindowView& view, int width, int height);
+    /// Whether a finger is down.
+    bool holds() const { return !touches_.empty(); }
     /// All are lifted; what still comes of them is nobody's. Gives likewise what the pointer does.
     std::vector<InputEvent> cancel(PointerFingers& fingers);
 

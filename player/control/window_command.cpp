@@ -135,7 +135,8 @@ std::span<const KeyBinding> key_bindings() {
         {"f11", false, fullscreen, 0, "full screen, or a window; so does a double click"},
         {"f12", false, screenshot, 0, "keep a picture of the window"},
         {"backspace", true, reset, 0, "forget all settings that are kept"},
-        {"escape", false, leave, 0, "out of the help, an error, the brush, full screen; then close"},
+        {"escape", false, leave, 0,
+         "out of the help, an error, a measure, the brush, full screen; then close"},
         {"q", false, quit, 0, "close"}};
     return bindings;
 }

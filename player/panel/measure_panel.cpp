@@ -38,7 +38,7 @@ void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowComm
     explain_row(
         "How far two places of the surface are apart in the scene: click both, or drag from one to the "
         "other. "
-        "X does the same, and leaves the line when it puts the tool away; off takes it away.");
+        "T does the same, and leaves the line when it puts the tool away; off takes it away.");
 }
 
 void draw_measured_line(const MeasureFacts& facts, float scale) {

@@ -319,7 +319,9 @@ private:
         });
         glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int held) {
             constexpr const char* names[] = {"left", "right", "middle"};
-            if (button > GLFW_MOUSE_BUTTON_MIDDLE || of(window).pointer_is_finger()) return;
+            if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+            // A button that was pressed before the finger came is let go of all the same.
+            if (action != GLFW_RELEASE && of(window).pointer_is_finger()) return;
             of(window).add({.kind = action == GLFW_RELEASE ? Kind::released : Kind::pressed,
                             .word = names[button],
                             .control = (held & GLFW_MOD_CONTROL) != 0,

@@ -73,6 +73,7 @@ private:
         const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(y) * lattice_.pitch;
         row.resize((count + n) / n * n + n);
         std::memcpy(row.q.data(), q_ + start, count * sizeof(float));
+        std::fill(row.q.begin() + static_cast<std::ptrdiff_t>(count), row.q.end(), 0.0F);
         std::memcpy(row.colours.data(), colours_ + start, count * sizeof(PackedColour));
         const F at = F{} + static_cast<float>(y);
         I least_y = I{} + std::numeric_limits<std::int32_t>::max(), most_y = ~least_y, in_front = ~I{};

@@ -10,6 +10,7 @@
 namespace touchable {
 
 glm::dvec3 given_way(const glm::dvec3& force, double stiffness, double metres_per_scene_unit) {
+    if (!(stiffness > 0)) return glm::dvec3(0.0);
     const glm::dvec3 way = force / -(stiffness * metres_per_scene_unit);
     return std::isfinite(glm::dot(way, way)) ? way : glm::dvec3(0.0);
 }

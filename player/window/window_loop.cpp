@@ -351,7 +351,8 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
     if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
-    if (!is_of_panel || event.kind == Kind::released || (event.kind == Kind::moved && !leaves))
+    const bool ends = event.kind == Kind::released || event.kind == Kind::left_window;
+    if (!is_of_panel || ends || (event.kind == Kind::moved && !leaves))
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);
 }
 

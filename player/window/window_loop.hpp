@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -182,8 +183,8 @@ private:
     std::optional<KioskWatch> kiosk_;
     std::optional<RestingFingers> resting_;  // once there is a clip
     std::unique_ptr<UseLog> use_log_;
-    std::string logged_fault_;  // the newest
-    double logged_fault_s_ = 0;
+    std::map<std::string, double> logged_faults_;  // in the last hour, and when
+    double went_on_s_ = -1;                        // to the next clip by itself, or tried to
     bool is_inviting_ = false;
     bool hand_is_gone_ = false;
     glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, when it last was a visit

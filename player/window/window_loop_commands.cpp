@@ -156,10 +156,11 @@ void WindowLoop::take_of_sound(const WindowCommand& command) {
     say("volume " + std::to_string(sound_->volume()) + " %" + (sound_->is_muted() ? "; M: sound on" : ""));
 }
 
-/// Help, a fault, the brush, full screen: one of them, from front to back. Whether there was any.
+/// Help, a fault, the measure, the brush, full screen: one of them, from front to back. Whether there was
+/// any.
 bool WindowLoop::leave_what_is_in_front() {
     if (std::exchange(panel_->help_shown, false) || notices_.dismiss()) return true;
-    if (measure_.is_held())
+    if (measure_.is_held() || measure_.has_line())
         measure_.let_go();
     else if (brush_.is_held())
         take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
@@ -182,7 +183,10 @@ bool WindowLoop::clicks_for_full_screen(const InputEvent& event, bool is_of_pane
 
 /// Fingers leave: the pointer is over another place then, to which a pressed one would be torn.
 void WindowLoop::turn_full_screen() {
-    if (clip_) pointer_.leave(clip_->fingers());
+    if (clip_) {
+        lift_touches();
+        pointer_.leave(clip_->fingers());
+    }
     fullscreen_ = !fullscreen_;
     screen_->set_fullscreen(fullscreen_);
 }

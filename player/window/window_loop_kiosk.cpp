@@ -69,7 +69,7 @@ std::string WindowLoop::kiosk_letters() const {
 
 /// Whether they go with the clip that they are of.
 Result<void> WindowLoop::check_labels() const {
-    if (!options_.kiosk) return {};
+    if (!options_.kiosk || clip_->choice().file != options_.session.clip.file) return {};
     return options_.kiosk->labels.fits(clip_->scene().width, clip_->scene().height, clip_->frames());
 }
 
@@ -77,7 +77,7 @@ Result<void> WindowLoop::check_labels() const {
 void WindowLoop::watch_over() {
     const double now = now_s();
     try_again();
-    if (pointer_.holds()) kiosk_->holds(now);
+    if (pointer_.holds() || touches_.holds()) kiosk_->holds(now);
     log_visit(kiosk_->ended(now));
     if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);
@@ -85,7 +85,7 @@ void WindowLoop::watch_over() {
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
     // A clip that did not say how long it is could not be told to loop.
-    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end;
+    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end && playlist_.size() < 2;
     if (ended && now > begun_anew_s_ + 1) begin_anew();
 }
 
@@ -149,9 +149,10 @@ void WindowLoop::log_visit(const std::optional<KioskWatch::Visit>& visit) {
 /// One that goes on, or comes again and again, once an hour.
 void WindowLoop::log_fault(const std::string& fault) {
     constexpr double again_s = 3600;
-    if (!use_log_ || (fault == logged_fault_ && now_s() < logged_fault_s_ + again_s)) return;
-    logged_fault_ = fault;
-    logged_fault_s_ = now_s();
+    constexpr std::size_t most_known = 100;
+    if (!use_log_) return;
+    std::erase_if(logged_faults_, [&](const auto& known) { return now_s() >= known.second + again_s; });
+    if (logged_faults_.size() >= most_known || !logged_faults_.try_emplace(fault, now_s()).second) return;
     use_log_->fault(std::chrono::system_clock::now(), fault);
 }
 
@@ -194,6 +195,7 @@ void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
 /// As it was at the start.
 void WindowLoop::begin_anew() {
     begun_anew_s_ = now_s();
+    lift_touches();
     clip_->view().go_home();
     clip_->fingers().set_count(KeptSettings().fingers);
     clip_->fingers().lift();

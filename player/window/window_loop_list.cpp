@@ -36,18 +36,20 @@ void WindowLoop::go_in_list(int by) {
 /// From a clip's end to the next clip. What is over in a blink rests first; and whoever touches it, paints
 /// it, or drags something of the panel is not torn away from it.
 void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
-    constexpr double blink_s = 1, rest_s = 5;
+    constexpr double blink_s = 1, rest_s = 5, again_s = 1;
     const PlaybackState playback = clip_->session().playback();
     const bool has_ended = playback.at_end && playback.playing && !playback.loops;
     if (!has_ended || playlist_.size() < 2 || opening_.is_busy() || ready_) return;
     if (clip_->seconds() < blink_s && time_s_ < shown_s_ + rest_s) return;
-    if (brush_.is_held() || layer_->holds_pointer()) return;
+    if (time_s_ < went_on_s_ + again_s) return;  // one that cannot be opened is not tried on and on
+    if (brush_.is_held() || measure_.is_held() || layer_->holds_pointer()) return;
     const bool is_touched =
         pointer_.holds() ||
         (moment && clip_->session().running() &&
          std::any_of(moment->felt.fingers.begin(), moment->felt.fingers.end(),
                      [](const WatchedFinger& finger) { return finger.contact.touching; }));
     if (is_touched && !is_inviting_) return;  // which touches by itself
+    went_on_s_ = time_s_;
     if (const ClipChoice* const next = playlist_.next()) open_instead(*next);
 }
 

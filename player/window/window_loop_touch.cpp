@@ -5,10 +5,10 @@
 
 namespace touchable {
 
-/// What a finger that comes down there is for. A brush and the panel take it for the pointer.
+/// What a finger that comes down there is for. A brush, a measure and the panel take it for the pointer.
 TouchInput::Ground WindowLoop::ground_at(double x, double y) {
     using Ground = TouchInput::Ground;
-    if (brush_.is_held() || panel_->covers(x, y)) return Ground::pointers;
+    if (brush_.is_held() || measure_.is_held() || panel_->covers(x, y)) return Ground::pointers;
     const WatchedMoment* const moment = clip_->session().look();
     if (options_.hand || !moment) return Ground::nothing;
     const ScreenSize size = screen_->size();

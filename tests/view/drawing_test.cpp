@@ -290,6 +290,35 @@ TEST_F(Drawing, AnyViewIsTheCpuPaintersToTheBit) {
     }
 }
 
+/// What a wider lattice left beyond the width of the next is not drawn.
+TEST_F(Drawing, AnyViewIsTheSameAfterAWiderLattice) {
+    GpuLattices lattices(gpu);
+    const auto wide = shown_scene("globe", 230, 133), narrow = shown_scene("globe", 203, 133);
+    const std::vector<PackedColour> background(200, 7);
+    struct Picture {
+        std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
+        std::vector<float> z = std::vector<float>(304 * 200);
+    };
+    const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
+        const HeightField field = shown.field();
+        const ViewCamera camera =
+            make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene, subject_of(field).middle, 301,
+                      200);
+        const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
+        Picture picture;
+        raster.draw(lattice, camera, background, 304, picture.colours, picture.z);
+        return picture;
+    };
+    for (const VectorUnit unit : usable_vector_units()) {
+        LatticeRaster fresh(1, unit), used(1, unit);
+        const Picture wanted = draw(fresh, *narrow);
+        draw(used, *wide);
+        const Picture is = draw(used, *narrow);
+        EXPECT_EQ(is.z, wanted.z);
+        EXPECT_EQ(is.colours, wanted.colours);
+    }
+}
+
 TEST_F(Drawing, RepeatsItself) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();
