@@ -8,7 +8,7 @@
 
 namespace touchable {
 
-/// The clips of a window, one of which is shown or on its way there.
+/// The clips of a window, and the place of one among them: the one that is shown, or on its way there.
 class Playlist {
 public:
     Playlist() = default;
@@ -18,10 +18,11 @@ public:
 
     std::size_t size() const { return clips_.size(); }
     std::size_t place() const { return place_; }  ///< of the clip, from 0
-    const ClipChoice& now() const { return clips_[place_]; }
+    const ClipChoice& now() const { return clips_[place_]; }  ///< of a list that is not empty
     /// Goes one on or back; null where nothing is there: then it stays.
     const ClipChoice* next();
     const ClipChoice* previous();
+    const ClipChoice* go(int by) { return by > 0 ? next() : previous(); }
 
 private:
     std::vector<ClipChoice> clips_;

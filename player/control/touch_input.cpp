@@ -21,24 +21,24 @@ InputEvent pointer_event(Kind kind, const glm::dvec2& at) {
 
 }  // namespace
 
-std::vector<InputEvent> TouchInput::take(const InputEvent& event, Ground ground, PointerFingers& fingers,
-                                         WindowView& view, int width, int height) {
+std::vector<InputEvent> TouchInput::take(const InputEvent& event, Ground ground, const Led& led, int width,
+                                         int height) {
     if (width < 1 || height < 1 || !std::isfinite(event.x) || !std::isfinite(event.y)) return {};
     Touch* const touch = find(event.touch);
     if (event.kind == Kind::touch_began)
-        return touch ? std::vector<InputEvent>() : begin(event, ground, fingers, height);
+        return touch ? std::vector<InputEvent>() : begin(event, ground, led.fingers, height);
     if (!touch) return {};  // it was cancelled
     if (event.kind == Kind::touch_ended) {
         const Touch ended = *touch;
         std::erase_if(touches_, [&](const Touch& other) { return other.id == ended.id; });
-        return end(ended, fingers);
+        return end(ended, led.fingers);
     }
-    move(*touch, event, fingers, view, height);
+    move(*touch, event, led, height);
     if (touch->role != Role::pointer) return {};
     return {pointer_event(Kind::moved, touch->at)};
 }
 
-std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground, PointerFingers& fingers,
+std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground, PointerFingers* fingers,
                                           int height) {
     if (touches_.size() >= most_touches) return {};
     const glm::dvec2 at(event.x, event.y);
@@ -48,20 +48,20 @@ std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground
         return {pointer_event(Kind::moved, at), pointer_event(Kind::pressed, at)};
     }
     // Until it is moved again: X may have told of its pointer before it told of the finger.
-    fingers.set_pointer(std::nullopt);
+    if (fingers) fingers->set_pointer(std::nullopt);
     if (is_pair(touch, height))
         pair_since_s_ = event.seconds;
     else
         pair_since_s_.reset();
-    if (touch.role == Role::finger) touch.finger = *fingers.put_down(at);
+    if (touch.role == Role::finger) touch.finger = *fingers->put_down(at);
     touches_.push_back(touch);
     return {};
 }
 
-TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers& fingers) const {
-    if (ground == Ground::pointers) return count(Role::pointer) == 0 ? Role::pointer : Role::none;
+TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers* fingers) const {
+    if (!fingers || ground == Ground::pointers) return count(Role::pointer) == 0 ? Role::pointer : Role::none;
     if (gesture_ || ground == Ground::nothing) return Role::view;
-    return fingers.has_free() ? Role::finger : Role::none;
+    return fingers->has_free() ? Role::finger : Role::none;
 }
 
 /// Whether it and the only other one are put down together.
@@ -72,47 +72,46 @@ bool TouchInput::is_pair(const Touch& second, int height) const {
            glm::distance(first->at, first->began) <= moved_share * height;
 }
 
-void TouchInput::move(Touch& touch, const InputEvent& event, PointerFingers& fingers, WindowView& view,
-                      int height) {
+void TouchInput::move(Touch& touch, const InputEvent& event, const Led& led, int height) {
     if (pair_since_s_ && event.seconds - *pair_since_s_ > rest_s) pair_since_s_.reset();
     const glm::dvec2 to(event.x, event.y);
     if (pair_since_s_ && over_picture(touch) && glm::distance(to, touch.began) > moved_share * height)
-        begin_gesture(fingers);
+        begin_gesture(led.fingers);
     const Spread before = spread();
     touch.at = to;
-    if (touch.role == Role::finger) fingers.move(touch.finger, to);
+    if (touch.role == Role::finger) led.fingers->move(touch.finger, to);
     if (touch.role != Role::view) return;
     const Spread now = spread();
     const glm::dvec2 moved = (now.middle - before.middle) * (degrees_per_height / height);
-    view.turn(-moved.x, moved.y);
+    led.view->turn(-moved.x, moved.y);
     const double least = least_radius_share * height;
     if (now.touches > 1 && before.radius > least && now.radius > least)
-        view.near_by(std::clamp(now.radius / before.radius, 1 / most_nearer, most_nearer));
+        led.view->near_by(std::clamp(now.radius / before.radius, 1 / most_nearer, most_nearer));
 }
 
 /// What the pair touched until now it lets go of.
-void TouchInput::begin_gesture(PointerFingers& fingers) {
+void TouchInput::begin_gesture(PointerFingers* fingers) {
     pair_since_s_.reset();
     gesture_ = true;
     for (Touch& touch : touches_) {
-        if (touch.role == Role::finger) fingers.lift(touch.finger);
+        if (touch.role == Role::finger) fingers->lift(touch.finger);
         if (over_picture(touch)) touch.role = Role::view;
     }
 }
 
-std::vector<InputEvent> TouchInput::end(const Touch& touch, PointerFingers& fingers) {
+std::vector<InputEvent> TouchInput::end(const Touch& touch, PointerFingers* fingers) {
     if (touch.role == Role::pointer)
         return {pointer_event(Kind::released, touch.at), pointer_event(Kind::left_window, touch.at)};
     pair_since_s_.reset();
-    if (touch.role == Role::finger) fingers.lift(touch.finger);
+    if (touch.role == Role::finger) fingers->lift(touch.finger);
     if (count(Role::view) == 0) gesture_ = false;
     return {};
 }
 
-std::vector<InputEvent> TouchInput::cancel(PointerFingers& fingers) {
+std::vector<InputEvent> TouchInput::cancel(PointerFingers* fingers) {
     std::vector<InputEvent> events;
     for (const Touch& touch : touches_) {
-        if (touch.role == Role::finger) fingers.lift(touch.finger);
+        if (touch.role == Role::finger) fingers->lift(touch.finger);
         // Away before it is let go, so that it clicks nothing.
         if (touch.role == Role::pointer)
             events = {pointer_event(Kind::left_window, touch.at), pointer_event(Kind::released, touch.at)};

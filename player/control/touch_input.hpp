@@ -27,14 +27,19 @@ public:
         nothing,  ///< a hole, or beside the clip; or fingers are led by something else
         pointers  ///< a panel, or whatever else takes a touch for the pointer's left button
     };
+    /// What touches lead. Null where no clip is there: then every `ground` is the pointer's.
+    struct Led {
+        PointerFingers* fingers = nullptr;
+        WindowView* view = nullptr;
+    };
     /// A touch's event; of a picture of that size. `ground` counts where it begins. Gives what the pointer
     /// does where the touch is one.
-    std::vector<InputEvent> take(const InputEvent& event, Ground ground, PointerFingers& fingers,
-                                 WindowView& view, int width, int height);
+    std::vector<InputEvent> take(const InputEvent& event, Ground ground, const Led& led, int width,
+                                 int height);
     /// Whether a finger is down.
     bool holds() const { return !touches_.empty(); }
     /// All are lifted; what still comes of them is nobody's. Gives likewise what the pointer does.
-    std::vector<InputEvent> cancel(PointerFingers& fingers);
+    std::vector<InputEvent> cancel(PointerFingers* fingers);
 
 private:
     enum class Role { finger, view, pointer, none };
@@ -52,16 +57,16 @@ private:
         int touches = 0;
     };
 
-    std::vector<InputEvent> begin(const InputEvent& event, Ground ground, PointerFingers& fingers,
+    std::vector<InputEvent> begin(const InputEvent& event, Ground ground, PointerFingers* fingers,
                                   int height);
-    void move(Touch& touch, const InputEvent& event, PointerFingers& fingers, WindowView& view, int height);
-    std::vector<InputEvent> end(const Touch& touch, PointerFingers& fingers);
+    void move(Touch& touch, const InputEvent& event, const Led& led, int height);
+    std::vector<InputEvent> end(const Touch& touch, PointerFingers* fingers);
     static bool over_picture(const Touch& touch) {
         return touch.role == Role::finger || touch.role == Role::view;
     }
-    Role role_on(Ground ground, const PointerFingers& fingers) const;
+    Role role_on(Ground ground, const PointerFingers* fingers) const;
     bool is_pair(const Touch& second, int height) const;
-    void begin_gesture(PointerFingers& fingers);
+    void begin_gesture(PointerFingers* fingers);
     Spread spread() const;
     int count(Role role) const;
     Touch* find(std::int64_t id);

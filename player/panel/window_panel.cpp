@@ -175,9 +175,14 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     const auto w = static_cast<float>(width);
     boxes_.clear();
     words_bottom_ = 0;
-    if (facts.is_empty) draw_empty_page(w, static_cast<float>(height), scale_);
+    const auto h = static_cast<float>(height);
+    if (facts.is_empty && !help_shown) draw_empty_page(w, h, scale_);
     draw_fault(facts, w, asked);
     draw_message(facts, w);
+    if (!help_shown) return;
+    begin_help(facts, w, h, scale_);
+    note_box();
+    ImGui::End();
 }
 
 void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {

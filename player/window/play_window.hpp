@@ -15,6 +15,7 @@
 #include "player/control/kiosk.hpp"
 #include "player/control/kiosk_texts.hpp"
 #include "player/control/persistent_device.hpp"
+#include "player/control/playlist.hpp"
 #include "player/control/touch_labels.hpp"
 #include "player/control/window_script.hpp"
 #include "player/screen/screen.hpp"
@@ -59,6 +60,9 @@ struct PlayOptions {
     std::optional<double> scale{};  ///< of words and bars; nothing: the display's
     /// That takes the place of a window, such as a test's.
     std::function<std::unique_ptr<Screen>(const ScreenOptions&)> make_screen{};
+    /// What a dropped file or folder is; such as a test's, of a disk that does not answer.
+    std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> clips_of =
+        touchable::clips_of;
     std::optional<KioskOptions> kiosk{};  ///< it loops and keeps no settings
     std::shared_ptr<RunGpu> gpu{};        ///< that draws; nothing: the window opens one
     std::string painter = "auto";         ///< auto, cpu, raster or mesh

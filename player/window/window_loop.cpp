@@ -16,6 +16,7 @@
 namespace touchable {
 
 Result<void> WindowLoop::open() {
+    last_picture_ = asked_for_;
     if (options_.kiosk)
         if (auto opened = open_kiosk(); !opened.ok()) return opened;
     if (options_.settings_file) settings_file_ = SettingsFile(*options_.settings_file);
@@ -30,20 +31,22 @@ Result<void> WindowLoop::open() {
     if (options_.kiosk) sound_->set_spoken(options_.kiosk->label_sounds);
     if (options_.rumble && !options_.headless) sound_->begin_rumble();
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
-    ClipChoice first = options_.session.clip;
-    options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew
-    std::vector<ClipChoice> clips{options_.session.clip};
-    clips.insert(clips.end(), options_.next_clips.begin(), options_.next_clips.end());
-    playlist_ = Playlist(std::move(clips), kiosk_.has_value());
-    const bool is_empty = first.file.empty();
-    if (!is_empty) ask_for_clip(std::move(first));
+    ask_for_first_clip();
     if (auto opened = open_parts(); !opened.ok()) return opened;
-    if (auto opened = is_empty ? wait_for_wish() : wait_for_clip(); !opened.ok() || !clip_) return opened;
-    if (auto checked = check_labels(); !checked.ok()) return checked;
-    clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     is_dented_ = options_.dent.value_or(kept.dent);
-    return {};
+    screen_->set_title(waits_for_wish() ? "touchable" : opening_.words() + " ... - touchable");
+    return draw_opening();
+}
+
+/// It may be open already, to know which files may be written; whoever opens it later opens it anew.
+void WindowLoop::ask_for_first_clip() {
+    if (waits_for_wish()) return;
+    const ClipChoice first = options_.session.clip;
+    options_.session.clip.shared_clip.reset();
+    std::vector<ClipChoice> clips{options_.session.clip};
+    clips.insert(clips.end(), options_.next_clips.begin(), options_.next_clips.end());
+    ask_for_clip(Playlist(std::move(clips), kiosk_.has_value()), 1, first);
 }
 
 Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
@@ -83,30 +86,18 @@ Result<void> WindowLoop::open_parts() {
 }
 
 Result<PlayFigures> WindowLoop::run() {
-    last_picture_ = Clock::now();
-    Result<void> ended;
-    if (!clip_) {  // closed while the first one was opened, or waited for
-        if (interrupted()) return interruption();
-        if (begun_ && options_.screenshot) {
-            ended = keep_picture(*options_.screenshot);
-            screenshots_.finish();
-            for (const auto& written : screenshots_.take())
-                if (!written.ok()) ended = all_ok({ended, written.error()});
-            if (!ended.ok()) return ended.error();
-        }
-        figures_.seconds = now_s();
-        return std::move(figures_);
-    }
+    Result<void> ended = open();
     while (ended.ok() && !interrupted() && (!quit_ || has_to_stay())) ended = turn();
     power_hand_off();
+    if (kiosk_) log_visit(kiosk_->end());
+    end_log(ended);
+    if (!clip_) return end_without_clip(std::move(ended));
     Result<void> kept;
     const bool is_kept = ended.ok() && options_.screenshot && !interrupted();
     if (is_kept) {
-        if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
+        ended = draw_newest();
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
     }
-    if (kiosk_) log_visit(kiosk_->end());
-    if (use_log_) use_log_->end(std::chrono::system_clock::now());
     opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
     if (auto written = settings_file_.write(to_keep()); !written.ok())
@@ -157,24 +148,34 @@ Error WindowLoop::interruption() const {
 
 /// Draws where something is to be seen, takes what has come, and does it.
 Result<void> WindowLoop::turn() {
-    const WatchedMoment* const moment = clip_->session().look();
-    say(playback_->go_on(moment));
+    const WatchedMoment* const moment = clip_ ? clip_->session().look() : nullptr;
+    if (clip_) say(playback_->go_on(moment));
     watch(moment, Clock::now());
-    if (options_.hand) look_after_hand(moment);
+    if (clip_ && options_.hand) look_after_hand(moment);
     if (is_due(moment, Clock::now()))
-        if (auto drawn = draw(*moment); !drawn.ok())
+        if (auto drawn = draw_what_is_there(moment); !drawn.ok())
             if (auto opened = open_graphics_anew(drawn.error()); !opened.ok()) return opened;
     if (auto there = screen_->health(); !there.ok()) return there;
     const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
-    const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
+    // Until another frame is seen, or the first clip is open.
+    const int longest_ms = (clip_ ? clip_->session().playback().playing : opening_.is_busy()) ? 2 : 8;
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     const std::vector<InputEvent> events = screen_->poll(wait);
     time_s_ = script_clock_.at(now_s(), brush_.is_at_work());
     for (const InputEvent& event : events) take(event);
     if (begun_ && !quit_) take_script();
     if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
-    if (kiosk_ && begun_) watch_over();
+    if (kiosk_ && clip_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+    if (clip_) go_on_with_clip();
+    if (auto opened = go_on_opening(); !opened.ok()) return opened;
+    note_files();
+    note_screenshots();
+    if (options_.seconds && time_s_ >= *options_.seconds) quit_ = true;
+    return {};
+}
+
+void WindowLoop::go_on_with_clip() {
     go_on_in_list(clip_->session().look());
     panel_->bar_shown = bar_is_wanted();
     const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() &&
@@ -183,14 +184,9 @@ Result<void> WindowLoop::turn() {
                           (options_.hand && !panel_->bar_shown));
     brush_.go_on(screen_->size());
     heed_brush();
-    go_on_opening();
     note_sound();
     note_slow_reading();
-    note_files();
-    note_screenshots();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
-    if (options_.seconds && time_s_ >= *options_.seconds) quit_ = true;
-    return {};
 }
 
 /// Once for each clip.
@@ -226,8 +222,8 @@ void WindowLoop::note_screenshots() {
 /// What is to be kept and no longer can be: once, as it happens.
 void WindowLoop::note_files() {
     for (const auto& fault :
-         {clip_->record_fault(), sound_->file_fault(), film_ ? film_->fault() : std::nullopt,
-          use_log_ ? use_log_->missing() : std::nullopt})
+         {clip_ ? clip_->record_fault() : std::nullopt, sound_->file_fault(),
+          film_ ? film_->fault() : std::nullopt, use_log_ ? use_log_->missing() : std::nullopt})
         if (fault && file_faults_.insert(fault->message).second) say(fault->message, Tone::fault);
 }
 
@@ -292,18 +288,31 @@ bool WindowLoop::has_to_stay() {
     return true;
 }
 
+namespace {
+
+bool drops(const ScriptedInput& input) {
+    const auto* const event = std::get_if<InputEvent>(&input.what);
+    return event && event->kind == InputEvent::Kind::dropped;
+}
+
+}  // namespace
+
 void WindowLoop::take_script() {
-    // What a brush is asked for is done before what comes after it.
+    // What a brush is asked for is done before what comes after it, and a first clip is opened.
     const double until_s = time_s_;
-    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= until_s &&
-           !brush_.is_at_work()) {
+    const auto is_next = [this](double by_s) {
+        return scripted_ < options_.script.size() && options_.script[scripted_].seconds <= by_s;
+    };
+    while (is_next(until_s) && !brush_.is_at_work() && (clip_ || !opening_.is_busy())) {
         const auto& [at_s, what] = options_.script[scripted_++];
         time_s_ = at_s;
         if (const auto* event = std::get_if<InputEvent>(&what))
             take(*event);
         else
             take(std::get<WindowCommand>(what));
-        if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
+        // What is dropped at one moment is one drop.
+        if (!dropped_.empty() && !(is_next(at_s) && drops(options_.script[scripted_])))
+            open_others(std::exchange(dropped_, {}));
     }
     time_s_ = until_s;
 }
@@ -311,7 +320,7 @@ void WindowLoop::take_script() {
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (kiosk_ && !is_for_visitors(event)) return;
-    if (kiosk_ && is_a_visit(event)) welcome(event);
+    if (kiosk_ && clip_ && is_a_visit(event)) welcome(event);
     if (is_a_visit(event)) stirred_s_ = time_s_;
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
@@ -345,11 +354,12 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
     const bool is_of_panel = layer_->holds_pointer() || is_over;
     // A finger under the bar is felt, though the bar has the clicks.
     const bool leaves = layer_->holds_pointer() || (is_over && !panel_->is_bar(pointer_at_.x, pointer_at_.y));
-    if (leaves && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    if (clip_ && leaves && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
     if (!is_of_panel && measure_.take(event, pointer_at_)) return;
-    if (brush_.take(event, pointer_at_, is_of_panel, size)) return;
+    if (clip_ && brush_.take(event, pointer_at_, is_of_panel, size)) return;
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
+    if (!clip_) return;
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     const bool ends = event.kind == Kind::released || event.kind == Kind::left_window;
     if (!is_of_panel || ends || (event.kind == Kind::moved && !leaves))
@@ -376,6 +386,7 @@ void WindowLoop::tell(const std::string& fault) {
 void WindowLoop::say(std::string words, Tone tone) {
     if (tone != Tone::remark) tell(words);
     notices_.say(std::move(words), tone, time_s_);
+    last_event_ = Clock::now();
 }
 
 namespace {
@@ -394,7 +405,6 @@ void share_memory_among_threads() {
 Result<PlayFigures> play_in_window(PlayOptions options) {
     share_memory_among_threads();
     WindowLoop window(std::move(options));
-    if (auto opened = window.open(); !opened.ok()) return opened.error();
     return window.run();
 }
 

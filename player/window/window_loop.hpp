@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -46,18 +48,20 @@ public:
     /// Whatever it ends by: the hand is unpowered before anything is waited for.
     ~WindowLoop() { power_hand_off(); }
 
-    Result<void> open();
     Result<PlayFigures> run();
 
 private:
     using Clock = WindowClock;
 
+    Result<void> open();
     Result<void> open_screen(const KeptSettings& kept);
     Result<std::unique_ptr<WindowGraphics>> make_graphics();
     Result<void> open_graphics();
     Result<void> open_graphics_anew(const Error& error);
     Result<void> open_parts();
+    void ask_for_first_clip();
     Result<void> turn();
+    void go_on_with_clip();
     void take_script();
     void take(const InputEvent& event);
     void take_of_pointer(const InputEvent& event);
@@ -70,6 +74,7 @@ private:
     void take_of_fingers(const WindowCommand& command);
     void take_of_window(const WindowCommand& command);
     void take_of_sound(const WindowCommand& command);
+    Result<void> draw_newest();
     bool leave_what_is_in_front();
     bool clicks_for_full_screen(const InputEvent& event, bool is_of_panel);
     void turn_full_screen();
@@ -81,12 +86,12 @@ private:
     void set_overlay(const std::string& name);
     void take_of_measure(const WindowCommand& command);
     void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
-    void open_others(const std::vector<std::string>& named);
-    void open_instead(const ClipChoice& choice);
+    void open_others(std::vector<std::string> named);
+    void open_instead(Playlist list, int by);
     void go_in_list(int by);
     void go_on_in_list(const WatchedMoment* moment);
     void say_place_in_list();
-    Result<void> go_past(const Error& error);
+    void tell_skipped(std::span<const Error> skipped);
     Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
     /// what a brush painted.
@@ -99,22 +104,30 @@ private:
     static std::string in_words(const WindowSettings& settings);
     void feel(const WindowCommand& command);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
+    /// Neither: none of the clips could be opened.
     struct Ready {
-        std::unique_ptr<OpenedClip> clip;
+        std::unique_ptr<OpenedClip> clip{};
         std::optional<OpenedClip::Change> change{};
-        WindowSettings settings;  // to be in effect then
-        std::string remark{};     // that something is not as it was wanted
+        WindowSettings settings{};     // to be in effect then
+        std::string remark{};          // that something is not as it was wanted
+        Playlist list{};               // in which the clip is now
+        std::vector<Error> skipped{};  // why the clips before it are not open
     };
-    void ask_for_clip(ClipChoice choice);
+    Result<Ready> open_clip(ClipChoice choice, const TwoSettings& kept, const std::stop_token& given_up);
+    Result<Ready> open_first(Playlist list, int by, ClipChoice choice, const TwoSettings& kept,
+                             const std::stop_token& given_up);
+    void ask_for_clip(const Playlist& list, int by, const ClipChoice& choice);
+    void ask_for_named(std::vector<std::string> named);
     void ask_for_change(const WindowSettings& wanted);
-    Result<void> wait_for_clip();
-    Result<void> wait_for_wish();
-    void take_while_empty(const InputEvent& event);
-    void take_while_empty(const WindowCommand& command);
-    void take_script_while_empty();
-    void go_on_opening();
+    bool waits_for_wish() const { return !clip_ && options_.session.clip.file.empty(); }
+    static bool needs_clip(WindowVerb verb);
+    void refuse_without_clip();
+    Result<PlayFigures> end_without_clip(Result<void> ended);
+    Result<void> go_on_opening();
+    void go_on_changing();
+    Result<void> take_made(Result<Ready> made);
     Result<void> take(Ready& ready);
-    Result<void> show(std::unique_ptr<OpenedClip> clip);
+    Result<void> show(Ready& ready);
     bool note_failure();
     void tell_guesses();
     std::string words_of_opening() const;
@@ -133,6 +146,7 @@ private:
     void put_in_kiosk_words(HandState& state) const;
     void log_visit(const std::optional<KioskWatch::Visit>& visit);
     void log_fault(const std::string& fault);
+    void end_log(const Result<void>& ended);
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
@@ -158,6 +172,7 @@ private:
     ViewCamera drawn_camera(const ScreenSize& size) const;
     int vertex_step(const ViewCamera& camera);
     Result<void> draw_opening();
+    Result<void> draw_what_is_there(const WatchedMoment* moment);
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
@@ -184,7 +199,7 @@ private:
     std::optional<RestingFingers> resting_;  // once there is a clip
     std::unique_ptr<UseLog> use_log_;
     std::map<std::string, double> logged_faults_;  // in the last hour, and when
-    double went_on_s_ = -1;                        // to the next clip by itself, or tried to
+    std::optional<double> went_on_s_;              // to the next clip by itself, or tried to: at this end
     bool is_inviting_ = false;
     bool hand_is_gone_ = false;
     glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, when it last was a visit
@@ -207,9 +222,10 @@ private:
     std::vector<std::string> dropped_;  // at once
     DoubleClick full_screen_click_;
     double time_s_ = 0;  // of the script, and of what a person does: it stands still where the machine does
-    double stirred_s_ = 0;  // when a person last did something
-    Playlist playlist_;
-    double shown_s_ = 0;  // since when the clip is
+    double stirred_s_ = 0;                 // when a person last did something
+    Playlist playlist_;                    // of the clip that is there
+    std::optional<Playlist> wanted_list_;  // of one that is asked for, and its place
+    double shown_s_ = 0;                   // since when the clip is
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;

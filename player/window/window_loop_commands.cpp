@@ -11,6 +11,7 @@
 namespace touchable {
 void WindowLoop::take(const WindowCommand& command) {
     last_event_ = Clock::now();
+    if (!clip_ && needs_clip(command.verb)) return refuse_without_clip();
     switch (command.verb) {
         case WindowVerb::play_pause:
         case WindowVerb::seek_by:
@@ -133,9 +134,7 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
         case WindowVerb::size:
             return screen_->set_size(command.width, command.height);
         case WindowVerb::screenshot:
-            // With all that was done before.
-            if (const WatchedMoment* const newest = clip_->session().look())
-                if (auto drawn = draw(*newest); !drawn.ok()) return say(drawn);
+            if (auto drawn = draw_newest(); !drawn.ok()) return say(drawn);
             return say(keep_picture(command.word));
         case WindowVerb::open:
             return open_others({command.word});

@@ -1,81 +1,108 @@
 #include <chrono>
 #include <utility>
-#include <variant>
 
 #include "player/terminal/interrupt.hpp"
 #include "player/window/window_loop.hpp"
 
-// A window for which nobody has named a clip yet.
+// What differs in a window as long as there is no clip: nobody has named one yet, or it is being opened.
 
 namespace touchable {
 
-/// What is dropped is opened. What cannot be is told, and something else is waited for.
-Result<void> WindowLoop::wait_for_wish() {
-    screen_->set_title("touchable");
-    while (!clip_ && !quit_ && !interrupted()) {
-        if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
-        if (!begun_) {
-            begun_ = Clock::now();
-            begun_cpu_ms_ = thread_cpu_ms();
-            figures_.first_picture_ms = 1000 * seconds_between(asked_for_, *begun_);
-        }
-        ++figures_.pictures;
-        const std::vector<InputEvent> events = screen_->poll(std::chrono::milliseconds(30));
-        time_s_ = script_clock_.at(now_s());
-        notices_.pass(time_s_);
-        for (const InputEvent& event : events) take_while_empty(event);
-        take_script_while_empty();
-        for (const WindowCommand& command : std::exchange(asked_, {})) take_while_empty(command);
-        if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
-        note_screenshots();
-        if (auto there = screen_->health(); !there.ok()) return there;
-        if (options_.seconds && time_s_ >= *options_.seconds) quit_ = true;
-        auto made = opening_.take();
-        if (!made) continue;
-        if (!made->ok())
-            say(made->error().message, Tone::fault);
-        else if (auto taken = take(**made); !taken.ok())
-            return taken;
+bool WindowLoop::needs_clip(WindowVerb verb) {
+    switch (verb) {
+        case WindowVerb::next:
+        case WindowVerb::previous:
+        case WindowVerb::mute:
+        case WindowVerb::volume:
+        case WindowVerb::louder:
+        case WindowVerb::help:
+        case WindowVerb::dismiss:
+        case WindowVerb::leave:
+        case WindowVerb::fullscreen:
+        case WindowVerb::size:
+        case WindowVerb::screenshot:
+        case WindowVerb::open:
+        case WindowVerb::quit:
+            return false;
+        default:
+            return true;
     }
+}
+
+/// A visitor is told nothing: the clip is soon there.
+void WindowLoop::refuse_without_clip() {
+    if (!kiosk_)
+        say(opening_.is_busy() ? "there is no clip yet" : "there is no clip yet: drop one on the window",
+            Tone::refusal);
+}
+
+/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch, and half
+/// the size for a governor that will want it: compiling what they are drawn by would make a picture come
+/// late. What is shown counts as the window's first picture only where no clip was named for it.
+Result<void> WindowLoop::draw_opening() {
+    const auto since = seconds_between(last_picture_, Clock::now());
+    last_picture_ = Clock::now();
+    first_event_.reset();
+    const ScreenSize size = screen_->size();
+    if (size.width < 1 || size.height < 1) {  // minimised
+        events_.clear();
+        return {};
+    }
+    notices_.pass(time_s_);
+    WindowGraphics& graphics = picture_.graphics();
+    if (auto begun = graphics.begin(); !begun.ok()) return begun;
+    Scene scene;
+    scene.width = scene.height = 2;
+    scene.camera = {1, 1, 0.5, 0.5};
+    const glm::dvec3 behind(0, 0, 10);
+    FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
+    finger.under = UnderFinger{behind, {0, 0, 1}};
+    finger.given_way = {0, 0, -1};
+    const int part = graphics.can_stretch() ? 2 : 1;
+    const ViewCamera camera =
+        own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
+    if (auto drawn = graphics.draw(camera, {{finger}}, {}, size.width, size.height); !drawn.ok())
+        return drawn;
+    PanelFacts facts;
+    facts.is_empty = waits_for_wish() && !opening_.is_busy();
+    if (!kiosk_) {
+        facts.message_is_bad = !notices_.passing().empty() && notices_.is_refusal();
+        if (!notices_.passing().empty())
+            facts.message = notices_.passing();
+        else if (opening_.is_busy())
+            facts.message = opening_.words() + " ...";
+        facts.faults = {notices_.faults().begin(), notices_.faults().end()};
+    }
+    for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
+        layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, std::exchange(events_, {}));
+        panel_->draw_without_clip(facts, size.width, size.height, asked_);
+        layer_->end();
+    }
+    if (auto shown = graphics.finish(); !shown.ok()) return shown;
+    if (!begun_ && waits_for_wish()) {
+        begun_ = Clock::now();
+        begun_cpu_ms_ = thread_cpu_ms();
+        figures_.first_picture_ms = 1000 * seconds_between(asked_for_, *begun_);
+    }
+    if (begun_) ++figures_.pictures;
     return {};
 }
 
-void WindowLoop::take_script_while_empty() {
-    while (!quit_ && scripted_ < options_.script.size() && options_.script[scripted_].seconds <= time_s_) {
-        // What is meant for the clip that was asked for waits for it.
-        if (opening_.is_busy() || !dropped_.empty()) return;
-        const auto& what = options_.script[scripted_++].what;
-        if (const auto* const event = std::get_if<InputEvent>(&what))
-            take_while_empty(*event);
-        else
-            take_while_empty(std::get<WindowCommand>(what));
+/// Closed while the first clip was opened, or waited for; or it cannot be opened.
+Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
+    opening_.let_go();
+    if (!ended.ok()) return ended.error();
+    if (interrupted()) return interruption();
+    if (begun_ && options_.screenshot) {
+        ended = draw_opening();
+        if (ended.ok()) ended = keep_picture(*options_.screenshot);
+        screenshots_.finish();
+        for (const auto& written : screenshots_.take())
+            if (!written.ok()) ended = all_ok({ended, written.error()});
+        if (!ended.ok()) return ended.error();
     }
-}
-
-void WindowLoop::take_while_empty(const InputEvent& event) {
-    using Kind = InputEvent::Kind;
-    events_.push_back(event);
-    if (event.kind == Kind::close) quit_ = true;
-    if (event.kind == Kind::dropped) dropped_.push_back(event.word);
-    if (event.kind != Kind::key || event.repeated) return;
-    if (const KeyBinding* const binding = binding_of(event.word, event.control, event.shift))
-        take_while_empty(WindowCommand{binding->verb, binding->number, ""});
-}
-
-void WindowLoop::take_while_empty(const WindowCommand& command) {
-    switch (command.verb) {
-        case WindowVerb::open:
-        case WindowVerb::fullscreen:
-        case WindowVerb::size:
-        case WindowVerb::dismiss:
-        case WindowVerb::leave:
-        case WindowVerb::quit:
-            return take_of_window(command);
-        case WindowVerb::screenshot:
-            return say(keep_picture(command.word));
-        default:
-            return say("there is no clip yet: drop one on the window", Tone::refusal);
-    }
+    figures_.seconds = now_s();
+    return std::move(figures_);
 }
 
 }  // namespace touchable

@@ -156,6 +156,13 @@ void WindowLoop::log_fault(const std::string& fault) {
     use_log_->fault(std::chrono::system_clock::now(), fault);
 }
 
+/// Whatever ended it is the last but one row.
+void WindowLoop::end_log(const Result<void>& ended) {
+    if (!use_log_) return;
+    if (!ended.ok()) log_fault(ended.error().message);
+    use_log_->end(std::chrono::system_clock::now());
+}
+
 /// A clip that broke off may have come back: a disk that was away, a file that was being written.
 void WindowLoop::try_again() {
     const auto failure =
@@ -164,7 +171,7 @@ void WindowLoop::try_again() {
     if (!told_.contains(failure->message)) say(failure->message, Tone::fault);
     if (now_s() < tried_again_s_ + options_.kiosk->times.reset_s || ready_ || opening_.is_busy()) return;
     tried_again_s_ = now_s();
-    ask_for_clip(playlist_.now());
+    ask_for_clip(playlist_, 0, playlist_.now());
 }
 
 /// A finger that goes by itself over the picture, and really touches it, whoever stopped forces: nearer to

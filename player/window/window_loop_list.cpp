@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "player/window/window_loop.hpp"
 
@@ -7,29 +9,25 @@
 
 namespace touchable {
 
-/// They, and the clips of a folder, are what there is from now on.
-void WindowLoop::open_others(const std::vector<std::string>& named) {
+/// They, and the clips of a folder, are what there is once the first of them is open.
+void WindowLoop::open_others(std::vector<std::string> named) {
     if (options_.record)
         return say("a recording is of one clip; another can be opened where none is made", Tone::refusal);
-    std::vector<ClipChoice> clips;
-    for (const std::string& name : named)
-        for (const std::filesystem::path& file : clips_of(name)) clips.emplace_back().file = file;
-    playlist_ = Playlist(std::move(clips), kiosk_.has_value());
-    open_instead(playlist_.now());
+    notices_.clear_passing();
+    ask_for_named(std::move(named));
 }
 
-void WindowLoop::open_instead(const ClipChoice& choice) {
+/// Of the list's clip; where that cannot be opened, of those `by` which the list is gone through.
+void WindowLoop::open_instead(Playlist list, int by) {
     notices_.clear_passing();
-    ready_.reset();
-    asked_settings_.reset();  // given up, and asked for again once the clip is there
-    ask_for_clip(choice);
+    ask_for_clip(list, by, list.now());
 }
 
 void WindowLoop::go_in_list(int by) {
-    const ClipChoice* const other = by > 0 ? playlist_.next() : playlist_.previous();
-    if (other) return open_instead(*other);
-    if (playlist_.size() == 1) return say("there is no other clip; drop some on the window");
-    say("this is the " + std::string(by > 0 ? "last" : "first") + " of " + std::to_string(playlist_.size()) +
+    Playlist list = wanted_list_.value_or(playlist_);
+    if (list.go(by)) return open_instead(std::move(list), by);
+    if (list.size() < 2) return say("there is no other clip; drop some on the window");
+    say("this is the " + std::string(by > 0 ? "last" : "first") + " of " + std::to_string(list.size()) +
         " clips");
 }
 
@@ -39,9 +37,11 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
     constexpr double blink_s = 1, rest_s = 5, again_s = 1;
     const PlaybackState playback = clip_->session().playback();
     const bool has_ended = playback.at_end && playback.playing && !playback.loops;
-    if (!has_ended || playlist_.size() < 2 || opening_.is_busy() || ready_) return;
+    if (!has_ended) return went_on_s_.reset();
+    if (playlist_.size() < 2 || opening_.is_busy() || ready_) return;
     if (clip_->seconds() < blink_s && time_s_ < shown_s_ + rest_s) return;
-    if (time_s_ < went_on_s_ + again_s) return;  // one that cannot be opened is not tried on and on
+    // Where no other can be opened, a person is told once, and a kiosk tries on.
+    if (went_on_s_ && (!kiosk_ || time_s_ < *went_on_s_ + again_s)) return;
     if (brush_.is_held() || measure_.is_held() || layer_->holds_pointer()) return;
     const bool is_touched =
         pointer_.holds() ||
@@ -50,17 +50,17 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
                      [](const WatchedFinger& finger) { return finger.contact.touching; }));
     if (is_touched && !is_inviting_) return;  // which touches by itself
     went_on_s_ = time_s_;
-    if (const ClipChoice* const next = playlist_.next()) open_instead(*next);
+    Playlist list = playlist_;
+    if (list.next()) open_instead(std::move(list), 1);
 }
 
-/// Of the first clip, or the first ones: another that can be opened is shown instead, and the program says in
-/// the end what went wrong.
-Result<void> WindowLoop::go_past(const Error& error) {
-    if (playlist_.place() + 1 >= playlist_.size() || error.kind == ErrorKind::interrupted) return error;
-    if (!failure_) failure_ = error;
-    say(error.message, Tone::fault);
-    ask_for_clip(*playlist_.next());
-    return {};
+/// Of very many it says how many more there are.
+void WindowLoop::tell_skipped(std::span<const Error> skipped) {
+    const std::size_t told =
+        skipped.size() > Notices::most_faults ? Notices::most_faults - 1 : skipped.size();
+    for (const Error& error : skipped.first(told)) say(error.message, Tone::fault);
+    if (told < skipped.size())
+        say(std::to_string(skipped.size() - told) + " more clips cannot be opened", Tone::fault);
 }
 
 void WindowLoop::say_place_in_list() {

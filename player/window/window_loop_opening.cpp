@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/scene/remark.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "engine/unless_stopped.hpp"
 #include "player/window/window_loop.hpp"
 
 // Clips, and other settings of one: made ready on a thread of their own, while the clip that is there goes
@@ -28,43 +28,100 @@ SessionSettings without_relief(const SessionSettings& settings) {
     return rest;
 }
 
-/// A window in which nothing is to be left before it.
-bool closes(const InputEvent& event) {
-    if (event.kind == InputEvent::Kind::close) return true;
-    if (event.kind != InputEvent::Kind::key) return false;
-    const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
-    return binding && (binding->verb == WindowVerb::quit || binding->verb == WindowVerb::leave);
-}
-
 }  // namespace
 
 /// Settings that do not go with the clip are not in effect then; they stay kept for another one. Those of the
 /// relief are the first to go.
-void WindowLoop::ask_for_clip(ClipChoice choice) {
+Result<WindowLoop::Ready> WindowLoop::open_clip(ClipChoice choice, const TwoSettings& kept,
+                                                const std::stop_token& given_up) {
     choice.share_clip();
-    std::string name = choice.file.filename().string();
-    if (name.empty()) name = choice.file.string();
-    opening_.ask("opening " + name,
-                 [this, choice, kept = settings_.kept](const std::stop_token& given_up) -> Result<Ready> {
-                     auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
-                     if (opened.ok()) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
-                     const std::string why = opened.error().message;
-                     TwoSettings tried = kept;
-                     for (const bool all : {false, true}) {
-                         TwoSettings in_effect = kept;
-                         (kept.b_is_on ? *in_effect.b : in_effect.a) =
-                             all ? SessionSettings{} : without_relief(kept.now());
-                         if (in_effect == tried || given_up.stop_requested()) continue;
-                         tried = in_effect;
-                         opened = OpenedClip::open(options_, choice, in_effect.now(), *sound_, given_up);
-                         if (!opened.ok()) continue;
-                         return Ready{
-                             .clip = std::move(*opened),
-                             .settings = {kept, in_effect},
-                             .remark = (all ? "felt as the clip says: " : "felt without relief: ") + why};
-                     }
-                     return opened.error();
+    auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
+    if (opened.ok()) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
+    const std::string why = opened.error().message;
+    TwoSettings tried = kept;
+    for (const bool all : {false, true}) {
+        TwoSettings in_effect = kept;
+        (kept.b_is_on ? *in_effect.b : in_effect.a) = all ? SessionSettings{} : without_relief(kept.now());
+        if (in_effect == tried || given_up.stop_requested()) continue;
+        tried = in_effect;
+        opened = OpenedClip::open(options_, choice, in_effect.now(), *sound_, given_up);
+        if (!opened.ok()) continue;
+        return Ready{.clip = std::move(*opened),
+                     .settings = {kept, in_effect},
+                     .remark = (all ? "felt as the clip says: " : "felt without relief: ") + why};
+    }
+    return opened.error();
+}
+
+/// `choice`, which is the list's now; where it cannot be opened, the first that can be of those `by` which
+/// the list is gone through, each once; 0: of no other.
+Result<WindowLoop::Ready> WindowLoop::open_first(Playlist list, int by, ClipChoice choice,
+                                                 const TwoSettings& kept, const std::stop_token& given_up) {
+    std::vector<Error> skipped;
+    for (std::size_t tries = list.size(); tries > 0; --tries) {
+        auto opened = open_clip(std::move(choice), kept, given_up);
+        if (!opened.ok() && (opened.error().kind == ErrorKind::interrupted || given_up.stop_requested()))
+            return opened.error();
+        if (!opened.ok()) skipped.push_back(opened.error());
+        const ClipChoice* const other = !opened.ok() && by != 0 ? list.go(by) : nullptr;
+        if (other) {
+            choice = *other;
+            continue;
+        }
+        Ready ready = opened.ok() ? std::move(*opened) : Ready{};
+        ready.list = std::move(list);
+        ready.skipped = std::move(skipped);
+        return ready;
+    }
+    return Ready{.skipped = std::move(skipped)};
+}
+
+namespace {
+
+std::string name_of(const std::filesystem::path& file) {
+    const std::string name = file.filename().string();
+    return name.empty() ? file.string() : name;
+}
+
+}  // namespace
+
+/// As open_first has them. What was being changed is given up, and asked for again once the clip is there.
+void WindowLoop::ask_for_clip(const Playlist& list, int by, const ClipChoice& choice) {
+    ready_.reset();
+    asked_settings_.reset();
+    wanted_list_ = list;
+    opening_.ask("opening " + name_of(choice.file),
+                 [this, list, by, choice, kept = settings_.kept](const std::stop_token& given_up) {
+                     return open_first(list, by, choice, kept, given_up);
                  });
+}
+
+/// The first of them, and of the clips in folders among them, that can be opened. A folder may lie on a disk
+/// that does not answer.
+void WindowLoop::ask_for_named(std::vector<std::string> named) {
+    ready_.reset();
+    asked_settings_.reset();
+    wanted_list_.reset();
+    const std::string words = "opening " + name_of(named.front());
+    const auto open = [this, named = std::move(named), kept = settings_.kept,
+                       wraps = kiosk_.has_value()](const std::stop_token& given_up) -> Result<Ready> {
+        const auto is_over = [&given_up] { return given_up.stop_requested() || stop_requested(); };
+        const auto files = unless_stopped(
+            [named, list = options_.clips_of] {
+                std::vector<std::filesystem::path> all;
+                for (const std::string& name : named)
+                    for (auto& file : list(name)) all.push_back(std::move(file));
+                return all;
+            },
+            is_over);
+        if (!files) return Error{ErrorKind::interrupted, "interrupted"};
+        std::vector<ClipChoice> clips;
+        for (const auto& file : *files) clips.emplace_back().file = file;
+        Playlist list(std::move(clips), wraps);
+        const ClipChoice first = list.now();
+        return open_first(std::move(list), 1, first, kept, given_up);
+    };
+    opening_.ask(words, open);
 }
 
 void WindowLoop::ask_for_change(const WindowSettings& wanted) {
@@ -76,25 +133,50 @@ void WindowLoop::ask_for_change(const WindowSettings& wanted) {
                  });
 }
 
+/// Whoever named the first clips learns in the end which of them cannot be opened; where none can be, that is
+/// why the window closes.
+Result<void> WindowLoop::take_made(Result<Ready> made) {
+    const bool is_change = asked_settings_.has_value(), is_named = !clip_ && !waits_for_wish();
+    if (is_change && !made.ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();  // refused
+    asked_settings_.reset();
+    if (!made.ok()) {
+        wanted_list_.reset();
+        if (is_named) return made.error();
+        is_change ? say(made.error()) : say(made.error().message, Tone::fault);
+        return {};
+    }
+    std::span<const Error> skipped = made->skipped;
+    if (is_named && !skipped.empty() && !failure_) failure_ = skipped.front();
+    const bool is_none = !made->clip && !made->change;
+    if (is_none) wanted_list_.reset();
+    if (is_none && is_named) {
+        tell_skipped(skipped.first(skipped.size() - 1));
+        return skipped.back();
+    }
+    tell_skipped(skipped);
+    if (!is_none) ready_ = std::move(*made);
+    return {};
+}
+
 /// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
 /// last. The clip that is there goes on where another one cannot be opened, or it does not go with settings.
-void WindowLoop::go_on_opening() {
-    if (auto made = opening_.take()) {
-        if (made->ok())
-            ready_ = std::move(**made);
-        else if (asked_settings_)
-            say(made->error());
-        else
-            say(made->error().message, Tone::fault);
-        // Of settings that are refused.
-        if (!made->ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();
-        asked_settings_.reset();
-    }
+Result<void> WindowLoop::go_on_opening() {
+    if (auto made = opening_.take())
+        if (auto taken = take_made(std::move(*made)); !taken.ok()) return taken;
     // What the brush is asked for is done before its clip goes.
     if (ready_ && (ready_->clip ? !brush_.is_changing() : clip_->has_come_to(*ready_->change))) {
         Ready ready = *std::exchange(ready_, std::nullopt);
-        say(take(ready));
+        const bool is_named = !clip_ && !waits_for_wish();
+        if (const auto taken = take(ready); !taken.ok() && is_named)
+            return taken;
+        else
+            say(taken);
     }
+    if (clip_) go_on_changing();
+    return {};
+}
+
+void WindowLoop::go_on_changing() {
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
     if (!wanted_settings_ && Clock::now() > renew_after_ && clip_->is_nearly_full() && was_seen && !ready_ &&
         !opening_.is_busy()) {
@@ -119,7 +201,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     const bool is_another = settings_.in_effect.in_words() != ready.settings.in_effect.in_words();
     settings_ = ready.settings;
     if (ready.clip) {
-        if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
+        if (auto shown = show(ready); !shown.ok()) return shown;
         if (!ready.remark.empty()) say(std::move(ready.remark), Tone::refusal);
         return {};
     }
@@ -143,18 +225,27 @@ bool WindowLoop::note_failure() {
 }
 
 /// In place of the one that is there, if one is.
-Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
+Result<void> WindowLoop::show(Ready& ready) {
+    std::unique_ptr<OpenedClip> clip = std::move(ready.clip);
+    const bool is_first = !clip_;
+    lift_touches();
     if (clip_) {
-        lift_touches();
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
         note_failure();
         clip->fingers().set_count(clip_->fingers().count());
         // Who has stopped all force has stopped it for every clip.
         clip->device().set_force(clip_->device().force_is_on());
+    } else {
+        clip->fingers().set_count(settings_file_.read().fingers);
     }
     if (auto begun = clip->begin(); !begun.ok()) return begun;
     if (clip_) count_session();
     clip_ = std::move(clip);
+    playlist_ = std::move(ready.list);
+    wanted_list_.reset();
+    went_on_s_.reset();
+    if (is_first)
+        if (auto checked = check_labels(); !checked.ok()) return checked;
     clip_->begin_sound();
     picture_.forget();
     picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
@@ -187,33 +278,6 @@ void WindowLoop::tell_guesses() {
         say(clip_->is_camera()
                 ? "what nobody said of the camera is guessed; the terminal tells what and how to say it"
                 : "camera and unit are guessed: touchable info tells how to say them");
-}
-
-/// The first one. Whoever closes the window meanwhile has closed it.
-Result<void> WindowLoop::wait_for_clip() {
-    screen_->set_title(opening_.words() + " ... - touchable");
-    if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
-    while (!clip_ && !quit_ && !interrupted()) {
-        bool is_resized = false;
-        for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(2)))
-            if (event.kind == InputEvent::Kind::resized)
-                is_resized = true;
-            else if (kiosk_ && !is_for_visitors(event))
-                continue;
-            else if (closes(event))
-                quit_ = true;
-        if (auto there = screen_->health(); !there.ok()) return there;
-        if (is_resized)
-            if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
-        auto made = opening_.take();
-        if (!made) continue;
-        if (!made->ok()) {
-            if (auto next = go_past(made->error()); !next.ok()) return next;
-            continue;
-        }
-        if (auto taken = take(**made); !taken.ok()) return taken;
-    }
-    return {};
 }
 
 /// Whether what is painted is felt by the set of settings that is in effect.

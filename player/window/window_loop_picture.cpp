@@ -37,6 +37,9 @@ void WindowLoop::watch(const WatchedMoment* moment, Clock::time_point now) {
 /// has moved, nor where the next would come late for it.
 bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * seconds_between(last_picture_, now);
+    if (!clip_)
+        return since_ms >=
+               (1000 * seconds_between(last_event_, now) < after_input_ms ? picture_pause_ms : idle_pause_ms);
     if (!moment || since_ms < frame_pause_ms) return false;
     if (seen_.is_other_frame(*moment)) return true;
     if (since_ms < pause_ms()) return false;
@@ -79,37 +82,14 @@ int WindowLoop::vertex_step(const ViewCamera& camera) {
     return governor_.coarse() && playback.playing && !playback.at_end ? coarse : 1;
 }
 
-/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch, and half
-/// the size for a governor that will want it: compiling what they are drawn by would make a picture come
-/// late.
-Result<void> WindowLoop::draw_opening() {
-    const ScreenSize size = screen_->size();
-    if (size.width < 1 || size.height < 1) return {};
-    WindowGraphics& graphics = picture_.graphics();
-    if (auto begun = graphics.begin(); !begun.ok()) return begun;
-    Scene scene;
-    scene.width = scene.height = 2;
-    scene.camera = {1, 1, 0.5, 0.5};
-    const glm::dvec3 behind(0, 0, 10);
-    FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
-    finger.under = UnderFinger{behind, {0, 0, 1}};
-    finger.given_way = {0, 0, -1};
-    const int part = graphics.can_stretch() ? 2 : 1;
-    const ViewCamera camera =
-        own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
-    if (auto drawn = graphics.draw(camera, {{finger}}, {}, size.width, size.height); !drawn.ok())
-        return drawn;
-    PanelFacts facts;
-    facts.is_empty = options_.session.clip.file.empty() && !opening_.is_busy();
-    if (!kiosk_ && opening_.is_busy()) facts.message = opening_.words() + " ...";
-    if (!notices_.passing().empty()) facts.message = notices_.passing();
-    facts.faults = {notices_.faults().begin(), notices_.faults().end()};
-    for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
-        layer_->begin(size.width, size.height, 0.02, std::exchange(events_, {}));
-        panel_->draw_without_clip(facts, size.width, size.height, asked_);
-        layer_->end();
-    }
-    return graphics.finish();
+Result<void> WindowLoop::draw_what_is_there(const WatchedMoment* moment) {
+    if (!clip_) return draw_opening();
+    return moment ? draw(*moment) : Result<void>();
+}
+
+/// With all that was done until now.
+Result<void> WindowLoop::draw_newest() {
+    return draw_what_is_there(clip_ ? clip_->session().look() : nullptr);
 }
 
 Result<void> WindowLoop::draw(const WatchedMoment& moment) {

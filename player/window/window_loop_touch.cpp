@@ -8,7 +8,7 @@ namespace touchable {
 /// What a finger that comes down there is for. A brush, a measure and the panel take it for the pointer.
 TouchInput::Ground WindowLoop::ground_at(double x, double y) {
     using Ground = TouchInput::Ground;
-    if (brush_.is_held() || measure_.is_held() || panel_->covers(x, y)) return Ground::pointers;
+    if (!clip_ || brush_.is_held() || measure_.is_held() || panel_->covers(x, y)) return Ground::pointers;
     const WatchedMoment* const moment = clip_->session().look();
     if (options_.hand || !moment) return Ground::nothing;
     const ScreenSize size = screen_->size();
@@ -21,8 +21,8 @@ void WindowLoop::take_of_touch(const InputEvent& event) {
     const ScreenSize size = screen_->size();
     const bool begins = event.kind == InputEvent::Kind::touch_began;
     const auto ground = begins ? ground_at(event.x, event.y) : TouchInput::Ground::nothing;
-    for (const InputEvent& done :
-         touches_.take(event, ground, clip_->fingers(), clip_->view(), size.width, size.height)) {
+    const auto led = clip_ ? TouchInput::Led{&clip_->fingers(), &clip_->view()} : TouchInput::Led{};
+    for (const InputEvent& done : touches_.take(event, ground, led, size.width, size.height)) {
         events_.push_back(done);
         take_of_pointer(done);
     }
@@ -30,7 +30,7 @@ void WindowLoop::take_of_touch(const InputEvent& event) {
 
 /// Whatever they do: the window is looked at no more, or the clip goes.
 void WindowLoop::lift_touches() {
-    for (const InputEvent& done : touches_.cancel(clip_->fingers())) {
+    for (const InputEvent& done : touches_.cancel(clip_ ? &clip_->fingers() : nullptr)) {
         events_.push_back(done);
         take_of_pointer(done);
     }

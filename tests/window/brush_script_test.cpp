@@ -10,7 +10,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "player/session/painted_choice.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 #include "tests/window/two_surfaces.hpp"
 
 namespace touchable::test {
@@ -22,16 +22,9 @@ class BrushScript : public ::testing::Test {
 protected:
     void SetUp() override { ASSERT_NO_FATAL_FAILURE(write_two_surfaces(clip_, 4)); }
     Outcome run(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::ofstream(folder_ / "script") << script;
-        std::vector<std::string> words{"play",
-                                       clip_.string(),
-                                       "--headless",
-                                       "--size",
-                                       "320x240",
-                                       "--script",
-                                       (folder_ / "script").string()};
+        std::vector<std::string> words{clip_.string()};
         words.insert(words.end(), more.begin(), more.end());
-        return run_touchable(words);
+        return run_scripted(words, script, folder_.path());
     }
     /// What the window shows once the script is done; drawn by the CPU, without words.
     Image shot(const std::string& script, const std::vector<std::string>& more = {}) {

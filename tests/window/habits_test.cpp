@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,11 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
 #include "engine/sound/sound_track.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/record/recording.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -40,54 +38,9 @@ const fs::path& some_clips() {
     return made;
 }
 
-struct Played {
-    Outcome outcome;
-    Image image;  ///< in the end
-    std::vector<std::string> files;
-};
-
-/// What the window shows `seconds` after it opened, once `script` has been done to it, and which files it
-/// left.
-Played played_by(const std::vector<std::string>& words, const std::string& script,
-                 const std::string& seconds) {
-    const TemporaryFolder folder;
-    std::ofstream(folder / "script") << script;
-    std::vector<std::string> all{"play"};
-    all.insert(all.end(), words.begin(), words.end());
-    for (const char* word :
-         {"--headless", "--size", "320x240", "--script", "script", "--screenshot", "end.png", "--at"})
-        all.emplace_back(word);
-    all.push_back(seconds);
-    Played played{run_in_folder(all, folder.path()), {}, names_in(folder.path())};
-    EXPECT_EQ(played.outcome.code, 0) << played.outcome.err;
-    const auto image = read_image(folder / "end.png");
-    EXPECT_TRUE(image.ok());
-    if (image.ok()) played.image = *image;
-    return played;
-}
-
-Played played_by(const std::string& clip, const std::string& script, const std::string& seconds) {
-    return played_by(std::vector<std::string>{(some_clips() / clip).string()}, script, seconds);
-}
-
-/// How many pixels of a part differ by more than 24 of 255 in a channel.
-int other_pixels(const Image& a, const Image& b, int x0, int y0, int x1, int y1) {
-    if (a.width != b.width || a.height != b.height) return -1;
-    int count = 0;
-    for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const auto at = static_cast<std::size_t>((y * a.width + x) * 3 + c);
-                if (std::abs(a.samples[at] - b.samples[at]) <= 24) continue;
-                ++count;
-                break;
-            }
-    return count;
-}
-
 /// The picture's middle, without words, bars and curves.
 int in_the_middle(const Image& a, const Image& b) {
-    return other_pixels(a, b, 100, 100, 220, 170);
+    return differences(a, b, {100, 100, 220, 170});
 }
 
 bool has(const std::vector<std::string>& files, const std::string& name) {
@@ -98,9 +51,11 @@ bool has(const std::vector<std::string>& files, const std::string& name) {
 constexpr const char* there = "0.6 screenshot there.png\n";
 
 TEST(Habits, QClosesAndOtherKeysLeadTheFinger) {
-    EXPECT_FALSE(has(played_by("b-still.mkv", std::string("0.3 key q\n") + there, "1").files, "there.png"));
+    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", std::string("0.3 key q\n") + there, "1").files,
+                     "there.png"));
     EXPECT_TRUE(
-        has(played_by("b-still.mkv", std::string("0.3 key x\n0.3 key e\n") + there, "1").files, "there.png"));
+        has(shot_of(some_clips() / "b-still.mkv", std::string("0.3 key x\n0.3 key e\n") + there, "1").files,
+            "there.png"));
 }
 
 TEST(Habits, EscapeLeavesFullScreenBeforeItCloses) {
@@ -120,11 +75,12 @@ TEST(Habits, ADoubleClickFillsTheScreenAndSlowOnesDoNot) {
         "left\n";
     const std::string slow =
         "0 move 160 110\n0 press left\n0.05 release left\n0.4 press left\n0.45 release left\n";
-    EXPECT_TRUE(has(played_by("b-still.mkv", twice + escape, "1").files, "there.png"));
-    EXPECT_FALSE(has(played_by("b-still.mkv", slow + escape, "1").files, "there.png"));
+    EXPECT_TRUE(has(shot_of(some_clips() / "b-still.mkv", twice + escape, "1").files, "there.png"));
+    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", slow + escape, "1").files, "there.png"));
     const std::string bar =
         "0.1 move 160 224\n0.2 press left\n0.25 release left\n0.3 press left\n0.35 release left\n";
-    EXPECT_FALSE(has(played_by("b-still.mkv", bar + escape, "1").files, "there.png")) << "that is the bar's";
+    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", bar + escape, "1").files, "there.png"))
+        << "that is the bar's";
 }
 
 /// Newtons on the first finger in the end.
@@ -156,19 +112,19 @@ TEST(Habits, AFingerUnderTheBarIsFelt) {
 }
 
 TEST(Habits, TheBarGoesWhenNothingMovesAndComesBack) {
-    const Image there_is = played_by("c-bumps.mkv", "0 move 20 20\n", "1").image;
-    const Image rests = played_by("c-bumps.mkv", "0 move 20 20\n", "4.8").image;
-    const Image back = played_by("c-bumps.mkv", "0 move 20 20\n4.5 move 21 20\n", "4.9").image;
-    EXPECT_GT(other_pixels(there_is, rests, 20, 185, 300, 225), 2000) << "it is still there";
-    EXPECT_LT(other_pixels(there_is, back, 20, 185, 300, 225), 200) << "it did not come back";
+    const Image there_is = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "1").image;
+    const Image rests = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "4.8").image;
+    const Image back = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n4.5 move 21 20\n", "4.9").image;
+    EXPECT_GT(differences(there_is, rests, {20, 185, 300, 225}), 2000) << "it is still there";
+    EXPECT_LT(differences(there_is, back, {20, 185, 300, 225}), 200) << "it did not come back";
     // Where a finger presses under it, it goes at once.
     const Image under =
-        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.4 move 160 205\n", "1").image;
-    EXPECT_LT(other_pixels(rests, under, 20, 185, 120, 225), 200) << "it hides the finger";
+        shot_of(some_clips() / "c-bumps.mkv", "0 move 160 100\n0 press left\n0.4 move 160 205\n", "1").image;
+    EXPECT_LT(differences(rests, under, {20, 185, 120, 225}), 200) << "it hides the finger";
 }
 
 TEST(Habits, TheSeekHandleEndsAtTheEndOfItsBar) {
-    const Image image = played_by("a-globe.mkv", "0 seek 10\n", "0.8").image;
+    const Image image = shot_of(some_clips() / "a-globe.mkv", "0 seek 10\n", "0.8").image;
     ASSERT_EQ(image.width, 320);
     const int y = 240 - 12 - 24;
     const auto at = [&](int x, int c) {
@@ -183,7 +139,7 @@ TEST(Habits, TheSeekHandleEndsAtTheEndOfItsBar) {
     while (right + 3 + beyond < 320 && std::abs(at(right + 3 + beyond, 1) - at(right + 3, 1)) < 8 &&
            beyond < 40)
         ++beyond;
-    const Image begin = played_by("a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image;
+    const Image begin = shot_of(some_clips() / "a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image;
     ASSERT_EQ(begin.width, 320);
     int left = 320;
     for (int x = 319; x >= 0; --x) {
@@ -281,9 +237,9 @@ TEST(Habits, WhatIsOverInABlinkRestsBeforeTheNext) {
 
 TEST(Habits, KeysGoToTheNextClipOfAFolderAndBack) {
     const std::string folder = some_clips().string();
-    const Image globe = played_by("a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image,
-                bumps = played_by("c-bumps.mkv", "", "0.8").image,
-                still = played_by("b-still.mkv", "", "0.8").image;
+    const Image globe = shot_of(some_clips() / "a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image,
+                bumps = shot_of(some_clips() / "c-bumps.mkv", "", "0.8").image,
+                still = shot_of(some_clips() / "b-still.mkv", "", "0.8").image;
     const std::string on = "0.1 key pagedown\n1.2 key >\n";
     EXPECT_LT(in_the_middle(played_by({folder}, on, "3").image, bumps), 50);
     EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key <\n", "4").image, still), 50);
@@ -311,33 +267,35 @@ TEST(Habits, AClipThatCannotBeOpenedIsGonePast) {
     EXPECT_NE(played.err.find("broken.mkv"), std::string::npos) << played.err;
     const auto image = read_image(picture);
     ASSERT_TRUE(image.ok()) << image.error().message;
-    EXPECT_LT(in_the_middle(*image, played_by("b-still.mkv", "", "0.8").image), 50);
+    EXPECT_LT(in_the_middle(*image, shot_of(some_clips() / "b-still.mkv", "", "0.8").image), 50);
     EXPECT_EQ(run_touchable({"play", broken, broken, "--headless", "--seconds", "1"}).code, 3);
 }
 
 TEST(Habits, AFaultStaysUntilItWasReadAndEscapeReadsIt) {
-    const Image without = played_by("c-bumps.mkv", "5.5 move 20 100\n", "6").image;
-    const Image after_long = played_by("c-bumps.mkv", "0.1 drop nowhere.mkv\n5.5 move 20 100\n", "6").image;
+    const Image without = shot_of(some_clips() / "c-bumps.mkv", "5.5 move 20 100\n", "6").image;
+    const Image after_long =
+        shot_of(some_clips() / "c-bumps.mkv", "0.1 drop nowhere.mkv\n5.5 move 20 100\n", "6").image;
     const Played read =
-        played_by("c-bumps.mkv",
-                  "0.1 drop nowhere.mkv\n5.5 move 20 100\n5.5 key escape\n5.7 screenshot there.png\n", "6.1");
-    EXPECT_GT(other_pixels(after_long, without, 60, 0, 260, 60), 300) << "it went by itself";
+        shot_of(some_clips() / "c-bumps.mkv",
+                "0.1 drop nowhere.mkv\n5.5 move 20 100\n5.5 key escape\n5.7 screenshot there.png\n", "6.1");
+    EXPECT_GT(differences(after_long, without, {60, 0, 260, 60}), 300) << "it went by itself";
     EXPECT_TRUE(has(read.files, "there.png")) << "Escape closed the window";
     const Played clicked =
-        played_by("c-bumps.mkv",
-                  "0.1 drop nowhere.mkv\n1 move 160 25\n1.2 press left\n1.4 release left\n1.6 key escape\n" +
-                      std::string("1.8 screenshot there.png\n"),
-                  "2");
+        shot_of(some_clips() / "c-bumps.mkv",
+                "0.1 drop nowhere.mkv\n1 move 160 25\n1.2 press left\n1.4 release left\n1.6 key escape\n" +
+                    std::string("1.8 screenshot there.png\n"),
+                "2");
     EXPECT_FALSE(has(clicked.files, "there.png")) << "a click did not read it: Escape had to";
 }
 
 TEST(Habits, TheNameOfAScreenshotIsShown) {
     const Image without =
-        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n", "1.2").image;
-    const Image with =
-        played_by("c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n0.3 key f12\n", "1.2")
+        shot_of(some_clips() / "c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n", "1.2")
             .image;
-    EXPECT_GT(other_pixels(with, without, 60, 8, 260, 60), 300);
+    const Image with = shot_of(some_clips() / "c-bumps.mkv",
+                               "0 move 160 100\n0 press left\n0.1 release left\n0.3 key f12\n", "1.2")
+                           .image;
+    EXPECT_GT(differences(with, without, {60, 8, 260, 60}), 300);
 }
 
 TEST(Habits, AWindowWithoutAClipSaysWhatToDropAndOpensIt) {
@@ -348,11 +306,11 @@ TEST(Habits, AWindowWithoutAClipSaysWhatToDropAndOpensIt) {
     for (const auto sample : page.samples) bright += sample > 150 ? 1 : 0;
     EXPECT_GT(bright, 1000) << "no words";
     const Played dropped = played_by(std::vector<std::string>{}, "0.3 drop " + still + "\n", "3");
-    EXPECT_LT(in_the_middle(dropped.image, played_by("b-still.mkv", "", "0.8").image), 50);
+    EXPECT_LT(in_the_middle(dropped.image, shot_of(some_clips() / "b-still.mkv", "", "0.8").image), 50);
     const Played wrong = played_by(std::vector<std::string>{}, "0.2 drop nowhere.mkv\n0.5 key o\n", "1.5");
     EXPECT_NE(wrong.outcome.err.find("nowhere.mkv"), std::string::npos) << wrong.outcome.err;
-    EXPECT_GT(other_pixels(wrong.image, page, 60, 0, 260, 60), 300) << "the fault is not shown";
-    EXPECT_LT(other_pixels(wrong.image, page, 10, 120, 310, 230), 500) << "it does not wait for another";
+    EXPECT_GT(differences(wrong.image, page, {60, 0, 260, 60}), 300) << "the fault is not shown";
+    EXPECT_LT(differences(wrong.image, page, {10, 120, 310, 230}), 500) << "it does not wait for another";
     EXPECT_FALSE(has(played_by(std::vector<std::string>{}, std::string("0.3 key q\n") + there, "1").files,
                      "there.png"));
     const auto recorded = run_touchable({"play", "--headless", "--seconds", "1", "--record", "a.touch"});

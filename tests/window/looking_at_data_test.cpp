@@ -16,7 +16,7 @@
 #include "player/control/measure_tool.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -98,16 +98,9 @@ int slope(int x, int) {
 class LookingAtData : public ::testing::Test {
 protected:
     Outcome run(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::ofstream(folder_ / "script") << script;
-        std::vector<std::string> words{"play",
-                                       clip_.string(),
-                                       "--headless",
-                                       "--size",
-                                       "960x640",
-                                       "--script",
-                                       (folder_ / "script").string()};
+        std::vector<std::string> words{clip_.string()};
         words.insert(words.end(), more.begin(), more.end());
-        return run_touchable(words);
+        return run_scripted(words, script, folder_.path(), "960x640");
     }
     Image shot(const std::string& script, const std::vector<std::string>& more = {}) {
         std::vector<std::string> words{"--screenshot", (folder_ / "shot.png").string(), "--at", "0.6",

@@ -33,7 +33,7 @@ protected:
     std::vector<InputEvent> take(Kind kind, int touch, double x, double y, double seconds,
                                  Ground ground = Ground::surface) {
         return touches_.take({.kind = kind, .x = x, .y = y, .touch = touch, .seconds = seconds}, ground,
-                             *fingers_, *view_, width, height);
+                             {&*fingers_, &*view_}, width, height);
     }
     auto begin(int touch, double x, double y, double s, Ground ground = Ground::surface) {
         return take(Kind::touch_began, touch, x, y, s, ground);
@@ -276,7 +276,7 @@ TEST_F(Touches, CancelledFingersAreLiftedAndWhatComesOfThemIsNobodys) {
     begin(2, 260, 200, 11);
     begin(3, 30, 40, 11, Ground::pointers);
     ASSERT_EQ(pressing(), 2);
-    const auto events = touches_.cancel(*fingers_);
+    const auto events = touches_.cancel(&*fingers_);
     ASSERT_EQ(events.size(), 2U);
     EXPECT_EQ(events[0].kind, Kind::left_window);
     EXPECT_EQ(events[1].kind, Kind::released);
