@@ -6,10 +6,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <condition_variable>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <deque>
+#include <mutex>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "engine/printable.hpp"
@@ -68,27 +72,61 @@ std::optional<std::string> why_no_log(int out) {
 
 }  // namespace
 
-Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file) {
+struct UseLog::Rows {
+    Rows(std::filesystem::path named, int to, WriteRow by)
+        : file(std::move(named)), out(to), write(std::move(by)) {}
+    ~Rows() { close(out); }
+    Rows(const Rows&) = delete;
+    Rows& operator=(const Rows&) = delete;
+
+    void write_all();
+
+    static constexpr std::size_t most_waiting = 1000;
+    const std::filesystem::path file;
+    const int out;
+    const WriteRow write;
+    std::mutex mutex;
+    std::condition_variable changed;
+    // Guarded by it.
+    std::deque<std::string> waiting;
+    std::optional<Error> missing;
+    bool is_ending = false, has_ended = false;
+};
+
+int UseLog::write_row(int out, const std::string& row) {
+    const off_t before = lseek(out, 0, SEEK_END);
+    const int why = write_bytes(out, row);
+    if (why != 0 && before >= 0) (void)!ftruncate(out, before);
+    return why != 0 ? why : (fdatasync(out) == 0 ? 0 : errno);
+}
+
+Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, WriteRow write) {
     const int out = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
     if (out < 0) return input_error(file.string() + ": cannot be written: " + std::strerror(errno));
-    std::unique_ptr<UseLog> log(new UseLog(file, out));
+    const auto rows = std::make_shared<Rows>(file, out, std::move(write));
     if (const auto why = why_no_log(out))
         return input_error(file.string() + ": " + *why +
                            "; right would be a new file, or a log of use to go on with");
-    auto begun = start_thread(log->thread_, "use-log", "that writes the log of use",
-                              [made = log.get()] { made->write_all(); });
+    std::thread thread;
+    auto begun = start_thread(thread, "use-log", "that writes the log of use", [rows] { rows->write_all(); });
     if (!begun.ok()) return begun.error();
-    return log;
+    thread.detach();  // `finish` waits for its end, but not for ever
+    return std::unique_ptr<UseLog>(new UseLog(rows));
+}
+
+Result<void> UseLog::finish(std::chrono::milliseconds longest) {
+    Rows& rows = *rows_;
+    std::unique_lock lock(rows.mutex);
+    rows.is_ending = true;
+    rows.changed.notify_all();
+    if (!rows.changed.wait_for(lock, longest, [&rows] { return rows.has_ended; }))
+        return input_error(rows.file.string() +
+                           ": its disk does not answer; the last rows of the log of use may be lost");
+    return rows.missing ? Result<void>(*rows.missing) : Result<void>();
 }
 
 UseLog::~UseLog() {
-    {
-        const std::lock_guard lock(mutex_);
-        is_ending_ = true;
-    }
-    changed_.notify_one();
-    if (thread_.joinable()) thread_.join();
-    close(out_);
+    (void)finish();
 }
 
 void UseLog::visit(Time came, double seconds) {
@@ -102,44 +140,38 @@ void UseLog::fault(Time now, const std::string& words) {
 }
 
 std::optional<Error> UseLog::missing() const {
-    const std::lock_guard lock(mutex_);
-    return missing_;
+    const std::lock_guard lock(rows_->mutex);
+    return rows_->missing;
 }
 
 void UseLog::add(Time time, const std::string& rest) {
+    Rows& rows = *rows_;
     {
-        const std::lock_guard lock(mutex_);
-        if (waiting_.size() < most_waiting)
-            waiting_.push_back(in_universal_time(time) + ',' + rest + '\n');
-        else if (!missing_)
-            missing_ =
-                input_error(file_.string() + ": its disk does not answer; rows of the log of use are lost");
+        const std::lock_guard lock(rows.mutex);
+        if (rows.waiting.size() < Rows::most_waiting)
+            rows.waiting.push_back(in_universal_time(time) + ',' + rest + '\n');
+        else if (!rows.missing)
+            rows.missing = input_error(rows.file.string() +
+                                       ": its disk does not answer; rows of the log of use are lost");
     }
-    changed_.notify_one();
+    rows.changed.notify_all();
 }
 
-/// A row whole, or nothing of it: 0, or why not (errno).
-int UseLog::write(const std::string& row) const {
-    const off_t before = lseek(out_, 0, SEEK_END);
-    const int why = write_bytes(out_, row);
-    if (why != 0 && before >= 0) (void)!ftruncate(out_, before);
-    return why != 0 ? why : (fdatasync(out_) == 0 ? 0 : errno);
-}
-
-void UseLog::write_all() {
-    std::unique_lock lock(mutex_);
+void UseLog::Rows::write_all() {
+    std::unique_lock lock(mutex);
     for (;;) {
-        changed_.wait(lock, [this] { return is_ending_ || !waiting_.empty(); });
-        if (waiting_.empty()) return;
-        const std::string row = std::move(waiting_.front());
-        waiting_.pop_front();
+        changed.wait(lock, [this] { return is_ending || !waiting.empty(); });
+        if (waiting.empty()) break;
+        const std::string row = std::move(waiting.front());
+        waiting.pop_front();
         lock.unlock();
-        const int why = write(row);
+        const int why = write(out, row);
         lock.lock();
-        if (why != 0 && !missing_)
-            missing_ =
-                input_error(file_.string() + ": rows of the log of use are lost: " + std::strerror(why));
+        if (why != 0 && !missing)
+            missing = input_error(file.string() + ": rows of the log of use are lost: " + std::strerror(why));
     }
+    has_ended = true;
+    changed.notify_all();
 }
 
 }  // namespace touchable

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "engine/result.hpp"
 
@@ -18,7 +15,7 @@ namespace touchable {
 /// How a kiosk is used: a table (CSV) of its starts, visits, faults and ends, which grows by a row as each
 /// happens. It has nothing of persons. Rows are written on a thread of their own, each safe on the disk
 /// before the next: a disk that hangs or is full, or a program that is killed, costs the rows of that time
-/// and no more. All calls are the window's.
+/// and no more. No call waits for the disk but `finish`, for a while. All calls are the window's.
 class UseLog {
 public:
     using Time = std::chrono::system_clock::time_point;
@@ -26,8 +23,17 @@ public:
 
     /// Goes on with a log that is there. Refused (ErrorKind::input): a file that is none, one that cannot be
     /// written, one that another program is writing.
-    static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file);
-    /// Writes what waits.
+    static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file) {
+        return open(file, write_row);
+    }
+    /// Writes a row whole, or nothing of it, to the end of an open file: 0, or why not (errno).
+    using WriteRow = std::function<int(int out, const std::string& row)>;
+    static int write_row(int out, const std::string& row);
+    /// Likewise with rows written so, such as by a test's disk.
+    static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file, WriteRow write);
+    /// Once, the last call: writes what waits, for that long at most. An error where rows are missing.
+    Result<void> finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
+    /// Likewise, where nobody did.
     ~UseLog();
     UseLog(const UseLog&) = delete;
     UseLog& operator=(const UseLog&) = delete;
@@ -43,22 +49,13 @@ public:
     std::optional<Error> missing() const;
 
 private:
-    UseLog(std::filesystem::path file, int out) : file_(std::move(file)), out_(out) {}
+    /// What the thread that writes works on: it keeps it where its disk hangs and nobody waits any more.
+    struct Rows;
+    explicit UseLog(std::shared_ptr<Rows> rows) : rows_(std::move(rows)) {}
     void add(Time time, const std::string& rest);
-    void write_all();
-    int write(const std::string& row) const;
 
-    static constexpr std::size_t most_waiting = 1000;
-    const std::filesystem::path file_;
-    const int out_;
+    const std::shared_ptr<Rows> rows_;
     std::int64_t visitors_ = 0;
-    mutable std::mutex mutex_;
-    std::condition_variable changed_;
-    // Guarded by it.
-    std::deque<std::string> waiting_;
-    std::optional<Error> missing_;
-    bool is_ending_ = false;
-    std::thread thread_;
 };
 
 }  // namespace touchable

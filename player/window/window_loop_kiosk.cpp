@@ -161,6 +161,9 @@ void WindowLoop::end_log(const Result<void>& ended) {
     if (!use_log_) return;
     if (!ended.ok()) log_fault(ended.error().message);
     use_log_->end(std::chrono::system_clock::now());
+    const auto written = use_log_->finish();
+    use_log_.reset();
+    if (!written.ok() && file_faults_.insert(written.error().message).second) tell(written.error().message);
 }
 
 /// A clip that broke off may have come back: a disk that was away, a file that was being written.

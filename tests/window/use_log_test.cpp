@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <future>
 #include <regex>
 #include <string>
 #include <thread>
@@ -74,6 +75,35 @@ TEST_F(KioskLog, StandsInPlaceOfNothingElse) {
     EXPECT_FALSE(UseLog::open(folder_.path()).ok());
     EXPECT_FALSE(UseLog::open(folder_ / "nowhere" / "use.csv").ok());
     EXPECT_FALSE(UseLog::open("/dev/full").ok());
+}
+
+TEST_F(KioskLog, DoesNotWaitForEverForADiskThatHangs) {
+    std::promise<void> answer;
+    const std::shared_future<void> answers = answer.get_future().share();
+    auto log = UseLog::open(file_, [answers](int out, const std::string& row) {
+        answers.wait();
+        return UseLog::write_row(out, row);
+    });
+    ASSERT_TRUE(log.ok()) << log.error().message;
+    (*log)->start(at(0));
+    (*log)->end(at(1));
+    const auto missing = (*log)->finish(20ms);
+    ASSERT_FALSE(missing.ok());
+    EXPECT_NE(missing.error().message.find("does not answer"), std::string::npos) << missing.error().message;
+    EXPECT_EQ(text(), UseLog::header);
+    answer.set_value();
+    EXPECT_TRUE((*log)->finish(60s).ok()) << "it was only slow";
+    EXPECT_NE(text().find(",end,,,\n"), std::string::npos);
+}
+
+TEST_F(KioskLog, HasAKioskWhoseClipCannotBeOpened) {
+    std::ofstream(folder_ / "broken.mkv") << "no clip";
+    const auto ended = run_touchable({"play", (folder_ / "broken.mkv").string(),
+                                      (folder_ / "broken.mkv").string(), "--headless", "--painter", "cpu",
+                                      "--kiosk", "--use-log", file_.string(), "--seconds", "1"});
+    EXPECT_EQ(ended.code, 3) << ended.err;
+    EXPECT_TRUE(std::regex_search(text(), std::regex("start,,,\n.*fault,,,\".*broken.mkv.*\n.*end,,,\n$")))
+        << text();
 }
 
 TEST_F(KioskLog, OfAProgramCountsWhoCameAndSaysOnceThatItsDiskIsFull) {
