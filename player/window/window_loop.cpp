@@ -162,6 +162,7 @@ Result<void> WindowLoop::turn() {
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     const std::vector<InputEvent> events = screen_->poll(wait);
     time_s_ = script_clock_.at(now_s(), brush_.is_at_work());
+    lift_after_sleep();
     for (const InputEvent& event : events) take(event);
     if (begun_ && !quit_) take_script();
     if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));

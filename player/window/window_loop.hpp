@@ -67,6 +67,7 @@ private:
     void take_of_pointer(const InputEvent& event);
     void take_of_touch(const InputEvent& event);
     void lift_touches();
+    void lift_after_sleep();
     TouchInput::Ground ground_at(double x, double y);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
@@ -232,6 +233,7 @@ private:
     std::optional<Clock::time_point> begun_;  // with the first picture
     double begun_cpu_ms_ = 0;
     Clock::time_point last_picture_, last_event_;
+    Clock::duration slept_ = Clock::slept();
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     DrawnState seen_;
     SlowReading slow_reading_;  // of this clip

@@ -1,3 +1,6 @@
+#include <chrono>
+#include <utility>
+
 #include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -34,6 +37,15 @@ void WindowLoop::lift_touches() {
         events_.push_back(done);
         take_of_pointer(done);
     }
+}
+
+/// Of a machine that was suspended nobody knows who still presses: fingers and buttons that were down are
+/// lifted, and the force of one that comes down again begins at zero.
+void WindowLoop::lift_after_sleep() {
+    constexpr std::chrono::milliseconds noticed(100);
+    const Clock::duration slept = Clock::slept();
+    if (slept - std::exchange(slept_, slept) > noticed)
+        take(InputEvent{.kind = InputEvent::Kind::left_window});
 }
 
 }  // namespace touchable
