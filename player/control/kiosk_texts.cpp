@@ -25,7 +25,14 @@ constexpr struct {
                    {"device_is_away", &KioskTexts::device_is_away},
                    {"device_has_no_force", &KioskTexts::device_has_no_force},
                    {"device_is_moved", &KioskTexts::device_is_moved},
-                   {"come_out", &KioskTexts::come_out}};
+                   {"come_out", &KioskTexts::come_out},
+                   {"turn_back", &KioskTexts::turn_back},
+                   {"limit", &KioskTexts::limit},
+                   {"depth", &KioskTexts::depth},
+                   {"stiffness", &KioskTexts::stiffness},
+                   {"friction", &KioskTexts::friction},
+                   {"height", &KioskTexts::height},
+                   {"everywhere", &KioskTexts::everywhere}};
 
 KioskTexts read_texts(const checked_json::Node& node) {
     std::vector<std::string> legal{"touchable_kiosk_texts", "language"};

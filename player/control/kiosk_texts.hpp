@@ -16,7 +16,7 @@ struct KioskTexts {
     std::string language = "en";  ///< of a label's captions and sounds that come first
     std::string invitation = "Touch the picture";
     std::string how_by_mouse = "Move, hold the button, and feel";
-    std::string how_by_touch_screen = "Put a finger on it, and move";
+    std::string how_by_touch_screen = "One finger touches, two turn it";
     std::string how_by_device = "Take the handle, and feel";
     std::string force_is_off = "Force is off";
     std::string again_by_mouse = "Press to feel again";
@@ -27,6 +27,13 @@ struct KioskTexts {
     std::string device_has_no_force = "You see what you touch";
     std::string device_is_moved = "No force while the handle is moved back";
     std::string come_out = "Lift the finger off the surface: then you feel it";
+    std::string turn_back = "Turn it back";  ///< of a button, while the view is turned
+    std::string limit = "limit";             ///< of the largest force
+    std::string depth = "Depth";             ///< what colours may mean, as are the next
+    std::string stiffness = "Stiffness";
+    std::string friction = "Friction";
+    std::string height = "Height";
+    std::string everywhere = "the same everywhere";
     bool operator==(const KioskTexts&) const = default;
 
     /// One after the other, for their letters.

@@ -74,7 +74,8 @@ std::vector<HelpRow> help_rows(const PanelFacts& facts) {
         rows = {{"Mouse", "moves the finger; hold the left button to press"},
                 {"Wheel", "presses deeper or less; so does dragging with the right button"},
                 {"Middle button", "or Ctrl and the left one; drag: turn; with Shift: move;"},
-                {"", "double click: look at that place"}};
+                {"", "double click: look at that place"},
+                {"Touch screen", "each finger touches; two that move at once turn the view and zoom"}};
     }
     const auto keys = key_bindings();
     for (std::size_t k = 0; k < keys.size();) {
@@ -122,7 +123,8 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     const float bar = each * 2 / 3, gap = each / 3, tall = std::min(150 * scale, height * 0.3F);
     // What is in a box tells its size a picture later: where that is known before, it is said.
     const ImGuiStyle& style = ImGui::GetStyle();
-    const std::string limit_words = short_text("limit %.3g N", facts.limit_newtons);
+    const std::string limit_words =
+        (facts.kiosk ? facts.kiosk->texts.limit : "limit") + short_text(" %.3g N", facts.limit_newtons);
     const float wide = std::max(ImGui::CalcTextSize(limit_words.c_str()).x, fingers * (bar + gap) - gap);
     begin_box("force",
               {.x = m,

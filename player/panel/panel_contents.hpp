@@ -26,8 +26,10 @@ struct PlaceFacts {
 struct KioskFacts {
     const KioskTexts& texts;
     TouchedBy by = TouchedBy::mouse;
-    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
-    std::string caption{};              ///< of what a finger rests on; empty: none
+    std::optional<double> invited_s{};    ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};                ///< of what a finger rests on; empty: none
+    bool is_turned = false;               ///< the view is not the clip's own
+    std::optional<OverlayScale> scale{};  ///< what colours mean, in its words; nothing: they are the clip's
 };
 
 /// What the window's own words, bars and curves show.

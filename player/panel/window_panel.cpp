@@ -24,6 +24,31 @@ std::string clock_words(double seconds) {
     return words;
 }
 
+/// A house: the clip's own view.
+bool home_button(float side) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const bool pressed = ImGui::Button("##home", ImVec2(side, side));
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
+    const float u = side / 10;
+    list.AddTriangleFilled(ImVec2(at.x + 2.4F * u, at.y + 5.1F * u), ImVec2(at.x + 5 * u, at.y + 2.5F * u),
+                           ImVec2(at.x + 7.6F * u, at.y + 5.1F * u), ink);
+    list.AddRectFilled(ImVec2(at.x + 3.3F * u, at.y + 5 * u), ImVec2(at.x + 6.7F * u, at.y + 7.5F * u), ink);
+    return pressed;
+}
+
+/// Three lines, as of a list: the panel.
+bool panel_button(float side) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const bool pressed = ImGui::Button("##panel", ImVec2(side, side));
+    const float u = side / 10;
+    for (const float line : {3.0F, 4.7F, 6.4F})
+        ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x + 2.8F * u, at.y + line * u),
+                                                  ImVec2(at.x + 7.2F * u, at.y + (line + 0.7F) * u),
+                                                  ImGui::GetColorU32(ImGuiCol_Text));
+    return pressed;
+}
+
 /// Play or pause, drawn: no typeface is sure to have the signs.
 bool play_button(bool playing, float side) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -89,7 +114,7 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
     char speed[32];
     std::snprintf(speed, sizeof speed, "%g\xC3\x97##speed", facts.speed);
     const bool roomy = is_roomy(width, scale);
-    const float right = (roomy ? 286 : 96) * scale;
+    const float right = ((roomy ? 286 : 96) + (has_room ? 2 * 38 : 0)) * scale;
     draw_seek(facts, scale, ImGui::GetContentRegionAvail().x - right, asked);
     ImGui::SameLine();
     if (ImGui::Button(speed, ImVec2(46 * scale, 0)))
@@ -103,6 +128,12 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
         ImGui::SameLine();
         if (ImGui::Button((facts.overlay + "##overlay").c_str(), ImVec2(132 * scale, 0)))
             asked.push_back({WindowVerb::overlay});
+        ImGui::SameLine();
+    }
+    if (has_room) {  // for whoever has no keys
+        if (home_button(side)) asked.push_back({WindowVerb::home});
+        ImGui::SameLine();
+        if (panel_button(side)) asked.push_back({WindowVerb::panel});
         ImGui::SameLine();
     }
     if (ImGui::Button("?", ImVec2(side, 0))) asked.push_back({WindowVerb::help});
@@ -148,7 +179,8 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         const bool has_words = draw_kiosk_words(*facts.kiosk, is_stopped, w, h);
         if (facts.kiosk->invited_s) return;
         draw_force(facts, h, scale_);
-        if (facts.scale && !has_words) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
+        if (facts.kiosk->scale && !has_words) draw_overlay_scale(*facts.kiosk->scale, w - m, h - m, scale_);
+        if (facts.kiosk->is_turned) draw_turn_back(facts.kiosk->texts.turn_back, w, asked);
         return;
     }
     if (wants_bar(facts)) {
@@ -168,6 +200,17 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
         draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
     if (shown) draw_side(facts, w, h, asked);
+}
+
+/// For visitors who have no keys.
+void WindowPanel::draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked) {
+    const float m = panel_margin * scale_;
+    begin_box("turn back", {.x = width - m, .y = m, .pivot_x = 1});
+    note_box();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(12 * scale_, 10 * scale_));
+    if (ImGui::Button((words + "##turn back").c_str())) asked.push_back({WindowVerb::home});
+    ImGui::PopStyleVar();
+    ImGui::End();
 }
 
 void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int height,

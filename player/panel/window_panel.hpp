@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "player/control/window_command.hpp"
@@ -49,6 +50,7 @@ private:
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     static void draw_view(float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
+    void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
     void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);

@@ -85,6 +85,7 @@ private:
     void look_after_hand(const WatchedMoment* moment);
     void power_hand_off();
     void set_overlay(const std::string& name);
+    static Overlay overlay_for_visitors(Overlay now);
     void take_of_measure(const WindowCommand& command);
     void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void open_others(std::vector<std::string> named);
@@ -143,7 +144,8 @@ private:
     Result<void> check_labels() const;
     void watch_over();
     void look_for_labels(const WatchedMoment& moment);
-    KioskFacts kiosk_facts() const;
+    KioskFacts kiosk_facts(const PanelFacts& facts) const;
+    bool has_touch_screen() const;
     void put_in_kiosk_words(HandState& state) const;
     void log_visit(const std::optional<KioskWatch::Visit>& visit);
     void log_fault(const std::string& fault);
@@ -218,6 +220,7 @@ private:
     PointerInput pointer_;
     MeasureTool measure_;
     TouchInput touches_;
+    bool was_touched_ = false;  // by a finger on a touch screen
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;    // since the last picture
     std::vector<std::string> dropped_;  // at once

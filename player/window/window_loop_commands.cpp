@@ -198,6 +198,7 @@ bool WindowLoop::bar_is_wanted() const {
 }
 
 void WindowLoop::set_overlay(const std::string& name) {
+    if (kiosk_ && name.empty()) return picture_.set_overlay(overlay_for_visitors(picture_.overlay()));
     const auto overlay = overlay_after(picture_.overlay(), name);
     if (!overlay.ok()) return say(overlay.error());
     picture_.set_overlay(*overlay);

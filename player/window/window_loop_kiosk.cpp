@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "engine/number_words.hpp"
+#include "player/overlay/colour_ramp.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -118,11 +120,57 @@ void WindowLoop::look_for_labels(const WatchedMoment& moment) {
     if (const auto said = resting_->take(fingers, now_s())) sound_->say(*said);
 }
 
-KioskFacts WindowLoop::kiosk_facts() const {
+namespace {
+
+/// What colours mean to a visitor: its name, and where it lies; nothing more, as a kiosk has no words for it.
+OverlayScale in_kiosk_words(const OverlayScale& scale, Overlay overlay, const KioskTexts& texts) {
+    OverlayScale told = scale;
+    told.spread.clear();
+    told.has_map = true;
+    told.at_holes.reset();
+    switch (overlay) {
+        case Overlay::stiffness:
+            told.name = texts.stiffness;
+            break;
+        case Overlay::static_friction:
+        case Overlay::dynamic_friction:
+            told.name = texts.friction;
+            break;
+        case Overlay::height:
+            told.name = texts.height;
+            break;
+        default:
+            told.name = texts.depth;
+    }
+    if (!scale.everywhere().empty())
+        told.classes = {{ramp_colour(0.5),
+                         short_number(scale.range.least, 4) + " " + scale.unit + ": " + texts.everywhere}};
+    return told;
+}
+
+/// Those in whose colours a visitor sees what is felt.
+bool is_for_visitors(Overlay overlay) {
+    return overlay == Overlay::colour || overlay == Overlay::depth || overlay == Overlay::stiffness ||
+           overlay == Overlay::static_friction || overlay == Overlay::height;
+}
+
+}  // namespace
+
+/// After one, for a visitor who goes round.
+Overlay WindowLoop::overlay_for_visitors(Overlay now) {
+    do now = *overlay_after(now, "");
+    while (!is_for_visitors(now));
+    return now;
+}
+
+KioskFacts WindowLoop::kiosk_facts(const PanelFacts& facts_of_clip) const {
     const KioskOptions& kiosk = *options_.kiosk;
     KioskFacts facts{.texts = kiosk.texts,
                      .by = options_.hand ? TouchedBy::device : kiosk.touched_by,
-                     .invited_s = kiosk_->invites(now_s())};
+                     .invited_s = kiosk_->invites(now_s()),
+                     .is_turned = !clip_->view().own()};
+    if (facts_of_clip.scale)
+        facts.scale = in_kiosk_words(*facts_of_clip.scale, picture_.overlay(), kiosk.texts);
     if (resting_ && resting_->shown())
         if (const auto* const caption =
                 said_in(kiosk.labels.labels[*resting_->shown()].captions, kiosk.texts.language))

@@ -21,6 +21,8 @@ constexpr double after_input_ms = 300;  // buttons fade
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
     "move over the picture, and hold the left button to touch it; ? shows all keys";
+constexpr const char* first_touch_words =
+    "put a finger on the picture to touch it; two fingers turn it, the house turns it back";
 
 constexpr const char* end_words = "the end: Space plays it again, L repeats it";
 constexpr const char* end_first_words =
@@ -172,7 +174,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.volume = sound_->volume();
     if (kiosk_) {
-        facts.kiosk.emplace(kiosk_facts());
+        facts.kiosk.emplace(kiosk_facts(facts));
         if (facts.hand) put_in_kiosk_words(facts.hand->state);
         return facts;
     }
@@ -202,7 +204,9 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     else if (is_gone)
         facts.message = remarks.back();
     else if (!options_.hand && !clip_->fingers().was_pressed())
-        facts.message = facts.at_end && !clip_->is_still() ? end_first_words : first_words;
+        facts.message = has_touch_screen()                   ? first_touch_words
+                        : facts.at_end && !clip_->is_still() ? end_first_words
+                                                             : first_words;
     else if (facts.at_end && !clip_->is_still())
         facts.message = end_words;
     return facts;

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <utility>
 
+#include "player/screen/touch_screens.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -22,6 +23,7 @@ TouchInput::Ground WindowLoop::ground_at(double x, double y) {
 
 void WindowLoop::take_of_touch(const InputEvent& event) {
     const ScreenSize size = screen_->size();
+    was_touched_ = true;
     const bool begins = event.kind == InputEvent::Kind::touch_began;
     const auto ground = begins ? ground_at(event.x, event.y) : TouchInput::Ground::nothing;
     const auto led = clip_ ? TouchInput::Led{&clip_->fingers(), &clip_->view()} : TouchInput::Led{};
@@ -37,6 +39,12 @@ void WindowLoop::lift_touches() {
         events_.push_back(done);
         take_of_pointer(done);
     }
+}
+
+/// As far as is known.
+bool WindowLoop::has_touch_screen() const {
+    static const bool is_there = touchable::has_touch_screen();
+    return was_touched_ || (is_there && !options_.headless);
 }
 
 /// Of a machine that was suspended nobody knows who still presses: fingers and buttons that were down are

@@ -9,23 +9,10 @@
 #include <vector>
 
 #include "device/csv_table.hpp"
-#include "engine/picture/image_file.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
-
-/// A globe, once for all tests of this program.
-const std::filesystem::path& globe() {
-    static const TemporaryFolder folder;
-    static const std::filesystem::path clip = [] {
-        const auto made = run_touchable(
-            {"make", "globe", (folder / "globe.mkv").string(), "--size", "160x120", "--frames", "1"});
-        EXPECT_EQ(made.code, 0) << made.err;
-        return folder / "globe.mkv";
-    }();
-    return clip;
-}
 
 /// What a recording's fingers felt.
 class Felt {
@@ -81,39 +68,27 @@ private:
     std::vector<double> goal_z_, x_, y_, z_;
 };
 
-struct Played {
+struct Touched {
     Image image;
     Felt felt;
 };
 
 /// What the window shows, and was felt, `seconds` after it opened.
-Played play(const std::string& script, const std::string& seconds) {
+Touched play(const std::string& script, const std::string& seconds) {
     const TemporaryFolder folder;
-    std::ofstream(folder / "script") << script;
-    const std::string shot = (folder / "shot.png").string(), record = (folder / "hand.touch").string();
-    const auto played = run_touchable({"play", globe().string(), "--headless", "--size", "640x480",
-                                       "--script", (folder / "script").string(), "--screenshot", shot, "--at",
-                                       seconds, "--record", record});
-    EXPECT_EQ(played.code, 0) << played.err;
-    const auto image = read_image(shot);
-    EXPECT_TRUE(image.ok());
-    return {image.ok() ? *image : Image{}, Felt(record)};
+    const std::string record = (folder / "hand.touch").string();
+    const Played played =
+        played_by({made_clip("globe", 1).string(), "--record", record}, script, seconds, "640x480");
+    return {played.image, Felt(record)};
 }
 
 /// Pixels of the picture's part without panels that are unlike.
-int differences(const Image& a, const Image& b) {
-    if (a.width != b.width || a.height != b.height || a.width != 640) return -1;
-    int count = 0;
-    for (int y = 120; y < 400; ++y)
-        for (int x = 140; x < 600; ++x) {
-            const auto at = static_cast<std::size_t>((y * a.width + x) * 3);
-            count += std::abs(a.samples[at] - b.samples[at]) > 24;
-        }
-    return count;
+int surface_differences(const Image& a, const Image& b) {
+    return differences(a, b, {140, 120, 600, 400});
 }
 
 TEST(TouchScript, FingersTouchEachForItselfAndAreGoneWhenTheyAreLifted) {
-    const Played played = play(
+    const Touched played = play(
         "0.1 touch 1 290 220\n0.5 touch 2 350 230\n0.6 touch-move 1 300 240\n0.9 touch 3 320 300\n"
         "1.2 touch-end 2\n1.4 touch-end 1\n1.4 touch-end 3\n",
         "1.8");
@@ -124,41 +99,81 @@ TEST(TouchScript, FingersTouchEachForItselfAndAreGoneWhenTheyAreLifted) {
 }
 
 TEST(TouchScript, TwoFingersTurnAndZoomTheView) {
-    const Played without = play("", "0.5");
-    const Played zoomed = play(
+    const Touched without = play("", "0.5");
+    const Touched zoomed = play(
         "0.1 touch 1 290 220\n0.15 touch 2 350 230\n0.2 touch-move 1 250 220\n0.2 touch-move 2 390 230\n"
         "0.3 touch-move 1 210 220\n0.3 touch-move 2 430 230\n0.4 touch-end 1\n0.4 touch-end 2\n",
         "0.9");
-    const Played turned = play(
+    const Touched turned = play(
         "0.1 touch 1 290 220\n0.15 touch 2 350 230\n0.2 touch-move 1 290 250\n0.2 touch-move 2 350 260\n"
         "0.3 touch-move 1 290 320\n0.3 touch-move 2 350 330\n0.4 touch-end 1\n0.4 touch-end 2\n",
         "0.9");
-    EXPECT_GT(differences(without.image, zoomed.image), 5000);
-    EXPECT_GT(differences(without.image, turned.image), 5000);
-    EXPECT_GT(differences(zoomed.image, turned.image), 5000);
+    EXPECT_GT(surface_differences(without.image, zoomed.image), 5000);
+    EXPECT_GT(surface_differences(without.image, turned.image), 5000);
+    EXPECT_GT(surface_differences(zoomed.image, turned.image), 5000);
     EXPECT_EQ(zoomed.felt.pushing_in_the_end(), 0);
 }
 
 /// Somebody looks elsewhere, and the fingers are still on the glass.
 TEST(TouchScript, FingersOfAWindowThatIsNotLookedAtAreLifted) {
-    const Played left =
+    const Touched left =
         play("0.1 touch 1 290 220\n0.5 touch 2 350 230\n0.9 leave\n1 touch-move 1 300 240\n", "1.5");
     EXPECT_EQ(left.felt.most_pushing(), 2);
     EXPECT_EQ(left.felt.pushing_in_the_end(), 0);
-    const Played stayed = play("0.1 touch 1 290 220\n0.5 touch 2 350 230\n1 touch-move 1 300 240\n", "1.5");
+    const Touched stayed = play("0.1 touch 1 290 220\n0.5 touch 2 350 230\n1 touch-move 1 300 240\n", "1.5");
     EXPECT_EQ(stayed.felt.pushing_in_the_end(), 2);
 }
 
 TEST(TouchScript, FingerPressesButtonsAsAMouseDoes) {
     // The question mark, right in the bar below.
     const std::string place = "605 446";
-    const Played by_mouse =
+    const Touched by_mouse =
         play("0.2 move " + place + "\n0.3 press left\n0.4 release left\n0.5 move 2 2\n", "1");
-    const Played by_finger = play("0.3 touch 1 " + place + "\n0.4 touch-end 1\n", "1");
-    const Played without = play("", "1");
-    EXPECT_GT(differences(without.image, by_mouse.image), 5000) << "no help";
-    EXPECT_LT(differences(by_mouse.image, by_finger.image), 100);
+    const Touched by_finger = play("0.3 touch 1 " + place + "\n0.4 touch-end 1\n", "1");
+    const Touched without = play("", "1");
+    EXPECT_GT(surface_differences(without.image, by_mouse.image), 5000) << "no help";
+    EXPECT_LT(surface_differences(by_mouse.image, by_finger.image), 100);
     EXPECT_EQ(by_finger.felt.most_pushing(), 0);
+}
+
+TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndTheListShowsThePanel) {
+    const Touched own = play("", "1"), turned = play("0.1 turn 30\n", "1"),
+                  home = play("0.1 turn 30\n0.3 touch 1 525 444\n0.4 touch-end 1\n", "1"),
+                  panel = play("0.3 touch 1 563 444\n0.4 touch-end 1\n", "1"),
+                  by_key = play("0.3 key tab\n", "1");
+    EXPECT_GT(surface_differences(own.image, turned.image), 3000);
+    EXPECT_LT(surface_differences(own.image, home.image), 100);
+    EXPECT_GT(surface_differences(own.image, by_key.image), 3000);
+    EXPECT_LT(surface_differences(by_key.image, panel.image), 300);
+}
+
+TEST(TouchScript, WhoHasNotTouchedYetReadsOfFingersAndOfTheHouse) {
+    const PicturePart top{140, 0, 500, 60};
+    const std::string beside = "0.3 touch 1 20 470\n0.4 touch-end 1\n";  // below the bar's corner: nothing
+    const Touched mouse = play("", "1"), finger = play(beside, "1");
+    EXPECT_GT(differences(mouse.image, finger.image, top), 300) << "it speaks of the mouse";
+}
+
+/// A kiosk's picture by these texts.
+Image kiosk_in(const std::string& language, const std::string& script) {
+    return played_by({made_clip("globe", 1).string(), "--kiosk", "--kiosk-texts", language}, script, "1",
+                     "640x480")
+        .image;
+}
+
+TEST(TouchScript, AKioskHasItsOwnWordsForLimitAndColoursAndAWayBack) {
+    const std::string touch = "0.1 touch 1 320 200\n0.2 touch-end 1\n", depth = touch + "0.3 key o\n";
+    const PicturePart limit{12, 150, 140, 220}, legend{360, 400, 640, 480}, back{440, 0, 640, 60};
+    const Image en = kiosk_in("en", depth), de = kiosk_in("de", depth), plain = kiosk_in("en", touch);
+    EXPECT_GT(differences(en, plain, legend), 1000) << "no legend";
+    EXPECT_GT(differences(en, de, limit), 20);
+    EXPECT_GT(differences(en, de, legend), 20);
+    const Image turned = kiosk_in("en", touch + "0.3 turn 30\n");
+    EXPECT_GT(differences(turned, plain, back), 1000) << "no way back";
+    EXPECT_GT(surface_differences(turned, plain), 3000);
+    const Image home = kiosk_in("en", touch + "0.3 turn 30\n0.6 touch 2 580 40\n0.7 touch-end 2\n");
+    EXPECT_LT(surface_differences(home, plain), 100);
+    EXPECT_LT(differences(home, plain, back), 100);
 }
 
 /// An Xorg without a screen, with a touch screen, a mouse and keys that programs move.
@@ -288,7 +303,7 @@ protected:
         if (std::system("command -v Xorg xdotool python3 >/dev/null") != 0)
             GTEST_SKIP() << "Xorg, xdotool and python3 are not installed";
         if (!has_touches) GTEST_SKIP() << "built without libxi-dev";
-        std::filesystem::copy_file(globe(), folder_ / "globe.mkv");
+        std::filesystem::copy_file(made_clip("globe", 1), folder_ / "globe.mkv");
     }
     TemporaryFolder folder_;
 #ifdef TOUCHABLE_HAS_TOUCHES
@@ -329,8 +344,8 @@ xdotool key Escape sleep 0.3 key Escape
                zoomed = read_image(folder_ / "touchable-2.png"),
                help = read_image(folder_ / "touchable-3.png");
     ASSERT_TRUE(first.ok() && zoomed.ok() && help.ok());
-    EXPECT_GT(differences(*first, *zoomed), 5000);
-    EXPECT_GT(differences(*zoomed, *help), 5000);
+    EXPECT_GT(surface_differences(*first, *zoomed), 5000);
+    EXPECT_GT(surface_differences(*zoomed, *help), 5000);
 }
 
 TEST_F(TouchScreenOfX, NoForceStaysOnWhereTheScreenGoesAway) {
