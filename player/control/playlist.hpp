@@ -17,7 +17,7 @@ public:
         : clips_(std::move(clips)), wraps_(wraps) {}
 
     std::size_t size() const { return clips_.size(); }
-    std::size_t place() const { return place_; }  ///< of the clip, from 0
+    std::size_t place() const { return place_; }              ///< of the clip, from 0
     const ClipChoice& now() const { return clips_[place_]; }  ///< of a list that is not empty
     /// Goes one on or back; null where nothing is there: then it stays.
     const ClipChoice* next();

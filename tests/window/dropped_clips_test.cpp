@@ -73,6 +73,15 @@ TEST(DroppedClips, WhatIsInTheListAndCannotBeOpenedIsGonePastEitherWay) {
     EXPECT_LT(differences(back.image, first, middle), 50);
 }
 
+TEST(DroppedClips, ForceThatIsStoppedWhileOneOpensStaysOff) {
+    const std::string drop = "0.2 drop " + still_of("bumps") + "\n";
+    const Image on = played_by({still_of("globe")}, drop, "3").image,
+                off = played_by({still_of("globe")}, drop + "0.2 key f\n", "3").image;
+    const PicturePart words{60, 140, 260, 176};
+    EXPECT_LT(differences(on, image_of_bumps(), words), 50);
+    EXPECT_GT(differences(off, on, words), 300) << "it does not say that force is off";
+}
+
 TEST(EmptyWindow, HasTheKeysErrorsAndTouchesOfOneWithAClip) {
     const std::string there = "0.9 screenshot there.png\n";
     const auto stays = [&](const std::string& script) {
