@@ -52,6 +52,34 @@ TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
     EXPECT_LT(glm::length(after_a_second()[0] - wanted) * workspace_.metres_per_scene_unit, 1e-5);
 }
 
+/// However far the clip's camera is; and from wherever it looks.
+TEST_F(Pointer, FingersThatComeAreThereWithinATenthOfASecond) {
+    const auto after = [&](int ticks) {
+        std::array<glm::dvec3, PointerFingers::most> places{};
+        for (int tick = 0; tick < ticks; ++tick) {
+            if (tick % 16 == 0) fingers_->intend(field(), camera());
+            EXPECT_TRUE(device_->read_positions(places));
+        }
+        return places;
+    };
+    ASSERT_GT(glm::length(workspace_.to_device({0, 0, -80}) - workspace_.to_device({0, 0, 0})), 0.1);
+    fingers_->set_count(3);
+    for (const double turned : {0.0, 20.0}) {
+        view_->turn(turned, 0);
+        put(160, 120);
+        const auto soon = after(100), there = after(1000);
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_LT(glm::length(soon[k] - there[k]), 0.0005) << k << ", turned by " << turned;
+        input_.leave(*fingers_);
+        after(1000);
+    }
+    put(-200, 120);  // beside the clip, and then over it
+    after(10);
+    put(160, 120);
+    const auto soon = after(150), there = after(1000);
+    EXPECT_LT(glm::length(soon[0] - there[0]), 0.0005) << "from beside it";
+}
+
 TEST_F(Pointer, ButtonPressesAndLettingGoLiftsAgain) {
     put(160, 120);
     input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
