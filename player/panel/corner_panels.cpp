@@ -90,6 +90,7 @@ std::vector<HelpRow> help_rows(const PanelFacts& facts) {
         } while (k < keys.size() && !keys[k].what);
         if (!is_other) rows.push_back({names, what});
     }
+    rows.push_back({"Drop", "a file, a folder, or several, on the window: shows them"});
     return rows;
 }
 
