@@ -40,8 +40,9 @@ struct PointerSettings {
 /// is in front of every surface. On its way there it stays on its pixel's ray, and so crosses no wall.
 ///
 /// `set_force(false)` stops at once: the next reading has every finger at the refuge, where nothing is
-/// touched, and there they stay. Once forces are on again they come as fingers come that were
-/// away: slowly, and slower towards the end. That is also how they begin after `open`.
+/// touched, and there they stay. Once forces are on again they come as fingers come that were away: slowly,
+/// slower towards the end, and from the refuge or whatever place the window says. That is also how they begin
+/// after `open`.
 class PointerDevice final : public HapticDevice {
 public:
     static constexpr int most_fingers = 10;

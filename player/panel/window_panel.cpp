@@ -70,9 +70,12 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         return ImGui::End();
     }
     draw_force(facts, h, scale_);
-    draw_place(facts, w, h, scale_);
-    if (facts.scale && (!shown || is_roomy(w)))
-        draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
+    const float above_place = draw_place(facts, w, h, scale_);
+    if (facts.scale && (!shown || is_roomy(w))) {
+        const float right = w - m - (shown ? side_width(w) + m : 0);
+        const bool is_beside = right > 560 * scale_;  // what is said of the place
+        draw_overlay_scale(*facts.scale, right, is_beside ? h - 2 * m - bar : above_place, scale_);
+    }
     if (shown) draw_side(facts, w, h, asked);
 }
 
@@ -231,7 +234,8 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    return {shown || facts.hand ? 104 * scale_ : 0.0F,
+    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // where no force is shown
+    return {shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
             shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
 }
 
@@ -260,7 +264,7 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<W
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     begin_box("fault", {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F});
     note_box();
-    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
     ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());
     const std::size_t more = facts.faults.size() - 1;
     ImGui::TextDisabled("click, or Escape: read%s",
@@ -279,7 +283,7 @@ void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     begin_box("message",
               {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
     ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();

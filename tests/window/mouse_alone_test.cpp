@@ -1,14 +1,13 @@
-// Somebody who never read anything, with a mouse and no keys: presses, turns, finds the help, measures, goes
-// to the next clip; in windows small and large. Without a window, by the program as a person starts it.
+// Somebody who never read anything, with a mouse and no keys: finds the help, reads what buttons do, presses,
+// turns, measures, goes to the next clip and back; in windows small and large. Without a window, by the
+// program as a person starts it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <string>
-#include <vector>
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
@@ -16,134 +15,160 @@
 namespace touchable::test {
 namespace {
 
-/// Stills of a globe, and of bumps that are a metre away and fill the picture.
-const std::filesystem::path& two_stills() {
-    static const TemporaryFolder folder;
-    static const std::filesystem::path made = [] {
-        for (const char* scene : {"globe", "bumps"}) {
-            const auto done = run_touchable({"make", scene, (folder / (scene + std::string(".mkv"))).string(),
-                                             "--size", "160x120", "--frames", "1"});
-            EXPECT_EQ(done.code, 0) << done.err;
-        }
-        return folder.path();
-    }();
-    return made;
-}
-
 struct WindowOfSize {
     int width, height;
-    std::string size() const { return std::to_string(width) + "x" + std::to_string(height); }
 };
+
+/// What somebody does with a mouse, as a script, and pictures of what is seen then.
+class MouseScript {
+public:
+    explicit MouseScript(const WindowOfSize& window) : window_(window) {}
+    /// Large pictures take long to be written: whoever sees so many takes more time.
+    double times() const { return window_.width > 2000 ? 3 : 1; }
+
+    /// A place of the picture, in thousandths of its sides.
+    void move(double at_s, int x, int y) {
+        move_to(at_s, window_.width * x / 1000, window_.height * y / 1000);
+    }
+    void press(double at_s) { add(at_s, "press left"); }
+    void release(double at_s) { add(at_s, "release left"); }
+    void leave(double at_s) { add(at_s, "leave"); }
+    void picture(double at_s, const std::string& name) { add(at_s, "screenshot " + name); }
+    /// On the bar, so many pixels from its right end; below 0: from its left one.
+    void move_to_bar(double at_s, int from_end) {
+        move_to(at_s, from_end < 0 ? -from_end : window_.width - from_end, window_.height - 36);
+    }
+    void click_bar(double at_s, int from_end) {
+        move_to_bar(at_s, from_end);
+        press(at_s);
+        release(at_s);
+    }
+    void drag(double at_s) {
+        move(at_s, 400, 450);
+        press(at_s + 0.05);
+        move(at_s + 0.1, 520, 450);
+        release(at_s + 0.15);
+        leave(at_s + 0.2);
+    }
+    void quit(double at_s) { add(at_s, "quit"); }
+    const std::string& words() const { return words_; }
+
+private:
+    void add(double at_s, const std::string& what) {
+        words_ += std::to_string(at_s * times()) + " " + what + "\n";
+    }
+    void move_to(double at_s, int x, int y) {
+        add(at_s, "move " + std::to_string(x) + " " + std::to_string(y));
+    }
+
+    WindowOfSize window_;
+    std::string words_;
+};
+
+/// Where buttons are.
+constexpr int help = 39, settings = 84, measure = 170, turn = 250, previous = -39, next = -115;
 
 class MouseAlone : public ::testing::TestWithParam<WindowOfSize> {
 protected:
-    struct Seen {
-        Image image;
-        std::string out, kept;
-    };
-    /// What there is in the end, 3 s after the window opened.
-    Seen seen_after(const std::string& script) {
-        const TemporaryFolder folder;
-        std::ofstream(folder / "script") << script;
-        const auto played = run_in_folder(
-            {"play", (two_stills() / "globe.mkv").string(), (two_stills() / "bumps.mkv").string(),
-             "--headless", "--size", GetParam().size(), "--script", "script", "--settings", "kept.json",
-             "--screenshot", "end.png", "--at", "3"},
-            folder.path());
+    void SetUp() override {
+        for (const char* scene : {"globe", "bumps"})
+            ASSERT_EQ(run_touchable({"make", scene, (folder_ / (scene + std::string(".mkv"))).string(),
+                                     "--size", "160x120", "--frames", "1"})
+                          .code,
+                      0);
+    }
+    /// What the program says in the end.
+    std::string play(const std::string& script) {
+        std::ofstream(folder_ / "script") << script;
+        const auto [width, height] = GetParam();
+        const auto played =
+            run_in_folder({"play", "globe.mkv", "bumps.mkv", "--headless", "--size",
+                           std::to_string(width) + "x" + std::to_string(height), "--script", "script"},
+                          folder_.path());
         EXPECT_EQ(played.code, 0) << played.err;
-        auto image = read_image(folder / "end.png");
-        EXPECT_TRUE(image.ok());
-        return {image.ok() ? std::move(*image) : Image{}, played.out, file_contents(folder / "kept.json")};
+        return played.out;
     }
-    /// A click `right` pixels from the window's right side (below 0: that many from its left one), on the
-    /// bar.
-    static std::string click_bar(const std::string& at_s, int right) {
-        const int x = right < 0 ? -right : GetParam().width - right;
-        return at_s + " move " + std::to_string(x) + " " + std::to_string(GetParam().height - 36) + "\n" +
-               at_s + " press left\n" + at_s + " release left\n";
-    }
-    /// Of the picture, in thousandths of its sides.
-    static std::string at(const std::string& word, int x, int y) {
-        return word + " " + std::to_string(GetParam().width * x / 1000) + " " +
-               std::to_string(GetParam().height * y / 1000) + "\n";
-    }
-    /// Shares of a part of the pictures, in thousandths of their sides, that differ.
-    static double differs(const Image& a, const Image& b, int x0, int y0, int x1, int y1) {
-        if (a.width != b.width || a.height != b.height || a.width < 1) return -1;
+    /// Share of a part of two pictures, in thousandths of their sides, that differs.
+    double differs(const std::string& name, const std::string& other, int x0, int y0, int x1, int y1) {
+        const auto a = read_image(folder_ / name), b = read_image(folder_ / other);
+        EXPECT_TRUE(a.ok() && b.ok()) << name << ", " << other;
+        if (!a.ok() || !b.ok() || a->width != b->width || a->height != b->height) return -1;
         int count = 0, all = 0;
-        for (int y = a.height * y0 / 1000; y < a.height * y1 / 1000; ++y)
-            for (int x = a.width * x0 / 1000; x < a.width * x1 / 1000; ++x) {
+        for (int y = a->height * y0 / 1000; y < a->height * y1 / 1000; ++y)
+            for (int x = a->width * x0 / 1000; x < a->width * x1 / 1000; ++x) {
+                const auto k = static_cast<std::size_t>((y * a->width + x) * 3);
+                const auto channel = [&](std::size_t c) {
+                    return std::abs(a->samples[k + c] - b->samples[k + c]) > 24;
+                };
                 ++all;
-                for (int c = 0; c < 3; ++c) {
-                    const auto k = static_cast<std::size_t>((y * a.width + x) * 3 + c);
-                    if (std::abs(a.samples[k] - b.samples[k]) <= 24) continue;
-                    ++count;
-                    break;
-                }
+                count += channel(0) || channel(1) || channel(2);
             }
         return static_cast<double>(count) / all;
     }
-    static double middle_differs(const Image& a, const Image& b) { return differs(a, b, 300, 300, 700, 700); }
-    const Image& untouched() {
-        static std::map<int, Image> known;
-        const auto found = known.find(GetParam().width);
-        if (found != known.end()) return found->second;
-        return known[GetParam().width] = seen_after("").image;
+    double middle_differs(const std::string& name, const std::string& other) {
+        return differs(name, other, 300, 300, 700, 700);
     }
-    /// Where a button is in the bar, from its right end.
-    static constexpr int help = 39, settings = 84, measure = 170, turn = 250;
-    static constexpr int next = -115;  // behind previous and play
+    /// Just above the bar, on its right.
+    double words_differ(const std::string& name, const std::string& other) {
+        const auto [width, height] = GetParam();
+        return differs(name, other, 1000 - 220'000 / width, 1000 - 90'000 / height, 1000,
+                       1000 - 62'000 / height);
+    }
+
+    const TemporaryFolder folder_;
 };
 
-TEST_P(MouseAlone, FindsTheHelp) {
-    EXPECT_GT(middle_differs(seen_after(click_bar("1", help)).image, untouched()), 0.2);
-    EXPECT_LT(middle_differs(seen_after(click_bar("1", help) + click_bar("1.5", help)).image, untouched()),
-              0.02);
-}
+TEST_P(MouseAlone, FindsHelpTurnsMeasuresAndGoesToAnotherClip) {
+    MouseScript script(GetParam());
+    script.picture(0.4, "untouched.png");
+    script.click_bar(0.5, help);
+    script.move(0.5, 500, 500);  // a quick hand is elsewhere in the next picture
+    script.picture(0.9, "help.png");
+    script.click_bar(1, help);
+    script.leave(1.2);
+    script.picture(1.3, "closed.png");
+    script.move_to_bar(1.4, measure);
+    script.picture(1.6, "on-measure.png");
+    script.move_to_bar(1.65, settings);
+    script.picture(1.85, "on-settings.png");
+    script.drag(1.9);
+    script.picture(2.3, "pressed.png");
+    script.click_bar(2.4, turn);
+    script.drag(2.6);
+    script.picture(2.9, "turned.png");
+    script.click_bar(3, turn);
+    script.drag(3.2);
+    script.picture(3.5, "pressed-again.png");
+    script.click_bar(3.6, measure);
+    script.move(3.8, 420, 400);
+    script.press(3.85);
+    script.release(3.9);
+    script.move(4, 560, 520);
+    script.press(4.05);
+    script.release(4.1);
+    script.click_bar(4.3, settings);
+    script.picture(4.5, "settings.png");
+    script.click_bar(4.6, settings);
+    script.click_bar(4.8, next);
+    script.leave(5);
+    script.picture(5.5, "next.png");
+    script.click_bar(5.6, previous);
+    script.leave(5.8);
+    script.picture(6.3, "back.png");
+    script.quit(6.4);
+    const std::string said = play("0 loop\n" + script.words());
 
-TEST_P(MouseAlone, IsElsewhereRightAfterAClick) {
-    const std::string away = at("1 move", 500, 500);
-    EXPECT_GT(middle_differs(seen_after(click_bar("1", help) + away).image, untouched()), 0.2);
-}
-
-TEST_P(MouseAlone, TurnsAndThenPressesAgain) {
-    const std::string drag = at("1.2 move", 400, 450) + "1.3 press left\n" + at("1.6 move", 520, 450) +
-                             "1.8 release left\n" + "2 leave\n";
-    EXPECT_LT(middle_differs(seen_after(drag).image, untouched()), 0.02) << "a drag presses";
-    EXPECT_GT(middle_differs(seen_after(click_bar("1", turn) + drag).image, untouched()), 0.05);
-    EXPECT_LT(
-        middle_differs(seen_after(click_bar("0.8", turn) + click_bar("1", turn) + drag).image, untouched()),
-        0.02);
-}
-
-TEST_P(MouseAlone, MeasuresADistance) {
-    const std::string two = at("1.4 move", 420, 400) + "1.5 press left\n1.6 release left\n" +
-                            at("1.8 move", 560, 520) + "1.9 press left\n2 release left\n";
-    EXPECT_EQ(seen_after(two).out.find("measured"), std::string::npos);
-    EXPECT_NE(seen_after(click_bar("1", measure) + two).out.find("measured"), std::string::npos);
-}
-
-TEST_P(MouseAlone, FindsTheSettingsAndTheNextClip) {
-    EXPECT_NE(seen_after("").kept.find("\"panel\": false"), std::string::npos);
-    EXPECT_NE(seen_after(click_bar("1", settings)).kept.find("\"panel\": true"), std::string::npos);
-    const Image clicked = seen_after(click_bar("1", next) + "1.2 leave\n").image;
-    EXPECT_GT(middle_differs(clicked, untouched()), 0.3);
-    EXPECT_LT(middle_differs(clicked, seen_after("1 next\n").image), 0.02);
-}
-
-TEST_P(MouseAlone, ReadsWhatAButtonDoes) {
-    const auto over = [&](int right) {
-        return seen_after("1 move " + std::to_string(GetParam().width - right) + " " +
-                          std::to_string(GetParam().height - 36) + "\n")
-            .image;
-    };
-    const auto words = [&](const Image& a, const Image& b) {  // just above the bar, on its right
-        const int above = 1000 - 1000 * 90 / GetParam().height, bar = 1000 - 1000 * 62 / GetParam().height;
-        return differs(a, b, 1000 - 1000 * 220 / GetParam().width, above, 1000, bar);
-    };
-    const Image on_measure = over(measure), on_settings = over(settings);
-    EXPECT_GT(words(on_measure, untouched()), 0.1);
-    EXPECT_GT(words(on_measure, on_settings), 0.02) << "each has words of its own";
+    EXPECT_GT(middle_differs("help.png", "untouched.png"), 0.2);
+    EXPECT_LT(middle_differs("closed.png", "untouched.png"), 0.02);
+    EXPECT_GT(words_differ("on-measure.png", "untouched.png"), 0.1);
+    EXPECT_GT(words_differ("on-measure.png", "on-settings.png"), 0.02) << "each has words of its own";
+    EXPECT_LT(middle_differs("pressed.png", "untouched.png"), 0.02) << "a drag presses";
+    EXPECT_GT(middle_differs("turned.png", "untouched.png"), 0.05);
+    EXPECT_LT(middle_differs("pressed-again.png", "turned.png"), 0.02);
+    EXPECT_NE(said.find("measured"), std::string::npos) << said;
+    EXPECT_GT(differs("settings.png", "turned.png", 780, 100, 950, 700), 0.2);
+    EXPECT_GT(middle_differs("next.png", "untouched.png"), 0.3);
+    EXPECT_LT(middle_differs("back.png", "untouched.png"), 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
@@ -151,29 +176,32 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
                                            WindowOfSize{2560, 1440}),
                          [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
-/// A narrow window keeps what is needed most, and a bar to drag.
-TEST(MouseAloneInANarrowWindow, LosesColoursBeforeHelp) {
-    const TemporaryFolder folder;
-    const auto shown = [&](int width, const std::string& script) {
-        std::ofstream(folder / "script") << script;
-        const auto played = run_in_folder({"play", (two_stills() / "globe.mkv").string(), "--headless",
-                                           "--size", std::to_string(width) + "x240", "--script", "script",
-                                           "--screenshot", "end.png", "--at", "1.5", "--overwrite"},
-                                          folder.path());
-        EXPECT_EQ(played.code, 0) << played.err;
-        auto image = read_image(folder / "end.png");
-        return image.ok() ? std::move(*image) : Image{};
-    };
-    for (const int width : {240, 320, 480}) {
-        const std::string where = std::to_string(width - 39) + " 204\n";
-        const Image open = shown(width, "0.5 move " + where + "0.6 press left\n0.7 release left\n"),
-                    closed = shown(width, "0.5 move " + where);
-        int other = 0;
-        for (std::size_t k = 0; k < std::min(open.samples.size(), closed.samples.size()); ++k)
-            other += std::abs(open.samples[k] - closed.samples[k]) > 24;
-        EXPECT_GT(other, 3000) << width;
-    }
+/// In a narrow window the bar keeps what is needed most, and the legend of an overlay has a place beside
+/// what is said of the pixel under the pointer.
+class MouseInANarrowWindow : public MouseAlone {};
+
+TEST_P(MouseInANarrowWindow, FindsHelpAndReadsLegends) {
+    MouseScript script(GetParam());
+    script.move(0.1, 450, 400);
+    const std::string legend = "0.1 overlay depth\n";
+    script.picture(0.5, "legend.png");
+    script.leave(0.6);
+    script.picture(0.9, "away.png");
+    script.click_bar(1, help);
+    script.picture(1.4, "help.png");
+    script.quit(1.5);
+    play(legend + script.words());
+    EXPECT_GT(differs("help.png", "away.png", 200, 100, 800, 600), 0.3);
+    // The lower right, where the legend is when nothing is said of a pixel.
+    const auto [width, height] = GetParam();
+    const int top = 1000 - 110'000 / height, bottom = 1000 - 66'000 / height;
+    EXPECT_GT(differs("legend.png", "away.png", 1000 - 200'000 / width, top, 1000 - 20'000 / width, bottom),
+              0.2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Narrow, MouseInANarrowWindow,
+                         ::testing::Values(WindowOfSize{320, 400}, WindowOfSize{480, 360}),
+                         [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
 }  // namespace
 }  // namespace touchable::test
