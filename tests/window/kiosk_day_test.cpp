@@ -201,7 +201,7 @@ public:
         }
         if (visitors_.are_gone()) {
             day_.late_mib = std::max(day_.late_mib, resident_mib());
-            std::this_thread::sleep_for(++quiet_ < 85 ? 5ms : 20ms);  // fingers go by their own time
+            std::this_thread::sleep_for(++quiet_ < 145 ? 5ms : 20ms);  // fingers go by their own time
             WindowClock::put_forward(1s);
             return {};
         }
@@ -253,16 +253,18 @@ protected:
         options_.make_screen = [&](const ScreenOptions&) -> std::unique_ptr<Screen> {
             return std::make_unique<PublicScreen>(visitors, turns, day_);
         };
-        const double next_s = 0.1 * turns + 9;  // of a script: 90 s without anybody
+        // Of a script: 150 s without anybody, as one who holds something counts as being there for a minute.
+        const double next_s = 0.1 * turns + 15;
         const auto shot = folder_ / (name + (is_stopped ? "stopped.png" : ".png"));
         using Kind = InputEvent::Kind;
         options_.script = {{0, WindowCommand{.verb = WindowVerb::size}},
                            {next_s, to_the_middle},
                            {next_s, WindowCommand{WindowVerb::play_pause}},
                            {next_s, WindowCommand{WindowVerb::seek_to, 0.3}},
-                           {next_s, InputEvent{.kind = Kind::pressed, .word = "left"}}};
-        if (is_stopped) options_.script.push_back({next_s + 0.1, InputEvent{.kind = Kind::key, .word = "f"}});
-        for (int k = 1; k < 6; ++k)  // somebody who is there does something
+                           // Once the clip is there: a surface that moves would take the finger along.
+                           {next_s + 2, InputEvent{.kind = Kind::pressed, .word = "left"}}};
+        if (is_stopped) options_.script.push_back({next_s + 2.1, InputEvent{.kind = Kind::key, .word = "f"}});
+        for (int k = 3; k < 6; ++k)  // somebody who is there does something
             options_.script.push_back({next_s + k, to_the_middle});
         options_.script.push_back({next_s + 5.5, WindowCommand{WindowVerb::screenshot, 0, shot.string()}});
         options_.script.push_back({next_s + 5.6, WindowCommand{WindowVerb::quit}});
