@@ -63,19 +63,19 @@ void PointerDevice::retreat() {
         led.point.put(refuge_);
         led.quick.put(refuge_);
         led.comes = true;
-        led.was_meant = false;
+        led.has_begun = false;
     }
 }
 
 void PointerDevice::lead(const Meant& meant, Led& led) const {
     if (!meant.place) {
         led.comes = true;
-        led.was_meant = false;
+        led.has_begun = false;
         led.point.follow(refuge_, glm::dvec3(0), settings_.max_speed);
         led.quick.put(led.point.place());
         return;
     }
-    if (!std::exchange(led.was_meant, true) && meant.from) {
+    if (led.comes && meant.from && !std::exchange(led.has_begun, true)) {
         led.point.put(*meant.from);
         led.quick.put(*meant.from);
     }

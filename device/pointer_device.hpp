@@ -40,8 +40,9 @@ struct PointerSettings {
 /// is in front of every surface. On its way there it stays on its pixel's ray, and so crosses no wall.
 ///
 /// `set_force(false)` stops at once: the next reading has every finger at the refuge, where nothing is
-/// touched, and there they stay. Once forces are on again they come as fingers come that were
-/// away: slowly, and slower towards the end. That is also how they begin after `open`.
+/// touched, and there they stay. Once forces are on again they come as fingers come that were away: slowly,
+/// slower towards the end, and from the refuge or whatever place the window says. That is also how they begin
+/// after `open`.
 class PointerDevice final : public HapticDevice {
 public:
     static constexpr int most_fingers = 10;
@@ -68,9 +69,9 @@ public:
     /// finite, or beyond `farthest`, leaves its finger's goal as it was. `eye`: from where the scene is seen,
     /// device metres; along the line from there a finger is slow.
     void intend(std::span<const glm::dvec3> places, const glm::dvec3& eye);
-    /// Of one finger, which is led for itself, and of none else. Where it was away it begins at `from`: a
-    /// place in front of every surface, and so near to its goal that it is there at once, as a finger on a
-    /// touch screen is. A `from` that is no place counts as none.
+    /// Of one finger, which is led for itself, and of none else. Where it was away, and has not come yet, it
+    /// begins at `from`: a place in front of every surface, and so near to its goal that it is there at once,
+    /// however far the clip's camera is. A `from` that is no place counts as none.
     void intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from, const glm::dvec3& eye);
     /// That finger has no goal any more.
     void withdraw(std::size_t finger);
@@ -90,7 +91,7 @@ private:
         LedPoint point;
         LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
         bool comes = true;       // it was away, and has not come to its goal yet
-        bool was_meant = false;  // it had a goal in the reading before
+        bool has_begun = false;  // before the surface, since it was away
     };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
     bool works() const;

@@ -39,7 +39,7 @@ std::string languages_there() {
 
 Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named) {
     const auto text =
-        read_given_file(file, named, "a file of a kiosk's texts (docs/play.md)", largest_kiosk_texts);
+        read_given_file(file, named, "a file of a kiosk's texts (docs/exhibit.md)", largest_kiosk_texts);
     if (!text.ok()) return text.error();
     return parse_kiosk_texts(*text, file.string());
 }
@@ -58,7 +58,7 @@ Result<KioskTexts> choose_texts(const std::string& asked) {
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
     const auto text =
-        read_given_file(file, "--labels " + file.string(), "a file of labels (docs/play.md)", largest_labels);
+        read_given_file(file, "--labels " + file.string(), "a file of labels (docs/exhibit.md)", largest_labels);
     if (!text.ok()) return text.error();
     auto labels = parse_touch_labels(*text, file.string(), file.parent_path());
     if (!labels.ok()) return labels;
@@ -101,7 +101,7 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
     auto* const kiosk =
         sub.add_flag("--kiosk", words.kiosk,
                      "for a place where nobody watches over it: full screen, again and again, an "
-                     "invitation to touch, and nothing that ends it (docs/play.md)")
+                     "invitation to touch, and nothing that ends it (docs/exhibit.md)")
             ->excludes("--record")
             ->excludes("--settings")
             ->excludes("--brush-history");
@@ -114,12 +114,12 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
     sub.add_option(
            "--kiosk-texts", words.texts,
            "what a kiosk says: a language that comes with the program (en, de), or a file of texts; left "
-           "out: this person's language (docs/play.md)")
+           "out: this person's language (docs/exhibit.md)")
         ->needs(kiosk)
         ->type_name("LANGUAGE|FILE");
     add_file_option(sub, "--labels", words.labels,
                     "captions and sounds of places of the clip, which a kiosk shows and plays where a finger "
-                    "rests (docs/play.md)")
+                    "rests (docs/exhibit.md)")
         ->needs(kiosk);
     add_file_option(sub, "--use-log", words.use_log,
                     "a table, CSV, to which a kiosk adds each visit and each fault")

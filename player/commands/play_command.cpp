@@ -363,7 +363,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
         ->check(CLI::IsMember({"on", "off"}));
     sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
     add_file_option(sub, "--script", words.script,
-                    "timed inputs, as a person would give them (docs/play.md)");
+                    "timed inputs, as a person would give them (docs/play-options.md)");
     auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
                                     "keep what the window shows in the end as this PNG file")
                         ->check(ends_in_png());

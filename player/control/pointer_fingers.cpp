@@ -20,7 +20,7 @@ constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0
 // It is lifted to so far beyond what it goes over, and by that share of the way there farther: meant to be
 // higher than it has to, it is there sooner.
 constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
-// A finger on a touch screen comes from so far before the surface: there before it is missed.
+// A finger comes from so far before the surface: there before it is missed.
 constexpr double arrives_m = 0.008;
 
 }  // namespace
@@ -137,35 +137,32 @@ bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
                             std::span<const Contact> felt) {
-    if (is_touched()) return intend_touches(field, camera, felt);
-    std::array<glm::dvec3, most> places;
-    places.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));  // changes nothing for its finger
-    for (std::size_t k = 0; pointer_ && k < static_cast<std::size_t>(count_); ++k) {
-        const glm::dvec2 offset = finger_offset(static_cast<int>(k), count_, spread * camera.height),
-                         at = *pointer_ + glm::dvec2(offset.x, -offset.y);
-        if (const auto meant = meant_at(k, at, field, camera, k < felt.size() ? &felt[k] : nullptr))
-            places[k] = workspace_.to_device(meant->place);
+    const bool by_touch = is_touched();
+    for (std::size_t k = 0; k < touches_.size(); ++k) {
+        std::optional<glm::dvec2> at = touches_[k];
+        if (!by_touch && pointer_ && k < static_cast<std::size_t>(count_)) {
+            const glm::dvec2 offset = finger_offset(static_cast<int>(k), count_, spread * camera.height);
+            at = *pointer_ + glm::dvec2(offset.x, -offset.y);
+        }
+        if (at)
+            lead(k, *at, field, camera, k < felt.size() ? &felt[k] : nullptr);
+        else
+            device_.withdraw(k);
     }
-    device_.intend(std::span(places).first(static_cast<std::size_t>(shown())),
-                   workspace_.to_device(camera.eye));
 }
 
-/// One that comes begins a little before the surface, on the way there from the clip's camera, where nothing
-/// can be in between.
-void PointerFingers::intend_touches(const HeightField& field, const ViewCamera& camera,
-                                    std::span<const Contact> felt) {
-    const auto before = [&](const glm::dvec3& ground) {
-        const double distance = glm::length(ground), nearer = arrives_m / workspace_.metres_per_scene_unit;
-        return ground * std::max(1 - nearer / distance, 0.0);
-    };
-    for (std::size_t k = 0; k < touches_.size(); ++k) {
-        if (!touches_[k]) continue;
-        const auto meant = meant_at(k, *touches_[k], field, camera, k < felt.size() ? &felt[k] : nullptr);
-        if (!meant) continue;
-        const glm::dvec3 from = meant->ground ? workspace_.to_device(before(*meant->ground))
-                                              : glm::dvec3(std::numeric_limits<double>::quiet_NaN());
-        device_.intend(k, workspace_.to_device(meant->place), from, workspace_.to_device(camera.eye));
+/// A finger that comes begins a little before the surface, on the way there from the clip's camera, where
+/// nothing can be in between: a pointer has no hand that such a jump could hurt.
+void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const HeightField& field,
+                          const ViewCamera& camera, const Contact* felt) {
+    const auto meant = meant_at(finger, at, field, camera, felt);
+    if (!meant) return;
+    glm::dvec3 from(std::numeric_limits<double>::quiet_NaN());
+    if (meant->ground) {
+        const double nearer = arrives_m / workspace_.metres_per_scene_unit;
+        from = workspace_.to_device(*meant->ground * std::max(1 - nearer / glm::length(*meant->ground), 0.0));
     }
+    device_.intend(finger, workspace_.to_device(meant->place), from, workspace_.to_device(camera.eye));
 }
 
 }  // namespace touchable

@@ -68,7 +68,8 @@ public:
 private:
     bool is_touched() const { return touched() > 0; }
     int touched() const;
-    void intend_touches(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt);
+    void lead(std::size_t finger, const glm::dvec2& at, const HeightField& field, const ViewCamera& camera,
+              const Contact* felt);
     /// Where a finger is meant to be, and what of the surface is seen there; nothing: a hole. World.
     struct Meant {
         glm::dvec3 place;

@@ -1,5 +1,6 @@
 #include "player/control/pointer_input.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,8 +9,12 @@ namespace {
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
 constexpr double nearer_per_notch = 1.15;
-constexpr double degrees_per_pixel = 0.3;
 constexpr std::chrono::milliseconds double_click(400);
+
+void turn(const glm::dvec2& moved, WindowView& view, int height) {
+    const glm::dvec2 degrees = moved * (WindowView::degrees_per_height / std::max(height, 1));
+    view.turn(-degrees.x, degrees.y);
+}
 
 }  // namespace
 
@@ -56,7 +61,7 @@ void PointerInput::take_for_view(const InputEvent& event, PointerFingers& finger
         if (held_ == "right" || (!held_.empty() && shift_))
             view.pan(moved.x, moved.y, width, height);
         else if (!held_.empty())
-            view.turn(-moved.x * degrees_per_pixel, moved.y * degrees_per_pixel);
+            turn(moved, view, height);
     }
     if (event.kind == Kind::pressed) press(event);
     if (event.kind == Kind::released) held_.clear();
@@ -81,7 +86,7 @@ void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, Window
     if (shift_)
         view.pan(moved.x, moved.y, width, height);
     else
-        view.turn(-moved.x * degrees_per_pixel, moved.y * degrees_per_pixel);
+        turn(moved, view, height);
 }
 
 void PointerInput::move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers) {

@@ -10,7 +10,7 @@ namespace {
 using Kind = InputEvent::Kind;
 
 constexpr std::size_t most_touches = 32;
-constexpr double degrees_per_height = 216;   // as a mouse that turns, in a picture 720 pixels high
+constexpr double degrees_per_height = WindowView::degrees_per_height;  // as a mouse
 constexpr double least_radius_share = 0.01;  // of the picture's height: nearer fingers zoom nothing
 constexpr double most_nearer = 2;            // with one event
 

@@ -46,6 +46,7 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"home", WindowVerb::home, Takes::nothing},
                                      {"turn", WindowVerb::turn, Takes::number, -180, 180},
                                      {"tilt", WindowVerb::tilt, Takes::number, -180, 180},
+                                     {"turning", WindowVerb::turning, Takes::nothing},
                                      {"nearer", WindowVerb::nearer, Takes::number, 0.1, 10},
                                      {"panel", WindowVerb::panel, Takes::nothing},
                                      {"help", WindowVerb::help, Takes::nothing},
@@ -121,6 +122,7 @@ std::span<const KeyBinding> key_bindings() {
         {"y", false, redo, 0, nullptr, true},
         {"z", true, redo, 0, nullptr, true},
         {"s", false, save_materials, 0, "save what was painted", true},
+        {"v", false, turning, 0, "dragging turns the view, or presses again"},
         {"left", false, turn, -5, "turn the view", true},
         {"right", false, turn, 5, nullptr, true},
         {"up", false, tilt, 5, nullptr, true},
@@ -136,7 +138,7 @@ std::span<const KeyBinding> key_bindings() {
         {"f12", false, screenshot, 0, "keep a picture of the window"},
         {"backspace", true, reset, 0, "forget all settings that are kept"},
         {"escape", false, leave, 0,
-         "out of the help, an error, a measure, the brush, full screen; then close"},
+         "out of the help, an error, a measure, turning, the brush, full screen; then close"},
         {"q", false, quit, 0, "close"}};
     return bindings;
 }

@@ -37,6 +37,7 @@ enum class WindowVerb {
     home,        ///< the clip's own view
     turn,        ///< `number`: degrees to the right
     tilt,        ///< `number`: degrees up
+    turning,     ///< dragging turns the view, or presses the finger again
     nearer,      ///< `number`: factor by which the view comes nearer
     panel,       ///< shown or not
     help,        ///< shown or not

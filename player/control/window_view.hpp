@@ -21,6 +21,8 @@ public:
     /// is not turned; a turned one has some of them closer.
     double pixels_per_vertex(int width, int height) const;
 
+    /// By which a drag as long as the picture is high turns it.
+    static constexpr double degrees_per_height = 216;
     /// Turns the view by so many degrees to the right and up.
     void turn(double azimuth, double elevation);
     /// Moves the view so that the picture, of that size, follows the pointer by so many pixels.

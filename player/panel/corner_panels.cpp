@@ -91,6 +91,7 @@ std::vector<HelpRow> help_rows(const PanelFacts& facts) {
         } while (k < keys.size() && !keys[k].what);
         if (!is_other) rows.push_back({names, what});
     }
+    rows.push_back({"Drop", "a file, a folder, or several, on the window: shows them"});
     return rows;
 }
 
@@ -165,10 +166,10 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     ImGui::End();
 }
 
-void draw_place(const PanelFacts& facts, float width, float height, float scale) {
+float draw_place(const PanelFacts& facts, float width, float height, float scale) {
     std::span<const std::string> words = facts.place.lines;
-    if (words.empty()) return;
-    const float m = panel_margin * scale;
+    const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
+    if (words.empty()) return bottom;
     const ImGuiStyle& style = ImGui::GetStyle();
     const auto widest = [&words] {
         float wide = 0;
@@ -177,16 +178,17 @@ void draw_place(const PanelFacts& facts, float width, float height, float scale)
     };
     if (widest() > 0.5F * width) words = words.first(1);
     const float wide = widest();
-    const auto lines = static_cast<float>(words.size());
+    const float tall = static_cast<float>(words.size()) * ImGui::GetTextLineHeightWithSpacing() -
+                       style.ItemSpacing.y + 2 * style.WindowPadding.y;
     begin_box("place", {.x = m,
-                        .y = height - 2 * m - panel_bar_height * scale,
+                        .y = bottom,
                         .pivot_y = 1,
                         .width = wide + 2 * style.WindowPadding.x,
-                        .height = lines * ImGui::GetTextLineHeightWithSpacing() - style.ItemSpacing.y +
-                                  2 * style.WindowPadding.y,
+                        .height = tall,
                         .flags = ImGuiWindowFlags_NoInputs});
     for (const std::string& line : words) ImGui::TextUnformatted(line.c_str());
     ImGui::End();
+    return bottom - tall - m;
 }
 
 void begin_help(const PanelFacts& facts, float width, float height, float scale) {

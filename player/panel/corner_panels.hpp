@@ -24,8 +24,8 @@ void begin_box(const char* name, const FixedBox& box);
 /// there may be. Upper left.
 void draw_force(const PanelFacts& facts, float height, float scale);
 /// What is under the pointer. Lower left; in a small window its first line alone, which leaves the picture
-/// free.
-void draw_place(const PanelFacts& facts, float width, float height, float scale);
+/// free. Gives where something may end that lies above it.
+float draw_place(const PanelFacts& facts, float width, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);
 /// What keys do, in the middle, as large as is legible; what does not fit, the wheel scrolls to. ImGui::End

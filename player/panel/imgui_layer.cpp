@@ -167,7 +167,7 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
     // ImGui sees what a button is when a picture begins: of a short click each half gets a picture, and a
-    // pointer that leaves with it, as a finger's does, is there until it is let go.
+    // pointer that goes away with it, as a finger's or a quick hand's does, is there until it is let go.
     std::vector<InputEvent> now = std::exchange(later_, {});
     now.insert(now.end(), events.begin(), events.end());
     std::set<std::string> pressed;
@@ -175,8 +175,8 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     for (const InputEvent& event : now) {
         using Kind = InputEvent::Kind;
         const bool is_let_go = event.kind == Kind::released && pressed.contains(event.word),
-                   leaves = event.kind == Kind::left_window && is_released;
-        if (is_let_go || leaves || !later_.empty()) {
+                   goes = (event.kind == Kind::moved || event.kind == Kind::left_window) && is_released;
+        if (is_let_go || goes || !later_.empty()) {
             later_.push_back(event);
             continue;
         }

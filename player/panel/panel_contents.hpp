@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -41,6 +42,8 @@ struct PanelFacts {
         cuts;  ///< seconds, where the picture's depth changed all at once, as far as it was seen
     std::int64_t frame = 0;
     bool playing = true, looping = false, at_end = false;
+    std::size_t clips = 1;    ///< of the playlist
+    bool is_turning = false;  ///< dragging turns the view
     double speed = 1;
     std::string overlay;                  ///< of the surface's colours
     const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own

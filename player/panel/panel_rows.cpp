@@ -47,6 +47,21 @@ void explain_row(const char* words) {
     ImGui::End();
 }
 
+/// In front of whatever is there.
+void explain_button(const char* words) {
+    if (!ImGui::IsItemHovered()) return;
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const ImVec2 text = ImGui::CalcTextSize(words), pad(style.WindowPadding.x, style.WindowPadding.y / 2),
+                 least = ImGui::GetItemRectMin(), most = ImGui::GetItemRectMax();
+    const float gap = style.ItemSpacing.x, wide = text.x + 2 * pad.x, tall = text.y + 2 * pad.y,
+                room = ImGui::GetIO().DisplaySize.x - gap - wide;
+    const ImVec2 at(std::clamp((least.x + most.x - wide) / 2, gap, std::max(room, gap)),
+                    ImGui::GetWindowPos().y - gap - tall);
+    ImDrawList& list = *ImGui::GetForegroundDrawList();
+    list.AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), IM_COL32(14, 17, 22, 242), style.WindowRounding);
+    list.AddText(ImVec2(at.x + pad.x, at.y + pad.y), ImGui::GetColorU32(ImGuiCol_Text), words);
+}
+
 ImU32 readable_finger_colour(std::size_t finger) {
     const ImVec4 c = ImGui::ColorConvertU32ToFloat4(finger_colour(finger) | 0xFF000000U);
     const float grey = 0.3F * c.x + 0.6F * c.y + 0.1F * c.z, lift = std::clamp(0.62F - grey, 0.0F, 0.45F);

@@ -17,131 +17,6 @@
 namespace touchable {
 namespace {
 
-std::string clock_words(double seconds) {
-    const auto tenths = static_cast<long>(std::floor(std::max(seconds, 0.0) * 10 + 0.5));
-    char words[32];
-    std::snprintf(words, sizeof words, "%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
-    return words;
-}
-
-/// A house: the clip's own view.
-bool home_button(float side) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const bool pressed = ImGui::Button("##home", ImVec2(side, side));
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
-    const float u = side / 10;
-    list.AddTriangleFilled(ImVec2(at.x + 2.4F * u, at.y + 5.1F * u), ImVec2(at.x + 5 * u, at.y + 2.5F * u),
-                           ImVec2(at.x + 7.6F * u, at.y + 5.1F * u), ink);
-    list.AddRectFilled(ImVec2(at.x + 3.3F * u, at.y + 5 * u), ImVec2(at.x + 6.7F * u, at.y + 7.5F * u), ink);
-    return pressed;
-}
-
-/// Three lines, as of a list: the panel.
-bool panel_button(float side) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const bool pressed = ImGui::Button("##panel", ImVec2(side, side));
-    const float u = side / 10;
-    for (const float line : {3.0F, 4.7F, 6.4F})
-        ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x + 2.8F * u, at.y + line * u),
-                                                  ImVec2(at.x + 7.2F * u, at.y + (line + 0.7F) * u),
-                                                  ImGui::GetColorU32(ImGuiCol_Text));
-    return pressed;
-}
-
-/// Play or pause, drawn: no typeface is sure to have the signs.
-bool play_button(bool playing, float side) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const bool pressed = ImGui::Button("##play", ImVec2(side, side));
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
-    const float u = side / 10;
-    if (playing) {
-        list.AddRectFilled(ImVec2(at.x + 3 * u, at.y + 2.7F * u), ImVec2(at.x + 4.4F * u, at.y + 7.3F * u),
-                           ink);
-        list.AddRectFilled(ImVec2(at.x + 5.6F * u, at.y + 2.7F * u), ImVec2(at.x + 7 * u, at.y + 7.3F * u),
-                           ink);
-    } else {
-        list.AddTriangleFilled(ImVec2(at.x + 3.5F * u, at.y + 2.5F * u),
-                               ImVec2(at.x + 7.5F * u, at.y + 5 * u),
-                               ImVec2(at.x + 3.5F * u, at.y + 7.5F * u), ink);
-    }
-    return pressed;
-}
-
-}  // namespace
-
-/// The bar of time, with a mark where the picture's depth changes all at once.
-void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
-                            std::vector<WindowCommand>& asked) {
-    const float wide = std::max(60 * scale, room);
-    ImGui::SetNextItemWidth(wide);
-    const ImVec2 at_left = ImGui::GetCursorScreenPos();
-    float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
-    // At the last frame the handle is at the end; a still has no other.
-    const auto end = static_cast<float>(std::max(facts.last_seconds, 0.001));
-    if (!dragging_ && facts.at_end) at = end;
-    if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
-        dragged_seconds_ = at;
-        asked.push_back({WindowVerb::seek_to, static_cast<double>(std::clamp(at, 0.0F, end))});
-    }
-    dragging_ = ImGui::IsItemActive();
-    const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
-    for (const double cut : facts.cuts) {
-        if (cut > end) continue;  // of what has no end
-        const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;
-        ImGui::GetWindowDrawList()->AddLine(ImVec2(x, at_left.y + tall * 0.68F), ImVec2(x, at_left.y + tall),
-                                            IM_COL32(255, 200, 110, 230), 2 * scale);
-    }
-}
-
-void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float scale,
-                       std::vector<WindowCommand>& asked) {
-    const float m = panel_margin * scale, side = 30 * scale;
-    begin_box(
-        "playback",
-        {.x = m, .y = height - m, .pivot_y = 1, .width = width - 2 * m, .height = panel_bar_height * scale});
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(8 * scale, (side - ImGui::GetFontSize()) / 2));
-    if (play_button(facts.playing && !facts.at_end, side)) asked.push_back({WindowVerb::play_pause});
-    ImGui::SameLine();
-    ImGui::AlignTextToFramePadding();
-    const std::string frame = " frame " + std::to_string(facts.frame);
-    const std::string end = facts.clip_seconds > 0 ? " / " + clock_words(facts.clip_seconds) : std::string();
-    const bool has_room = width > 420 * scale;
-    const std::string& rest = facts.playing && !facts.at_end ? end : frame;
-    ImGui::TextUnformatted((clock_words(facts.seconds) + (has_room ? rest : std::string())).c_str());
-    ImGui::SameLine();
-    char speed[32];
-    std::snprintf(speed, sizeof speed, "%g\xC3\x97##speed", facts.speed);
-    const bool roomy = is_roomy(width, scale);
-    const float right = ((roomy ? 286 : 96) + (has_room ? 2 * 38 : 0)) * scale;
-    draw_seek(facts, scale, ImGui::GetContentRegionAvail().x - right, asked);
-    ImGui::SameLine();
-    if (ImGui::Button(speed, ImVec2(46 * scale, 0)))
-        asked.push_back({WindowVerb::speed, facts.speed >= 4 ? 0.25 : facts.speed * 2});
-    ImGui::SameLine();
-    if (roomy) {
-        ImGui::PushStyleColor(ImGuiCol_Text,
-                              ImGui::GetStyle().Colors[facts.looping ? ImGuiCol_SliderGrab : ImGuiCol_Text]);
-        if (ImGui::Button("loop")) asked.push_back({WindowVerb::loop});
-        ImGui::PopStyleColor();
-        ImGui::SameLine();
-        if (ImGui::Button((facts.overlay + "##overlay").c_str(), ImVec2(132 * scale, 0)))
-            asked.push_back({WindowVerb::overlay});
-        ImGui::SameLine();
-    }
-    if (has_room) {  // for whoever has no keys
-        if (home_button(side)) asked.push_back({WindowVerb::home});
-        ImGui::SameLine();
-        if (panel_button(side)) asked.push_back({WindowVerb::panel});
-        ImGui::SameLine();
-    }
-    if (ImGui::Button("?", ImVec2(side, 0))) asked.push_back({WindowVerb::help});
-    ImGui::PopStyleVar();
-}
-
-namespace {
-
 const ImVec4 bad_words(1.0F, 0.62F, 0.45F, 1);
 
 }  // namespace
@@ -184,7 +59,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         return;
     }
     if (wants_bar(facts)) {
-        bar_.draw(facts, w, h, scale_, asked);
+        bar_.draw(facts, w, h, scale_, shown, help_shown, asked);
         bar_box_ = note_box();
         ImGui::End();
     }
@@ -196,9 +71,12 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         return ImGui::End();
     }
     draw_force(facts, h, scale_);
-    draw_place(facts, w, h, scale_);
-    if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
-        draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
+    const float above_place = draw_place(facts, w, h, scale_);
+    if (facts.scale && (!shown || is_roomy(w))) {
+        const float right = w - m - (shown ? side_width(w) + m : 0);
+        const bool is_beside = right > 560 * scale_;  // what is said of the place
+        draw_overlay_scale(*facts.scale, right, is_beside ? h - 2 * m - bar : above_place, scale_);
+    }
     if (shown) draw_side(facts, w, h, asked);
 }
 
@@ -286,9 +164,8 @@ void WindowPanel::draw_view(float scale, std::vector<WindowCommand>& asked) {
         "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
 }
 
-/// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
-void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
-                              std::vector<WindowCommand>& asked) {
+/// What the finger and the clip do now.
+void WindowPanel::draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     char words[32];
     if (facts.hand)
         draw_hand(*facts.hand, scale);
@@ -306,12 +183,10 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
     if (draw_slider("##volume", volume, 0, 100, words, scale))
         asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
     explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
-    if (!roomy) {
-        draw_label("colours", scale);
-        if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
-            asked.push_back({WindowVerb::overlay});
-        explain_row("What the surface is coloured by.");
-    }
+    draw_label("colours", scale);
+    if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
+        asked.push_back({WindowVerb::overlay});
+    explain_row("What the surface is coloured by. A click, or O: the next.");
     draw_label("dents", scale);
     const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
     if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
@@ -342,7 +217,7 @@ void WindowPanel::draw_title(const PanelFacts& facts, float scale, std::vector<W
 
 void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
                             std::vector<WindowCommand>& asked) {
-    const bool roomy = PlaybackBar::is_roomy(width, scale_), tall = height > 600 * scale_;
+    const bool roomy = is_roomy(width), tall = height > 600 * scale_;
     const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
     ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
     ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
@@ -359,7 +234,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale));
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
-    draw_finger(facts, roomy, scale, asked);
+    draw_finger(facts, scale, asked);
     // Whoever takes a tool wants to see what else there is.
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
@@ -376,7 +251,8 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    return {shown || facts.hand ? 104 * scale_ : 0.0F,
+    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // where no force is shown
+    return {shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
             shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
 }
 
@@ -405,7 +281,7 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<W
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     begin_box("fault", {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F});
     note_box();
-    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
     ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());
     const std::size_t more = facts.faults.size() - 1;
     ImGui::TextDisabled("click, or Escape: read%s",
@@ -424,7 +300,7 @@ void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     begin_box("message",
               {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
     ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();
@@ -432,7 +308,7 @@ void WindowPanel::draw_message(const PanelFacts& facts, float width) {
 }
 
 float WindowPanel::side_width(float width) const {
-    return PlaybackBar::is_roomy(width, scale_) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
 }
 
 }  // namespace touchable

@@ -6,25 +6,10 @@
 #include "player/control/window_command.hpp"
 #include "player/panel/curves_panel.hpp"
 #include "player/panel/panel_contents.hpp"
+#include "player/panel/playback_bar.hpp"
 #include "player/panel/settings_panel.hpp"
 
 namespace touchable {
-
-/// The bar below: play, seek, speed, and what else there is room for.
-class PlaybackBar {
-public:
-    /// `scale` as in ScreenSize. Between begin_box and ImGui::End.
-    void draw(const PanelFacts& facts, float width, float height, float scale,
-              std::vector<WindowCommand>& asked);
-    /// Whether there is room for all of it.
-    static bool is_roomy(float width, float scale) { return width > 760 * scale; }
-
-private:
-    void draw_seek(const PanelFacts& facts, float scale, float room, std::vector<WindowCommand>& asked);
-
-    float dragged_seconds_ = 0;
-    bool dragging_ = false;
-};
 
 /// Dear ImGui's part of the window. What a person asks of it comes out as commands.
 class WindowPanel {
@@ -49,7 +34,7 @@ private:
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     static void draw_view(float scale, std::vector<WindowCommand>& asked);
-    void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
+    void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
@@ -62,6 +47,8 @@ private:
     };
     Free free_of(const PanelFacts& facts, float width) const;
     float side_width(float width) const;
+    /// Whether the panel has its whole width.
+    bool is_roomy(float width) const { return width > 760 * scale_; }
 
     struct Box {
         float x0 = 0, y0 = 0, x1 = 0, y1 = 0;

@@ -180,7 +180,7 @@ void WindowLoop::go_on_with_clip() {
     go_on_in_list(clip_->session().look());
     panel_->bar_shown = bar_is_wanted();
     const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() &&
-                           !brush_.is_held() && !measure_.is_held();
+                           !brush_.is_held() && !measure_.is_held() && !is_turning_;
     screen_->hide_pointer((is_finger && !panel_->covers(pointer_at_.x, pointer_at_.y)) ||
                           (options_.hand && !panel_->bar_shown));
     brush_.go_on(screen_->size());
@@ -361,7 +361,7 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
     if (clip_ && brush_.take(event, pointer_at_, is_of_panel, size)) return;
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     if (!clip_) return;
-    const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
+    const auto lead = options_.hand || is_turning_ ? &PointerInput::take_for_view : &PointerInput::take;
     const bool ends = event.kind == Kind::released || event.kind == Kind::left_window;
     if (!is_of_panel || ends || (event.kind == Kind::moved && !leaves))
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);

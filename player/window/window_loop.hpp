@@ -72,6 +72,7 @@ private:
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
     void take_of_view(const WindowCommand& command);
+    void set_turning(bool on);
     void take_of_fingers(const WindowCommand& command);
     void take_of_window(const WindowCommand& command);
     void take_of_sound(const WindowCommand& command);
@@ -246,6 +247,7 @@ private:
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;
     bool quit_ = false, fullscreen_ = false;
+    bool is_turning_ = false;                           // dragging turns the view
     bool is_dented_ = true;                             // a surface that gives way is drawn so
     bool is_leaving_ = false, leaves_at_once_ = false;  // after `quit_`, while the brush is at work
     double last_draw_ms_ = 0;

@@ -24,6 +24,7 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::home:
         case WindowVerb::turn:
         case WindowVerb::tilt:
+        case WindowVerb::turning:
         case WindowVerb::nearer:
             return take_of_view(command);
         case WindowVerb::fingers:
@@ -86,6 +87,20 @@ void WindowLoop::take_of_view(const WindowCommand& command) {
     if (command.verb == WindowVerb::turn) view.turn(command.number, 0);
     if (command.verb == WindowVerb::tilt) view.turn(0, command.number);
     if (command.verb == WindowVerb::nearer) view.near_by(command.number);
+    if (command.verb != WindowVerb::turning) return;
+    if (options_.hand) return say("dragging turns the view already");
+    set_turning(!is_turning_);
+    say(is_turning_ ? "drag: the view turns; with the right button it moves; the wheel comes nearer"
+                    : "the left button presses the finger again");
+}
+
+/// Instead of whatever else the left button does. A finger that presses leaves: nobody would lift it.
+void WindowLoop::set_turning(bool on) {
+    is_turning_ = on;
+    if (!on) return;
+    pointer_.leave(clip_->fingers());
+    measure_.hold(false);
+    if (brush_.is_held()) take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
 }
 
 void WindowLoop::take_of_fingers(const WindowCommand& command) {
@@ -155,12 +170,14 @@ void WindowLoop::take_of_sound(const WindowCommand& command) {
     say("volume " + std::to_string(sound_->volume()) + " %" + (sound_->is_muted() ? "; M: sound on" : ""));
 }
 
-/// Help, a fault, the measure, the brush, full screen: one of them, from front to back. Whether there was
-/// any.
+/// Help, a fault, the measure, turning, the brush, full screen: one of them, from front to back. Whether
+/// there was any.
 bool WindowLoop::leave_what_is_in_front() {
     if (std::exchange(panel_->help_shown, false) || notices_.dismiss()) return true;
     if (measure_.is_held() || measure_.has_line())
         measure_.let_go();
+    else if (is_turning_)
+        is_turning_ = false;
     else if (brush_.is_held())
         take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
     else if (fullscreen_)
@@ -209,7 +226,10 @@ void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
         return say("the clip is about to go; nothing is painted any more", Tone::refusal);
     brush_.take(command);
-    if (brush_.is_held()) measure_.hold(false);
+    if (brush_.is_held()) {
+        measure_.hold(false);
+        set_turning(false);
+    }
     if (brush_.is_held() && (command.verb == WindowVerb::tool || command.verb == WindowVerb::material))
         panel_->shown = true;
     heed_brush();

@@ -10,6 +10,7 @@ void WindowLoop::take_of_measure(const WindowCommand& command) {
     if (command.word == "off") return measure_.let_go();
     if (command.places.empty()) {
         measure_.hold(!measure_.is_held());
+        if (measure_.is_held()) set_turning(false);
         if (measure_.is_held() && brush_.is_held())
             take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
         if (measure_.is_held())

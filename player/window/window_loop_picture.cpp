@@ -20,7 +20,7 @@ constexpr double after_input_ms = 300;  // buttons fade
 // FingerTrails': a finger of the pointer is there only on its way; that of a hand is wherever it is.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
-    "move over the picture, and hold the left button to touch it; ? shows all keys";
+    "hold the left button over the picture to touch it; ? below shows all keys";
 constexpr const char* first_touch_words =
     "put a finger on the picture to touch it; two fingers turn it, the house turns it back";
 
@@ -169,6 +169,8 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
             !words.empty())
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.is_dented = is_dented_;
+    facts.is_turning = is_turning_;
+    facts.clips = playlist_.size();
     facts.figures.push_back(sound_->state());
     for (std::string words : {screen_->touch_state(), sound_->rumble_state()})
         if (!words.empty()) facts.figures.push_back(std::move(words));

@@ -14,7 +14,7 @@ TouchInput::Ground WindowLoop::ground_at(double x, double y) {
     using Ground = TouchInput::Ground;
     if (!clip_ || brush_.is_held() || measure_.is_held() || panel_->covers(x, y)) return Ground::pointers;
     const WatchedMoment* const moment = clip_->session().look();
-    if (options_.hand || !moment) return Ground::nothing;
+    if (options_.hand || is_turning_ || !moment) return Ground::nothing;
     const ScreenSize size = screen_->size();
     const HeightField field(clip_->scene(), moment->held.pair);
     const auto met = pick(field, clip_->view().camera(size.width, size.height), x, y);

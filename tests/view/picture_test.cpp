@@ -108,7 +108,7 @@ TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
     EXPECT_GT(pixels_that_differ(*bare, *marked), 0);
 }
 
-/// docs/play.md: the arrow is the force on the finger.
+/// docs/window.md: the arrow is the force on the finger.
 TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
     FingerMark finger;
     finger.goal = {1, 2, -80};

@@ -1,4 +1,5 @@
-// A day of a kiosk with visitors who press whatever there is, by a clock that the test puts forward.
+// A day of a kiosk with visitors who press and touch whatever there is, by a clock that the test puts
+// forward.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -6,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "player/window/window_clock.hpp"
 #include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -38,10 +41,17 @@ struct Turn {
     std::vector<InputEvent> events{};
 };
 
-/// Visitors who come and go, always the same ones.
+/// Visitors who come and go, for each seed always the same ones.
 class Visitors {
 public:
     explicit Visitors(double hours) : end_s_(3600 * hours) {}
+    /// One who never rests for so many hours.
+    static Visitors restless(double hours, unsigned seed) {
+        Visitors visitors(hours);
+        visitors.random_.seed(seed);
+        visitors.leaves_s_ = visitors.end_s_;
+        return visitors;
+    }
 
     bool are_gone() const { return now_s_ >= end_s_; }
     int count() const { return count_; }
@@ -57,8 +67,11 @@ public:
             turn.events, [](const InputEvent& event) { return is_for_visitors(event) && is_a_visit(event); });
         using Kind = InputEvent::Kind;
         for (const InputEvent& event : turn.events) {
-            holds_ = holds_ || event.kind == Kind::pressed;
-            holds_ = holds_ && event.kind != Kind::released && event.kind != Kind::left_window;
+            presses_ = presses_ || event.kind == Kind::pressed;
+            presses_ = presses_ && event.kind != Kind::released && event.kind != Kind::left_window;
+            if (event.kind == Kind::touch_began) touches_.insert(event.touch);
+            if (event.kind == Kind::touch_ended) touches_.erase(event.touch);
+            if (event.kind == Kind::left_window) touches_.clear();
         }
         if (!is_seen) return turn;
         if (!is_there_) {
@@ -75,7 +88,7 @@ private:
     Turn wait() {
         if (comes_s_ <= now_s_) {
             // Never near the times of the kiosk, as the machine's own time is added.
-            const double pause = below(3) == 0 && !holds_ ? 24 + below(30) : 150 + below(200);
+            const double pause = below(3) == 0 && !holds() ? 24 + below(30) : 150 + below(200);
             comes_s_ = std::max(last_s_, now_s_ - 15) + pause;
         }
         Turn turn{std::min(1.0 + below(9), comes_s_ - now_s_ + 0.1), {}};
@@ -86,9 +99,11 @@ private:
     }
     void leave() {
         is_there_ = false;
-        seconds_ += last_s_ - came_s_ + (holds_ ? times.reset_s : 0);
-        holds_ = false;
+        seconds_ += last_s_ - came_s_ + (holds() ? times.reset_s : 0);
+        presses_ = false;
+        touches_.clear();
     }
+    bool holds() const { return presses_ || !touches_.empty(); }
     int below(int count) { return static_cast<int>(random_() % static_cast<unsigned>(count)); }
 
     InputEvent something() {
@@ -99,7 +114,7 @@ private:
         event.shift = below(4) == 0;
         event.x = below(public_width);
         event.y = below(public_height);
-        switch (below(12)) {
+        switch (below(16)) {
             case 0:
             case 1:
             case 2:
@@ -122,6 +137,15 @@ private:
                                          Kind::dropped}[static_cast<std::size_t>(below(3))];
                 event.word = "nowhere.mkv";
                 return event;
+            case 8:
+            case 9:
+            case 10:
+            case 11:
+                event.kind = std::vector{Kind::touch_began, Kind::touch_moved,
+                                         Kind::touch_ended}[static_cast<std::size_t>(below(3))];
+                event.touch = 1 + below(6);  // one more than there are fingers
+                event.seconds = now_s_;
+                return event;
             default:
                 event.kind = below(5) == 0 ? Kind::key_released : Kind::key;
                 event.repeated = below(5) == 0;
@@ -141,7 +165,8 @@ private:
     std::minstd_rand random_{37};
     double now_s_ = 0, end_s_;
     double comes_s_ = 0, leaves_s_ = 0;  // the next one; the one who is there
-    bool is_there_ = false, holds_ = false;
+    bool is_there_ = false, presses_ = false;
+    std::set<std::int64_t> touches_;
     double came_s_ = 0, last_s_ = -100, seconds_ = 0;
     int count_ = 0;
 };
@@ -176,7 +201,7 @@ public:
         }
         if (visitors_.are_gone()) {
             day_.late_mib = std::max(day_.late_mib, resident_mib());
-            std::this_thread::sleep_for(++quiet_ < 85 ? 5ms : 20ms);  // fingers go by their own time
+            std::this_thread::sleep_for(++quiet_ < 145 ? 5ms : 20ms);  // fingers go by their own time
             WindowClock::put_forward(1s);
             return {};
         }
@@ -220,22 +245,26 @@ protected:
     /// The picture that the next visitor sees after so many hours of others, who presses a finger in the
     /// middle: of a moment of the clip, so that it is always the same. `is_stopped`: its force is off.
     Image seen_after(double hours, bool is_stopped) {
-        Visitors visitors(hours);
+        return seen_after(Visitors(hours), std::to_string(hours), is_stopped);
+    }
+    Image seen_after(const Visitors& visitors, const std::string& name, bool is_stopped) {
         int turns = 0;
         for (Visitors counted = visitors; !counted.are_gone(); ++turns) (void)counted.next();
         options_.make_screen = [&](const ScreenOptions&) -> std::unique_ptr<Screen> {
             return std::make_unique<PublicScreen>(visitors, turns, day_);
         };
-        const double next_s = 0.1 * turns + 9;  // of a script: 90 s without anybody
-        const auto shot = folder_ / (std::to_string(hours) + (is_stopped ? "stopped.png" : ".png"));
+        // Of a script: 150 s without anybody, as one who holds something counts as being there for a minute.
+        const double next_s = 0.1 * turns + 15;
+        const auto shot = folder_ / (name + (is_stopped ? "stopped.png" : ".png"));
         using Kind = InputEvent::Kind;
         options_.script = {{0, WindowCommand{.verb = WindowVerb::size}},
                            {next_s, to_the_middle},
                            {next_s, WindowCommand{WindowVerb::play_pause}},
                            {next_s, WindowCommand{WindowVerb::seek_to, 0.3}},
-                           {next_s, InputEvent{.kind = Kind::pressed, .word = "left"}}};
-        if (is_stopped) options_.script.push_back({next_s + 0.1, InputEvent{.kind = Kind::key, .word = "f"}});
-        for (int k = 1; k < 6; ++k)  // somebody who is there does something
+                           // Once the clip is there: a surface that moves would take the finger along.
+                           {next_s + 2, InputEvent{.kind = Kind::pressed, .word = "left"}}};
+        if (is_stopped) options_.script.push_back({next_s + 2.1, InputEvent{.kind = Kind::key, .word = "f"}});
+        for (int k = 3; k < 6; ++k)  // somebody who is there does something
             options_.script.push_back({next_s + k, to_the_middle});
         options_.script.push_back({next_s + 5.5, WindowCommand{WindowVerb::screenshot, 0, shot.string()}});
         options_.script.push_back({next_s + 5.6, WindowCommand{WindowVerb::quit}});
@@ -289,6 +318,16 @@ TEST_F(KioskDay, EndsReadyForTheNextVisitorAndInTheMemoryThatItBeganWith) {
     EXPECT_GT(visits, 10 * hours);
     EXPECT_NEAR(seconds, visitors.seconds(), 0.05 * visitors.seconds() + 60);
     EXPECT_EQ(faults, 0) << file_contents(folder_ / "use.csv");
+}
+
+TEST_F(KioskDay, IsReadyAfterTenMinutesOfAnyVisitorWhoNeverRests) {
+    const Image first = seen_after(0, false);
+    const unsigned step = static_cast<unsigned>(sweep_step());
+    for (unsigned seed = 1; seed <= 20; seed += step) {
+        const Image last = seen_after(Visitors::restless(1.0 / 6, seed), std::to_string(seed), false);
+        EXPECT_GE(differences(first, last), 0) << seed;
+        EXPECT_LT(differences(first, last), 220) << seed << ": something of the visitors is left";
+    }
 }
 
 }  // namespace

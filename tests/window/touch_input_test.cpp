@@ -324,7 +324,6 @@ TEST_F(Touches, WhatIsNoPlaceOrNobodysIsIgnored) {
     EXPECT_EQ(pressing(), 1);
 }
 
-/// It comes when it is moved on the surface: from the clip's camera, slowly.
 TEST_F(Touches, FingerOverAHoleIsNotPressed) {
     begin(1, 320, 240, 0);
     ASSERT_EQ(pressing(), 1);

@@ -1,0 +1,54 @@
+#!/bin/bash
+# Makes the pictures of docs/play.md and of the README anew, by the program itself, without a display:
+#     docs/pictures/make.sh [build/release/player/touchable]
+set -euo pipefail
+cd "$(dirname "$0")"
+touchable=$(realpath "${1:-../../build/release/player/touchable}")
+work=$(mktemp -d)
+trap 'rm -r "$work"' EXIT
+"$touchable" make globe "$work/globe.mkv" --size 720x480 --frames 40 2>/dev/null
+
+# picture NAME SECONDS OPTION...: the window, SECONDS after it opened, once the script from standard input was done to it.
+picture() {
+    local name=$1 seconds=$2
+    shift 2
+    cat >"$work/script"
+    "$touchable" play "$work/globe.mkv" --headless --script "$work/script" \
+        --screenshot "$name.png" --at "$seconds" --overwrite "$@" >/dev/null
+    echo "$name.png"
+}
+
+picture window 3 --size 800x450 <<'SCRIPT'
+0.1  play-pause
+0.2  seek 1
+0.4  move 330 268
+1.0  press left
+2.6  move 334 264
+SCRIPT
+
+# Once something was pressed nobody is told how.
+picture research 3 --size 1000x560 <<'SCRIPT'
+0.1  play-pause
+0.2  seek 1
+0.3  move 300 250
+0.4  press left
+0.5  release left
+0.6  panel
+0.8  overlay depth
+1.0  measure 260,150 330,330
+2.0  move 560 240
+2.6  move 562 240
+SCRIPT
+
+picture kiosk 4 --size 800x450 --kiosk --kiosk-texts en --idle 1 60 </dev/null
+
+cat >"$work/labels.json" <<'LABELS'
+{"touchable_labels": 1, "labels": [
+    {"caption": {"en": "Grassland: firm, and a little rough"}, "rectangle": [0, 0, 719, 479]}]}
+LABELS
+picture label 4 --size 800x450 --kiosk --kiosk-texts en --labels "$work/labels.json" <<'SCRIPT'
+0.1  play-pause
+0.2  seek 1
+0.4  move 310 290
+1.0  press left
+SCRIPT

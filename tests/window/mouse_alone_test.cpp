@@ -1,0 +1,220 @@
+// Somebody who never read anything, with a mouse and no keys: finds the help, reads what buttons do, presses,
+// turns, measures, goes to the next clip and back; in windows small and large. Without a window, by the
+// program as a person starts it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "engine/picture/image_file.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+struct WindowOfSize {
+    int width, height;
+};
+
+/// What somebody does with a mouse, as a script, and pictures of what is seen then.
+class MouseScript {
+public:
+    explicit MouseScript(const WindowOfSize& window) : window_(window) {}
+    /// Large pictures take long to be written: whoever sees so many takes more time.
+    double times() const { return window_.width > 2000 ? 3 : 1; }
+
+    /// A place of the picture, in thousandths of its sides.
+    void move(double at_s, int x, int y) {
+        move_to(at_s, window_.width * x / 1000, window_.height * y / 1000);
+    }
+    void press(double at_s) { add(at_s, "press left"); }
+    void release(double at_s) { add(at_s, "release left"); }
+    void leave(double at_s) { add(at_s, "leave"); }
+    void picture(double at_s, const std::string& name) { add(at_s, "screenshot " + name); }
+    /// On the bar, so many pixels from its right end; below 0: from its left one.
+    void move_to_bar(double at_s, int from_end) {
+        move_to(at_s, from_end < 0 ? -from_end : window_.width - from_end, window_.height - 36);
+    }
+    void click_bar(double at_s, int from_end) {
+        move_to_bar(at_s, from_end);
+        press(at_s);
+        release(at_s);
+    }
+    void drag(double at_s) {
+        move(at_s, 400, 450);
+        press(at_s + 0.05);
+        move(at_s + 0.1, 520, 450);
+        release(at_s + 0.15);
+        leave(at_s + 0.2);
+    }
+    void quit(double at_s) { add(at_s, "quit"); }
+    const std::string& words() const { return words_; }
+
+private:
+    void add(double at_s, const std::string& what) {
+        words_ += std::to_string(at_s * times()) + " " + what + "\n";
+    }
+    void move_to(double at_s, int x, int y) {
+        add(at_s, "move " + std::to_string(x) + " " + std::to_string(y));
+    }
+
+    WindowOfSize window_;
+    std::string words_;
+};
+
+/// Where buttons are.
+constexpr int help = 39, settings = 84, measure = 170, turn = 250, previous = -39, next = -115;
+
+class MouseAlone : public ::testing::TestWithParam<WindowOfSize> {
+protected:
+    void SetUp() override {
+        for (const char* scene : {"globe", "bumps"})
+            ASSERT_EQ(run_touchable({"make", scene, (folder_ / (scene + std::string(".mkv"))).string(),
+                                     "--size", "160x120", "--frames", "1"})
+                          .code,
+                      0);
+    }
+    /// What the program says in the end.
+    std::string play(const std::vector<std::string>& clips, const std::string& script) {
+        std::ofstream(folder_ / "script") << script;
+        const auto [width, height] = GetParam();
+        std::vector<std::string> words{"play"};
+        words.insert(words.end(), clips.begin(), clips.end());
+        for (const std::string& word :
+             {std::string("--headless"), std::string("--script"), std::string("script"),
+              std::string("--size"), std::to_string(width) + "x" + std::to_string(height)})
+            words.push_back(word);
+        const auto played = run_in_folder(words, folder_.path());
+        EXPECT_EQ(played.code, 0) << played.err;
+        return played.out;
+    }
+    /// Share of a part of two pictures, in thousandths of their sides, that differs.
+    double differs(const std::string& name, const std::string& other, int x0, int y0, int x1, int y1) {
+        const auto a = read_image(folder_ / name), b = read_image(folder_ / other);
+        EXPECT_TRUE(a.ok() && b.ok()) << name << ", " << other;
+        if (!a.ok() || !b.ok() || a->width != b->width || a->height != b->height) return -1;
+        int count = 0, all = 0;
+        for (int y = a->height * y0 / 1000; y < a->height * y1 / 1000; ++y)
+            for (int x = a->width * x0 / 1000; x < a->width * x1 / 1000; ++x) {
+                const auto k = static_cast<std::size_t>((y * a->width + x) * 3);
+                const auto channel = [&](std::size_t c) {
+                    return std::abs(a->samples[k + c] - b->samples[k + c]) > 24;
+                };
+                ++all;
+                count += channel(0) || channel(1) || channel(2);
+            }
+        return static_cast<double>(count) / all;
+    }
+    double middle_differs(const std::string& name, const std::string& other) {
+        return differs(name, other, 300, 300, 700, 700);
+    }
+    /// Just above the bar, on its right.
+    double words_differ(const std::string& name, const std::string& other) {
+        const auto [width, height] = GetParam();
+        return differs(name, other, 1000 - 220'000 / width, 1000 - 90'000 / height, 1000,
+                       1000 - 62'000 / height);
+    }
+
+    const TemporaryFolder folder_;
+};
+
+TEST_P(MouseAlone, FindsHelpTurnsAndMeasures) {
+    MouseScript script(GetParam());
+    script.picture(0.4, "untouched.png");
+    script.click_bar(0.5, help);
+    script.move(0.5, 500, 500);  // a quick hand is elsewhere in the next picture
+    script.picture(0.9, "help.png");
+    script.click_bar(1, help);
+    script.leave(1.2);
+    script.picture(1.3, "closed.png");
+    script.move_to_bar(1.4, measure);
+    script.picture(1.6, "on-measure.png");
+    script.move_to_bar(1.65, settings);
+    script.picture(1.85, "on-settings.png");
+    script.drag(1.9);
+    script.picture(2.3, "pressed.png");
+    script.click_bar(2.4, turn);
+    script.drag(2.6);
+    script.picture(2.9, "turned.png");
+    script.click_bar(3, turn);
+    script.drag(3.2);
+    script.picture(3.5, "pressed-again.png");
+    script.click_bar(3.6, measure);
+    script.move(3.8, 420, 400);
+    script.press(3.85);
+    script.release(3.9);
+    script.move(4, 560, 520);
+    script.press(4.05);
+    script.release(4.1);
+    script.click_bar(4.3, settings);
+    script.picture(4.5, "settings.png");
+    script.click_bar(4.6, settings);
+    script.quit(5);
+    const std::string said = play({"globe.mkv"}, script.words());
+
+    EXPECT_GT(middle_differs("help.png", "untouched.png"), 0.2);
+    EXPECT_LT(middle_differs("closed.png", "untouched.png"), 0.02);
+    EXPECT_GT(words_differ("on-measure.png", "untouched.png"), 0.1);
+    EXPECT_GT(words_differ("on-measure.png", "on-settings.png"), 0.02) << "each has words of its own";
+    EXPECT_LT(middle_differs("pressed.png", "untouched.png"), 0.02) << "a drag presses";
+    EXPECT_GT(middle_differs("turned.png", "untouched.png"), 0.05);
+    EXPECT_LT(middle_differs("pressed-again.png", "turned.png"), 0.02);
+    EXPECT_NE(said.find("measured"), std::string::npos) << said;
+    const int width = GetParam().width;  // of which the panel has the same pixels on the right
+    EXPECT_GT(differs("settings.png", "turned.png", 1000 - 240'000 / width, 100, 1000 - 20'000 / width, 700),
+              0.2);
+}
+
+TEST_P(MouseAlone, GoesToTheNextClipAndBack) {
+    MouseScript script(GetParam());
+    script.picture(0.3, "first.png");
+    script.click_bar(0.5, next);
+    script.leave(0.6);
+    script.picture(1.2, "next.png");
+    script.click_bar(1.4, previous);
+    script.leave(1.5);
+    script.picture(2.2, "back.png");
+    script.quit(2.3);
+    play({"globe.mkv", "bumps.mkv"}, script.words());
+    EXPECT_GT(middle_differs("next.png", "first.png"), 0.3);
+    EXPECT_LT(middle_differs("back.png", "first.png"), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
+                         ::testing::Values(WindowOfSize{640, 400}, WindowOfSize{1280, 720},
+                                           WindowOfSize{2560, 1440}),
+                         [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
+
+/// In a narrow window the bar keeps what is needed most, and the legend of an overlay has a place beside
+/// what is said of the pixel under the pointer.
+class MouseInANarrowWindow : public MouseAlone {};
+
+TEST_P(MouseInANarrowWindow, FindsHelpAndReadsLegends) {
+    MouseScript script(GetParam());
+    script.move(0.1, 450, 400);
+    const std::string legend = "0.1 overlay depth\n";
+    script.picture(0.5, "legend.png");
+    script.leave(0.6);
+    script.picture(0.9, "away.png");
+    script.click_bar(1, help);
+    script.picture(1.4, "help.png");
+    script.quit(1.5);
+    play({"globe.mkv"}, legend + script.words());
+    EXPECT_GT(differs("help.png", "away.png", 200, 100, 800, 600), 0.3);
+    // The lower right, where the legend is when nothing is said of a pixel.
+    const auto [width, height] = GetParam();
+    const int top = 1000 - 110'000 / height, bottom = 1000 - 66'000 / height;
+    EXPECT_GT(differs("legend.png", "away.png", 1000 - 200'000 / width, top, 1000 - 20'000 / width, bottom),
+              0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Narrow, MouseInANarrowWindow,
+                         ::testing::Values(WindowOfSize{320, 400}, WindowOfSize{480, 360}),
+                         [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
+
+}  // namespace
+}  // namespace touchable::test
