@@ -58,7 +58,6 @@ Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamForm
     const bool coded = format.code == V4L2_PIX_FMT_MJPEG || format.code == V4L2_PIX_FMT_JPEG;
     const auto frame = coded ? decoded(picture) : frame_around(picture, format);
     if (!frame) return frame.error();
-    if (is_rgb8(**frame)) return plane_from(rgb_exact(**frame));
     auto made = converter_.converted(**frame);
     if (!made) return made.error();
     const AVFrame& rgb = **made;

@@ -4,7 +4,7 @@
 
 #include "engine/camera/v4l2_stream.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/picture/decoded_picture.hpp"
+#include "engine/picture/rgb_converter.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -85,10 +85,6 @@ int VideoPicture::bits() const {
 
 Result<Plane> VideoPicture::rgb() {
     if (rgb_) return *rgb_;
-    if (is_rgb8(*frame_)) {
-        rgb_ = plane_from(rgb_exact(*frame_));
-        return *rgb_;
-    }
     auto made = converter_.converted(*frame_);
     if (!made) return input_error(where_ + ": " + made.error().message);
     const AVFrame& rgb = **made;

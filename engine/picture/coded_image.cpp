@@ -11,6 +11,7 @@
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/picture/decoded_picture.hpp"
 #include "engine/picture/picture_decoder.hpp"
+#include "engine/picture/rgb_converter.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {

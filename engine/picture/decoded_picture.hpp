@@ -1,12 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/frame/plane_view.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 
@@ -29,7 +29,9 @@ std::optional<PlaneView> luma_samples(const AVFrame& frame);
 /// bits.
 Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8);
 
-/// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
+/// A row of 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
+void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb);
+/// The same of all rows.
 Image rgb_exact(const AVFrame& frame);
 /// The same of `count` rows from `first` on.
 Image rgb_rows(const AVFrame& frame, int first, int count);
@@ -37,24 +39,5 @@ Image rgb_rows(const AVFrame& frame, int first, int count);
 /// Gives these rows' memory back to the system, as far as it is whole pages: nobody may read them again. Of
 /// a frame that nobody else has.
 void drop_rows(AVFrame& frame, int first, int count);
-/// 8-bit RGB of any colour format, rounded where the format is not RGB. Keeps what it has set up for frames
-/// of one kind.
-class RgbConverter {
-public:
-    /// A frame of format RGB24.
-    Result<FramePtr> converted(const AVFrame& frame);
-
-private:
-    bool set_up_for(const AVFrame& frame);
-    FramePtr new_rgb() const;
-
-    ScalerPtr scaler_;
-    std::shared_ptr<AVBufferPool> pool_;  // of RGB pictures: fresh memory costs a page fault every 4096 bytes
-    int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
-    AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
-    AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;
-};
-/// The same of one frame.
-Result<Image> rgb_converted(const AVFrame& frame);
 
 }  // namespace touchable

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/picture/decoded_picture.hpp"
 #include "engine/video/codecs.hpp"
 
 namespace touchable {
@@ -41,10 +42,18 @@ SaidOf messages_in(const AVFrame& frame) {
     return said;
 }
 
+std::optional<Plane> rgb_plane(RgbConverter& converter, const AVFrame& frame) {
+    auto rgb = converter.converted(frame);
+    if (!rgb) return std::nullopt;
+    const AVFrame& made = **rgb;
+    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+}
+
 /// Exact samples of three channels, of one, or none.
-std::optional<Plane> exact_plane(FramePtr frame, const PictureMessage& message) {
+std::optional<Plane> exact_plane(RgbConverter& converter, FramePtr frame, const PictureMessage& message) {
     const bool may_be_rgb = message.part == PlanePart::whole && message.role != PlaneRole::height;
-    if (is_rgb8(*frame)) return may_be_rgb ? std::optional(plane_from(rgb_exact(*frame))) : std::nullopt;
+    if (is_rgb8(*frame)) return may_be_rgb ? rgb_plane(converter, *frame) : std::nullopt;
     if (message.role == PlaneRole::haptic) return std::nullopt;
     const auto samples = luma_samples(*frame);
     if (!samples || samples->bytes_per_sample != 1) return std::nullopt;
@@ -163,17 +172,12 @@ Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictu
 std::optional<Plane> LabelledDecoder::plane_in(Track& track, FramePtr frame, const ReadSei& sei) {
     const PictureMessage& message = *sei.picture;
     if (message.role != PlaneRole::colour) {
-        auto plane = exact_plane(std::move(frame), message);
+        auto plane = exact_plane(track.converter, std::move(frame), message);
         return plane && is_sound(sei, plane->view) ? std::move(plane) : std::nullopt;
     }
     if (!is_sound(sei, {})) return std::nullopt;
     if (leaves_out_colour_) return Plane{};
-    if (is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
-    auto rgb = track.converter.converted(*frame);
-    if (!rgb) return std::nullopt;
-    const AVFrame& made = **rgb;
-    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
-    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+    return rgb_plane(track.converter, *frame);
 }
 
 void LabelledDecoder::join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures) {

@@ -11,7 +11,7 @@
 
 #include "engine/clip/plane_role.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/picture/decoded_picture.hpp"
+#include "engine/picture/rgb_converter.hpp"
 #include "engine/result.hpp"
 #include "engine/stream/picture_message.hpp"
 #include "engine/video/packet_decoder.hpp"

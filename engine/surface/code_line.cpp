@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "engine/frame/stored_code.hpp"
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "engine/frame/surface_frame.hpp"
 #include "engine/surface/validity_strip.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

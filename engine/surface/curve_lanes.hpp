@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engine/scene/code_curve.hpp"
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

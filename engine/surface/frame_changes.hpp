@@ -7,7 +7,7 @@
 #include "engine/frame/raw_frame.hpp"
 #include "engine/row_bands.hpp"
 #include "engine/surface/stale_blocks.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "engine/surface/median_columns.hpp"
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

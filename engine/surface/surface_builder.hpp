@@ -6,7 +6,7 @@
 
 #include "engine/frame/surface_frame.hpp"
 #include "engine/result.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

@@ -6,7 +6,7 @@
 
 #include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

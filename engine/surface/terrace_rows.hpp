@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engine/scene/terraces.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "engine/surface/validity_strip.hpp"
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 #include "engine/frame/surface_frame.hpp"
 #include "engine/row_bands.hpp"
 #include "engine/surface/patches.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

@@ -206,10 +206,18 @@ Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     return plane_from(joined_bytes(high, low), stated_bits_);
 }
 
+Result<Plane> TrackDecoder::rgb(const AVFrame& frame) {
+    auto rgb = converter_.converted(frame);
+    if (!rgb) return input_error(where() + ": " + rgb.error().message);
+    const AVFrame& made = **rgb;
+    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+}
+
 Result<Plane> TrackDecoder::plane(FramePtr frame) {
     const bool one_channel = role_ == PlaneRole::depth || role_ == PlaneRole::height;
     if (one_channel && is_split()) return joined(*frame);
-    if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
+    if (role_ == PlaneRole::depth && is_rgb8(*frame)) return rgb(*frame);
     if (one_channel) {
         const int bits = stated_bits_ > 0 ? stated_bits_ : sample_bits(*frame);
         const auto samples = luma_samples(*frame);
@@ -224,12 +232,7 @@ Result<Plane> TrackDecoder::plane(FramePtr frame) {
     if (role_ == PlaneRole::haptic && !is_rgb8(*frame))
         return input_error(where() + ": has pixel format " + info_.pixel_format +
                            ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp, or grey");
-    if (is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
-    auto rgb = converter_.converted(*frame);
-    if (!rgb) return input_error(where() + ": " + rgb.error().message);
-    const AVFrame& made = **rgb;
-    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
-    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+    return rgb(*frame);
 }
 
 }  // namespace touchable

@@ -9,7 +9,7 @@
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/picture/decoded_picture.hpp"
+#include "engine/picture/rgb_converter.hpp"
 #include "engine/result.hpp"
 #include "engine/video/packet_decoder.hpp"
 
@@ -67,6 +67,7 @@ private:
     std::int64_t passed();
     Result<void> check_format(const AVFrame& frame);
     Result<Plane> plane(FramePtr frame);
+    Result<Plane> rgb(const AVFrame& frame);
     Result<Plane> joined(const AVFrame& frame) const;
     bool is_split() const { return stated_bits_ > 0 && codec_ != AV_CODEC_ID_NONE; }
 

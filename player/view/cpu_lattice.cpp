@@ -4,7 +4,7 @@
 #include <cmath>
 #include <thread>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 #include "player/view/surface_unproject.hpp"
 #include "shaders/blend_rule.h"
 #include "shaders/cut_rule.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/row_bands.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 #include "player/view/cpu_light.hpp"
 #include "player/view/view_surface.hpp"
 #include "shaders/cut_rule.h"

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/surface_light.h"
 

@@ -4,7 +4,7 @@
 
 #include "engine/frame/plane_view.hpp"
 #include "engine/scene/camera.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 #include "player/view/surface_light.hpp"
 #include "shaders/cut_rule.h"
 

@@ -69,18 +69,6 @@ Channels colour_around(const FlatPicture& flat, int x, int y) {
     return between(column[0], column[1], x & 255);
 }
 
-/// Whether one thing may stand before another there.
-bool has_steps(const FlatPicture& flat, const PixelBounds& bounds) {
-    float least = 1, most = 0;
-    for (int y = bounds.y0; y < bounds.y1; ++y)
-        for (int x = bounds.x0; x < bounds.x1; ++x) {
-            const float z = flat.z[static_cast<std::size_t>(y * flat.pitch + x)];
-            least = z < least ? z : least;
-            most = z > most ? z : most;
-        }
-    return !(least > 0) || most > least * CUT_RULE_RATIO;
-}
-
 }  // namespace
 
 void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds) {
@@ -108,7 +96,6 @@ void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const 
         }
 }
 
-template <bool has_steps>
 void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const {
     const int width = bounds.x1 - bounds.x0;
     const float per_step = 1 / static_cast<float>(step_);
@@ -139,16 +126,15 @@ void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, Packe
                     row_of = std::clamp(along.now >> 8, 0, most_y);
                 const int more = light.whole(), shine = gloss.whole();
                 for (Steadily* each : {&across, &along, &light, &gloss}) each->go_on();
-                if constexpr (has_steps) {
-                    const int x = bounds.x0 + k;
-                    const float z = flat.z[static_cast<std::size_t>(start + x)];
-                    if (!(z > 0)) continue;
-                    const std::ptrdiff_t source =
-                        std::ptrdiff_t{(row_of + 128) >> 8} * flat.pitch + ((column_of + 128) >> 8);
-                    if (flat.z[static_cast<std::size_t>(source)] > z * CUT_RULE_RATIO) {
-                        column_of = std::min(256 * x, most_x);
-                        row_of = std::min(256 * y, most_y);
-                    }
+                const int x = bounds.x0 + k;
+                const float z = flat.z[static_cast<std::size_t>(start + x)];
+                if (!(z > 0)) continue;
+                const std::ptrdiff_t source =
+                    std::ptrdiff_t{(row_of + 128) >> 8} * flat.pitch + ((column_of + 128) >> 8);
+                // What stands before the pixel's own surface is not on it.
+                if (flat.z[static_cast<std::size_t>(source)] > z * CUT_RULE_RATIO) {
+                    column_of = std::min(256 * x, most_x);
+                    row_of = std::min(256 * y, most_y);
                 }
                 to[k] = lit(colour_around(flat, column_of, row_of), more, shine);
             }
@@ -184,7 +170,7 @@ Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMa
                                  region.imageOffset.y + static_cast<int>(region.imageExtent.height)};
         find_nodes(sight, flat, bounds);
         PackedColour* const to = buffer->mapped<PackedColour>().data() + region.bufferOffset / 4;
-        has_steps(flat, bounds) ? draw<true>(flat, bounds, to) : draw<false>(flat, bounds, to);
+        draw(flat, bounds, to);
     }
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     record_transition(commands, target, drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);

@@ -36,8 +36,6 @@ private:
     };
     struct Sight;
     void find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds);
-    /// `has_steps`: of z, where one thing stands before another.
-    template <bool has_steps>
     void draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const;
 
     UploadPool uploads_;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 #include "player/view/decimation.hpp"
 #include "player/view/triangle_fill.hpp"
 #include "player/view/triangle_lanes.hpp"

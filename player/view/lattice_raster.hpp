@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/row_bands.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/view_camera.hpp"

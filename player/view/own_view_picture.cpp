@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 #include "player/view/decimation.hpp"
 #include "player/view/view_rows.hpp"
 #include "shaders/raster.h"

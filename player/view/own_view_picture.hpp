@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/view_camera.hpp"

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <glm/vec4.hpp>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 #include "shaders/view_project.h"
 
 // Triangles side by side, one in each lane of a vector, with the arithmetic of triangle_fill.hpp. Vectors

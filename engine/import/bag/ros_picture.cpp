@@ -10,6 +10,7 @@
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/import/bag/rvl.hpp"
 #include "engine/picture/decoded_picture.hpp"
+#include "engine/picture/rgb_converter.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 // Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
 // CPUs may have: the widest that is there is chosen at run time. Vectors never cross a function call that is

@@ -1,4 +1,4 @@
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 
 namespace touchable {
 
