@@ -111,7 +111,7 @@ FilterSettings chosen_for(const Phone& of, UnstatedFilters unstated = all_unstat
 
 TEST(ChosenReach, OfWideTerracesIsWideAndOfOthersAsItWas) {
     EXPECT_EQ(chosen_for(phone(90, 1)).terrace_reach, 128);
-    EXPECT_EQ(chosen_for(phone(50, 1)).terrace_reach, 64);
+    EXPECT_EQ(chosen_for(phone(44, 1)).terrace_reach, 64);
     EXPECT_EQ(chosen_for(phone(90, 1)).levels, DepthLength{});
     EXPECT_EQ(chosen_for(phone(9, 1)).terrace_reach, 16);
     EXPECT_EQ(chosen_for(phone(90, 1)).terraces, TerraceRemoval::on);
