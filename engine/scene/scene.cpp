@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -234,6 +235,9 @@ Result<void> check_filter(const Scene& scene) {
     if (auto passes = check_within("filter.fill_holes", filter.fill_holes, 0, 16); !passes) return passes;
     if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
         return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
+    if (filter.terrace_reach < least_terrace_reach || filter.terrace_reach > most_terrace_reach ||
+        !std::has_single_bit(static_cast<unsigned>(filter.terrace_reach)))
+        return refuse("filter.terrace_reach", filter.terrace_reach, "16, 32, 64 or 128 pixels");
     if (auto part = check_not_negative("filter.levels' constant", filter.levels.constant); !part) return part;
     if (auto part = check_not_negative("filter.levels' quadratic", filter.levels.quadratic); !part)
         return part;

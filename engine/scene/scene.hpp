@@ -62,6 +62,8 @@ enum class FrameInterpolation { hold, linear };
 
 /// Automatic: where kappa says that it helps (terraces.hpp).
 enum class TerraceRemoval { off, on, automatic };
+/// How far terrace removal may look, in pixels: a power of two from the one to the other.
+inline constexpr int least_terrace_reach = 16, most_terrace_reach = 128;
 
 /// Integer filters between stored values and codes; see engine/surface.
 struct FilterSettings {
@@ -79,6 +81,8 @@ struct FilterSettings {
     /// Depths that differ by no more belong to one surface; a pixel that hangs between two of them is pulled
     /// to one (flying_pixels.hpp). Zero: off.
     DepthLength flying_pixels{};
+    /// Terraces about as wide become slopes.
+    int terrace_reach = least_terrace_reach;
     bool operator==(const FilterSettings&) const = default;
 };
 

@@ -187,17 +187,20 @@ DepthLength read_length(const Node& node) {
 }
 
 void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unstated) {
-    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "levels", "temporal",
-                     "temporal_noise", "flying_pixels"});
+    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "terrace_reach", "levels",
+                     "temporal", "temporal_noise", "flying_pixels"});
     if (node.has("median")) filter.median = node["median"].whole();
     if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
     if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
     if (node.has("terrace_noise")) filter.terrace_noise = node["terrace_noise"].number();
+    if (node.has("terrace_reach")) filter.terrace_reach = node["terrace_reach"].whole();
     if (node.has("levels")) filter.levels = read_length(node["levels"]);
     if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
     if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
     unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
                 !node.has("flying_pixels")};
+    // Removal that is stated is as it was before there was a reach, above all where a recording repeats it.
+    unstated.terrace_reach = !node.has("terrace_reach") && unstated.terraces;
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 

@@ -69,6 +69,7 @@ std::optional<TerraceFilter> terrace_filter(const Scene& scene) {
     if (!working) return std::nullopt;
     TerraceFilter filter =
         working->table ? looked_up_filter(scene, *working) : multiplied_filter(scene, *working);
+    filter.reach = settings.terrace_reach;
     filter.coding = finer(working->coding, 2);
     if (settings.temporal) filter.working = unchanged_codes(working->coding);
     return filter;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <optional>
 
@@ -15,11 +16,12 @@ struct TerraceFilter {
     /// Of codes before the passes, nothing to do where the temporal filter did it; the last pass doubles
     /// them.
     WorkingCodes working;
-    int step = 0;        ///< from one stored code to the next, in working codes; at least, where that differs
-    CodeCurve steps;     ///< the same where it differs; zero: it does not
-    CodeCurve levels;    ///< from one level to the next, in working codes; zero: every code is one
-    int fraction = 0;    ///< binary digits of both curves that are behind the point
-    int noise = 0;       ///< standard deviation, in working codes; of looked-up ones it is in the curves
+    int step = 0;      ///< from one stored code to the next, in working codes; at least, where that differs
+    CodeCurve steps;   ///< the same where it differs; zero: it does not
+    CodeCurve levels;  ///< from one level to the next, in working codes; zero: every code is one
+    int fraction = 0;  ///< binary digits of both curves that are behind the point
+    int noise = 0;     ///< standard deviation, in working codes; of looked-up ones it is in the curves
+    int reach = least_terrace_reach;  ///< a code depends on those at most so many pixels away
     DepthCoding coding;  ///< of the finer codes; of an unchanged multiplied code the depth is the same double
 
     /// Whether gates are the same at every code.
@@ -30,16 +32,24 @@ struct TerraceFilter {
     }
     /// Second differences up to it are terraces, from twice it on they are the surface's own.
     int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
+    /// The same in a pass. Taps that are wide apart see more of the surface's own, and are stricter, so that
+    /// steps stay (docs/measurements.md).
+    int gate_at(std::uint16_t code, int tap) const { return is_wide(tap) ? most_at(code) : gate_at(code); }
     /// By how much a code may change, before it is doubled.
     int most_at(std::uint16_t code) const { return (4 * level_at(code) + 3 * noise) / 4; }
     static constexpr int most_level = 2900;  ///< so that eight gates, with the most noise, have 15 bits
 
+    int passes() const { return std::bit_width(static_cast<unsigned>(reach)); }
+    /// Pixels from the centre to its taps in a pass: half of the reach, half of that, and so on, 1, and 1
+    /// again.
+    int tap_of(int pass) const { return std::max(reach >> (pass + 1), 1); }
+    static constexpr bool is_wide(int tap) { return tap > least_terrace_reach / 2; }
+
     bool operator==(const TerraceFilter&) const = default;
 };
 
-/// Pixels from one tap to the next, pass by pass. A code depends on those at most terrace_reach away.
-inline constexpr int terrace_steps[] = {8, 4, 2, 1, 1};
-inline constexpr int terrace_reach = 16;
+/// Passes of the farthest reach.
+inline constexpr int most_terrace_passes = std::bit_width(unsigned{most_terrace_reach});
 /// Noise that there is room for, in stored codes.
 inline constexpr int most_terrace_noise = 4;
 

@@ -37,6 +37,7 @@ DepthEstimator::DepthEstimator(const Scene& scene)
 void DepthEstimator::add(const RawFrame& frame) {
     const CodePicture picture = code_picture(frame.depth, scene_.depth);
     levels_.add(picture);
+    contours_.add(picture);
     last_.push_back(SmoothPatches::cropped(picture));
     if (last_.size() > SmoothPatches::frames) last_.pop_front();
     noise_.add(picture);
@@ -73,6 +74,7 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
     measured.levels = scene.filter.levels;
     measured.distance = level_distance(scene, *median);
     measured.kappa = kappa_of_depth(scene, *median);
+    measured.contours = contours_.contours();
     measured.noise = noise_.noise(Place::flat);
     measured.noise_at_edges = noise_.noise(Place::edge).at(*median);
     measured.noise_at_rims = noise_.noise(Place::rim).at(*median);

@@ -6,6 +6,7 @@
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/contour_estimator.hpp"
 #include "engine/surface/filter_search.hpp"
 #include "engine/surface/level_estimator.hpp"
 #include "engine/surface/noise_estimator.hpp"
@@ -20,7 +21,8 @@ struct MeasuredDepth {
     DepthLength levels;   ///< zero: every code is one
     double distance = 0;  ///< from one level to the next at the median
     double kappa = 0;     ///< there, with these levels
-    DepthLength noise;    ///< of flat places, from frame to frame; zero: none was found
+    Contours contours;
+    DepthLength noise;  ///< of flat places, from frame to frame; zero: none was found
     double noise_at_edges = 0, noise_at_rims = 0;  ///< at the median
     double roughness = 0;                          ///< of flat places, from pixel to pixel, at the median
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
@@ -63,6 +65,7 @@ private:
 
     const Scene scene_;
     LevelEstimator levels_;
+    ContourEstimator contours_;
     NoiseEstimator noise_;
     std::deque<CodePicture> last_;  // cropped
     int added_ = 0;

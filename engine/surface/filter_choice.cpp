@@ -45,6 +45,17 @@ const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedF
                                                : nullptr;
 }
 
+/// Terraces of many pixels: those of phones, whose few levels hide behind the codes of the ramps between
+/// them.
+void widen_reach(const MeasuredDepth& measured, Scene& scene) {
+    if (scene.filter.terraces != TerraceRemoval::on || !measured.contours.are_wide()) return;
+    scene.filter.terrace_reach = measured.contours.reach();
+    if (scene.filter.levels != DepthLength{}) return;
+    Scene with_levels = scene;
+    with_levels.filter.levels = measured.contours.levels(scene.depth);
+    if (has_working_codes(with_levels)) scene.filter.levels = with_levels.filter.levels;
+}
+
 /// Where nothing was tried.
 void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilters& unstated, Scene& scene) {
     FilterSettings& filter = scene.filter;
@@ -52,9 +63,12 @@ void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilte
         filter.median = measured.from_a_camera() && measured.roughness >= roughness_per_pixel * measured.pixel
                             ? median_of_cameras(measured)
                             : 0;
+    const bool is_reach_open = unstated.terrace_reach || (filter.terraces == TerraceRemoval::automatic &&
+                                                          filter.terrace_reach == least_terrace_reach);
     if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
         filter.terraces = removal_advised(measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
     if (filter.terraces == TerraceRemoval::on) filter.levels = measured.levels;
+    if (is_reach_open) widen_reach(measured, scene);
 }
 
 }  // namespace
@@ -91,7 +105,8 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
 bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene) {
     const FilterSettings& filter = scene.filter;
     return unstated.any() || filter.terraces == TerraceRemoval::automatic ||
-           (filter.terraces != TerraceRemoval::off && filter.levels == DepthLength{}) ||
+           (filter.terraces != TerraceRemoval::off &&
+            (filter.levels == DepthLength{} || unstated.terrace_reach)) ||
            (filter.temporal && filter.temporal_noise == DepthLength{});
 }
 

@@ -13,7 +13,7 @@ FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
     if (const auto filter = temporal_filter(scene))
         filters.push_back({*filter, std::nullopt, filter->coding});
     if (const auto filter = terrace_filter(scene))
-        filters.push_back({*filter, terrace_reach, filter->coding});
+        filters.push_back({*filter, filter->reach, filter->coding});
 }
 
 std::optional<int> FilterPlan::reach() const {

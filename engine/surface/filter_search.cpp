@@ -105,6 +105,7 @@ std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const Dept
 
 const TriedFilters* found_among(const std::vector<TriedFilters>& tried, const FilterSettings& filter) {
     const bool removed = filter.terraces == TerraceRemoval::on;
+    if (removed && filter.terrace_reach != least_terrace_reach) return nullptr;
     for (const TriedFilters& one : tried)
         if (one.temporal == filter.temporal && one.median == filter.median && one.terraces == removed &&
             (!removed || one.levels == filter.levels))

@@ -201,8 +201,8 @@ void LazyVertices::restart() {
     restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
     for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
     if (!terraces_) return;
-    blocks_x_ = (frame_.width + TerracePatch::block - 1) / TerracePatch::block;
-    const int blocks_y = (frame_.height + TerracePatch::block - 1) / TerracePatch::block;
+    blocks_x_ = (frame_.width + terrace_block - 1) / terrace_block;
+    const int blocks_y = (frame_.height + terrace_block - 1) / terrace_block;
     restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
     const std::size_t pixels = frame_.index(0, frame_.height);
     if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
@@ -251,7 +251,7 @@ std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
 }
 
 std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
-    const int bx = x / TerracePatch::block, by = y / TerracePatch::block;
+    const int bx = x / terrace_block, by = y / terrace_block;
     auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
                              static_cast<std::size_t>(bx)];
     // Two readers who level a block at once write the same.
@@ -265,15 +265,30 @@ std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
 }
 
 void LazyVertices::level_block(int bx, int by) const {
-    TerracePatch patch(frame_.width, frame_.height, bx, by);
+    switch (terraces_->reach) {
+        case 128:
+            return level_block_within<128>(bx, by);
+        case 64:
+            return level_block_within<64>(bx, by);
+        case 32:
+            return level_block_within<32>(bx, by);
+        default:
+            return level_block_within<16>(bx, by);
+    }
+}
+
+/// Not inlined, so that a patch is on the stack only where it is one of that reach.
+template <int reach>
+[[gnu::noinline]] void LazyVertices::level_block_within(int bx, int by) const {
+    TerracePatch<reach> patch(frame_.width, frame_.height, bx, by);
     for (int y = patch.top(); y <= patch.bottom(); ++y)
         for (int x = patch.left(); x <= patch.right(); ++x)
             if (const auto code = filtered_code(x, y)) patch.set(x, y, *code, *terraces_);
     patch.level(*terraces_);
-    const int right = std::min((bx + 1) * TerracePatch::block, frame_.width);
-    const int bottom = std::min((by + 1) * TerracePatch::block, frame_.height);
-    for (int y = by * TerracePatch::block; y < bottom; ++y)
-        for (int x = bx * TerracePatch::block; x < right; ++x)
+    const int right = std::min((bx + 1) * terrace_block, frame_.width);
+    const int bottom = std::min((by + 1) * terrace_block, frame_.height);
+    for (int y = by * terrace_block; y < bottom; ++y)
+        for (int x = bx * terrace_block; x < right; ++x)
             finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y) : no_code,
                                              std::memory_order_relaxed);
 }

@@ -33,6 +33,8 @@ private:
     std::optional<std::uint16_t> recent_code(int x, int y) const;
     std::optional<std::uint16_t> finer_code(int x, int y) const;
     void level_block(int bx, int by) const;
+    template <int reach>
+    void level_block_within(int bx, int by) const;
     TileBounds raw_bounds(int tx, int ty) const;
     TileBounds finer_bounds(const TileBounds& stored) const;
 

@@ -152,15 +152,16 @@ int levelling_of(const Picture& picture, int x, int y, int step, int gate) {
 Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
     for (Pixel& pixel : picture.pixels) pixel.code = filter.working.of(pixel.code);
     const Picture first = picture;
-    for (const int& step : terrace_steps) {
-        const bool is_last = &step == std::end(terrace_steps) - 1;
+    for (int pass = 0; pass < filter.passes(); ++pass) {
+        const int step = filter.tap_of(pass);
+        const bool is_last = pass + 1 == filter.passes();
         const Picture before = picture;
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x) {
                 if (!before.at(x, y).valid) continue;
                 const std::uint16_t code = before.at(x, y).code;
                 const std::uint16_t was = first.at(x, y).code;
-                const int sum = levelling_of(before, x, y, step, filter.gate_at(was));
+                const int sum = levelling_of(before, x, y, step, filter.gate_at(was, step));
                 // The last pass doubles codes, so that half of a step is not rounded away.
                 int after = is_last ? 2 * code + ((sum + 4) >> 3) : code + ((sum + 8) >> 4);
                 const int most = filter.most_at(was);

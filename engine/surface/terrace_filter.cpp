@@ -2,21 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
 #include "engine/surface/validity_strip.hpp"
 
 namespace touchable {
 namespace {
 
-static_assert(std::accumulate(std::begin(terrace_steps), std::end(terrace_steps), 0) == terrace_reach);
-
-/// Rows of which it is kept who counts: the last pass is terrace_reach behind the row that is loaded, and
-/// reads the one before its own too.
-constexpr int known_rows = terrace_reach + 2;
-
 /// The finer codes of a strip, held near what they were before the passes, and 0 where they are not valid.
-/// All in 16 bits, as CPUs like it: five passes cannot move a code by more than fits them.
+/// All in 16 bits, as CPUs like it: passes cannot move a code by more than fits them.
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  const std::int16_t* limits, std::uint32_t validity, std::uint16_t* codes, int count) {
     std::uint16_t was[strip_pixels];
@@ -49,32 +42,33 @@ void TerraceRemover::resize(int width, int threads) {
     const int words = (width + strip_pixels - 1) / strip_pixels;
     if (words == words_ && work_.size() == static_cast<std::size_t>(threads)) return;
     words_ = words;
-    pitch_ = words_ * strip_pixels + 2 * terrace_margin;
+    pitch_ = words_ * strip_pixels + 2 * margin_;
     work_.resize(static_cast<std::size_t>(threads));
     for (Work& work : work_) {
-        for (int pass = 0; pass <= passes; ++pass) {
+        for (int pass = 0; pass <= filter_.passes(); ++pass) {
             Ring& ring = work.rings[pass];
-            ring.count = pass < passes ? 2 * terrace_steps[pass] + 1 : 1;
+            ring.count = pass < filter_.passes() ? 2 * filter_.tap_of(pass) + 1 : 1;
             ring.codes.resize(static_cast<std::size_t>(pitch_ * ring.count));
         }
-        work.masks.assign(static_cast<std::size_t>(pitch_ * (known_rows + 1)), -1);
+        work.masks.assign(static_cast<std::size_t>(pitch_ * (known_rows_ + 1)), -1);
         for (auto* rows : {&work.gates, &work.most})
             rows->resize(filter_.is_even() ? 0
-                                           : static_cast<std::size_t>(words_ * strip_pixels * known_rows));
-        work.holes.assign(static_cast<std::size_t>((words_ + 2) * (known_rows + 1)), ~std::uint32_t{0});
+                                           : static_cast<std::size_t>(words_ * strip_pixels * known_rows_));
+        work.holes.assign(static_cast<std::size_t>(hole_words() * (known_rows_ + 1)), ~std::uint32_t{0});
     }
 }
 
 void TerraceRemover::make(const RowBand& band, SurfaceFrame& out) {
     Work& work = work_[static_cast<std::size_t>(band.thread)];
     const int height = out.height;
-    for (int loaded = std::max(band.first - terrace_reach, 0); loaded < band.last + terrace_reach; ++loaded) {
+    const int passes = filter_.passes();
+    for (int loaded = std::max(band.first - filter_.reach, 0); loaded < band.last + filter_.reach; ++loaded) {
         if (loaded < height) load(loaded, work);
         // A pass follows the rows before it by its step, and is needed as far beyond the band as those after
         // it reach.
-        int y = loaded, reach = terrace_reach;
+        int y = loaded, reach = filter_.reach;
         for (int pass = 0; pass < passes; ++pass) {
-            const int step = terrace_steps[pass];
+            const int step = filter_.tap_of(pass);
             y -= step;
             reach -= step;
             if (y < std::max(band.first - reach, 0) || y >= std::min(band.last + reach, height)) continue;
@@ -94,9 +88,9 @@ void TerraceRemover::load(int y, Work& work) const {
         find_gates(unit_, filter_, to, words_, work.gates.data() + gates_at(y),
                    work.most.data() + gates_at(y));
     const std::uint32_t* validity = from.validity_row(y);
-    const int slot = y % known_rows;
-    std::int16_t* masks = work.masks.data() + pitch_ * slot + terrace_margin;
-    std::uint32_t* holes = work.holes.data() + std::ptrdiff_t{words_ + 2} * slot + 1;
+    const int slot = y % known_rows_;
+    std::int16_t* masks = work.masks.data() + pitch_ * slot + margin_;
+    std::uint32_t* holes = work.holes.data() + hole_words() * slot + words_beyond(margin_);
     for (int word = 0; word < words_; ++word) {
         holes[word] = ~validity[word];
         std::uint16_t bits[strip_pixels] = {};
@@ -112,8 +106,8 @@ void TerraceRemover::store(int y, Work& work, SurfaceFrame& out) const {
     for (int word = 0; word < words_; ++word) {
         const int x = word * strip_pixels;
         const std::int16_t* limits = filter_.is_even() ? nullptr : work.most.data() + gates_at(y) + x;
-        store_strip(filter_, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), limits,
-                    validity[word], out.codes.data() + out.index(x, y),
+        store_strip(filter_, codes(work, filter_.passes(), y) + x, from.codes.data() + from.index(x, y),
+                    limits, validity[word], out.codes.data() + out.index(x, y),
                     std::min(strip_pixels, from.width - x));
     }
 }
@@ -121,20 +115,20 @@ void TerraceRemover::store(int y, Work& work, SurfaceFrame& out) const {
 TerraceRow TerraceRemover::row(const Work& work, int pass, int y) const {
     const bool inside = y >= 0 && y < with_terraces_.height;
     const Ring& ring = work.rings[pass];
-    const int slot = inside ? y % ring.count : 0, known = inside ? y % known_rows : known_rows;
-    return {ring.codes.data() + pitch_ * slot + terrace_margin,
-            work.masks.data() + pitch_ * known + terrace_margin,
-            work.holes.data() + std::ptrdiff_t{words_ + 2} * known + 1,
-            inside && !filter_.is_even() ? work.gates.data() + gates_at(y) : nullptr};
+    const int slot = inside ? y % ring.count : 0, known = inside ? y % known_rows_ : known_rows_;
+    const auto& gates = TerraceFilter::is_wide(filter_.tap_of(pass)) ? work.most : work.gates;
+    return {ring.codes.data() + pitch_ * slot + margin_, work.masks.data() + pitch_ * known + margin_,
+            work.holes.data() + hole_words() * known + words_beyond(margin_),
+            inside && !filter_.is_even() ? gates.data() + gates_at(y) : nullptr};
 }
 
 std::ptrdiff_t TerraceRemover::gates_at(int y) const {
-    return std::ptrdiff_t{words_} * strip_pixels * (y % known_rows);
+    return std::ptrdiff_t{words_} * strip_pixels * (y % known_rows_);
 }
 
 std::int16_t* TerraceRemover::codes(Work& work, int pass, int y) const {
     Ring& ring = work.rings[pass];
-    return ring.codes.data() + pitch_ * (y % ring.count) + terrace_margin;
+    return ring.codes.data() + pitch_ * (y % ring.count) + margin_;
 }
 
 }  // namespace touchable

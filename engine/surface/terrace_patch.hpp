@@ -8,10 +8,14 @@
 
 namespace touchable {
 
+inline constexpr int terrace_block = 16;
+
 /// Terrace removal of a block of 16x16 pixels, with all the pixels that it depends on, on the stack.
+/// `reach`: the filter's; of the farthest a patch takes 1.2 MB.
+template <int reach>
 class TerracePatch {
 public:
-    static constexpr int block = 16;
+    static constexpr int block = terrace_block;
 
     /// Block (bx, by) of a picture; its pixels and those of the patch are named as the picture's.
     TerracePatch(int width, int height, int bx, int by);
@@ -28,17 +32,17 @@ public:
     std::uint16_t code(int x, int y) const;
 
 private:
-    static constexpr int side = block + 2 * terrace_reach;
+    static constexpr int side = block + 2 * reach, margin = reach / 2, beyond = words_beyond(margin);
     static constexpr int words = (side + strip_pixels - 1) / strip_pixels;
-    static constexpr int pitch = words * strip_pixels + 2 * terrace_margin;
+    static constexpr int pitch = words * strip_pixels + 2 * margin;
 
-    TerraceRow row(const std::int16_t (&codes)[side][pitch], int y) const;
+    TerraceRow row(const std::int16_t (&codes)[side][pitch], int tap, int y) const;
 
     int left_, right_, top_, bottom_;
     std::int16_t before_[side][pitch] = {}, codes_[side][pitch] = {}, next_[side][pitch] = {};
     std::int16_t gates_[side][words * strip_pixels], most_[side][words * strip_pixels];
     std::int16_t masks_[side + 1][pitch];  // the last row of both: outside
-    std::uint32_t holes_[side + 1][words + 2];
+    std::uint32_t holes_[side + 1][words + 2 * beyond];
 };
 
 }  // namespace touchable

@@ -1,8 +1,6 @@
 #include "engine/surface/terrace_rows.hpp"
 
-#include <algorithm>
 #include <cstring>
-#include <iterator>
 
 #include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
@@ -10,8 +8,6 @@
 
 namespace touchable {
 namespace {
-
-static_assert(*std::max_element(std::begin(terrace_steps), std::end(terrace_steps)) <= terrace_margin);
 
 /// As many values with a sign.
 template <class Bits>
@@ -75,8 +71,9 @@ template <class Lanes>
     d.rising &= ~(load_lanes<Lanes>(at.up + step) | load_lanes<Lanes>(at.down - step));
 }
 
-[[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word) {
-    return (word[-1] | word[0] | word[1]) != 0;
+/// `away`: words from that of a centre to those of its taps.
+[[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word, int away) {
+    return (word[-away] | word[0] | word[away]) != 0;
 }
 
 /// TerraceFilter::gate_at and most_at of a row.
@@ -118,10 +115,12 @@ struct RowLevelling {
         using Lanes = typename WithSign<Bits>::Lanes;
         static_assert(strip_pixels % lane_count<Bits> == 0);
         const TerraceFilter& filter = pass.filter;
-        const Lanes even_gate = Lanes{} + static_cast<std::int16_t>(filter.gate_at(0));
+        const Lanes even_gate = Lanes{} + static_cast<std::int16_t>(filter.gate_at(0, pass.step));
+        const int away = words_beyond(pass.step);
         for (int word = 0; word < words; ++word) {
-            const bool has_holes = any_hole_near(above.holes + word) || any_hole_near(here.holes + word) ||
-                                   any_hole_near(below.holes + word);
+            const bool has_holes = any_hole_near(above.holes + word, away) ||
+                                   any_hole_near(here.holes + word, away) ||
+                                   any_hole_near(below.holes + word, away);
             for (int x = word * strip_pixels; x < (word + 1) * strip_pixels; x += lane_count<Bits>) {
                 SecondDifferences<Lanes> d;
                 find_differences<Bits>({above.codes + x, here.codes + x, below.codes + x}, pass.step, d);

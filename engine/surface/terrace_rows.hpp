@@ -9,14 +9,17 @@ namespace touchable {
 
 /// A row of working codes, for one pass of terrace removal. Which pixels do not count, because they are
 /// invalid or outside, is said twice: as a mask for each (-1: does not count), and as a bit for each in words
-/// of 32. Codes and masks may be read terrace_margin beyond both ends, which lie on whole words, where codes
-/// mean nothing and masks are -1; words -1 and `words` may be read too, and are not 0.
+/// of 32. Codes and masks may be read as far as a tap is beyond both ends, which lie on whole words, where
+/// codes mean nothing and masks are -1; words_beyond words there may be read too, and are not 0.
 struct TerraceRow {
     const std::int16_t *codes, *masks;
     const std::uint32_t* holes;
-    const std::int16_t* gates;  ///< of the codes before all passes (find_gates); unused where all are alike
+    const std::int16_t* gates;  ///< of the codes before all passes, in this one; unused where all are alike
 };
-inline constexpr int terrace_margin = 8;
+/// Words of holes to either side of a row for taps up to so far away.
+constexpr int words_beyond(int tap) {
+    return (tap + 31) / 32;
+}
 
 /// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
 void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,

@@ -233,10 +233,10 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
                             static_cast<std::uint32_t>(filter.noise)};
     const GpuBuffer first = frame.rows.buffer;
     GpuBuffer from = first;
-    for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
-        const bool is_last = pass + 1 == std::size(terrace_steps);
+    for (int pass = 0; pass < filter.passes(); ++pass) {
+        const bool is_last = pass + 1 == filter.passes();
         const auto program =
-            kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last, !filter.is_even());
+            kernels_->terraces(plan_.group_size, filter.tap_of(pass), is_last, !filter.is_even());
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
         frame.commands.dispatch(*program, push, {from, first, to},

@@ -32,6 +32,8 @@ Json measured_json(const MeasuredDepth& measured) {
             {"levels", length(measured.levels)},
             {"level_distance", measured.distance},
             {"kappa", measured.kappa},
+            {"contour_width", measured.contours.width},
+            {"contour_height", measured.contours.height},
             {"noise", length(measured.noise)},
             {"noise_at_median", measured.noise_at_median()},
             {"noise_at_edges", measured.noise_at_edges},
@@ -56,6 +58,7 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
              {"terraces", filter.terraces == TerraceRemoval::on},
              {"levels", length(filter.levels)},
              {"terrace_noise", filter.terrace_noise},
+             {"terrace_reach", filter.terrace_reach},
              {"temporal", filter.temporal},
              {"temporal_noise", length(filter.temporal_noise)}};
     out["flying_pixels"] = length(filter.flying_pixels);

@@ -45,6 +45,9 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
     apply(choice.fill_holes, filter.fill_holes, unstated.fill_holes);
     apply(choice.terraces, filter.terraces, unstated.terraces);
     if (choice.temporal) apply(*choice.temporal, scene, unstated);
+    // Who asks for it says nothing of its reach.
+    if ((choice.filters || choice.terraces) && filter.terrace_reach == least_terrace_reach)
+        unstated.terrace_reach = true;
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Levels, which decide whether there is room for terrace removal, and noise are still to be measured.
     Scene without = scene;

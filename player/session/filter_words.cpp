@@ -44,9 +44,17 @@ std::string median_reason(const MeasuredDepth& measured, double metres_per_unit)
     return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
 }
 
+std::string contours_found(const Contours& contours) {
+    std::string words = "terraces are " + std::to_string(contours.width) + " pixels wide";
+    if (contours.height > 1) words += " and " + std::to_string(contours.height) + " codes high";
+    return words;
+}
+
 /// What removal takes levels for, where that is not what was found.
 std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& filter,
                            double metres_per_unit) {
+    if (filter.terraces == TerraceRemoval::on && filter.terrace_reach != least_terrace_reach)
+        return contours_found(measured.contours) + ", codes " + where_it_is(measured, metres_per_unit);
     const bool is_wider = filter.terraces == TerraceRemoval::on && filter.levels != measured.levels;
     return "levels " + where_it_is(measured, metres_per_unit) +
            (is_wider ? ", noise and all " + mm(filter.levels.at(measured.median), metres_per_unit) : "");
@@ -91,6 +99,12 @@ std::string temporal_name(const Scene& scene, double depth) {
     return "temporal for " + number(noise.constant, " + ") + number(noise.quadratic, " depth^2 units");
 }
 
+std::string terraces_name(const FilterSettings& filter) {
+    if (filter.terraces != TerraceRemoval::on || filter.terrace_reach == least_terrace_reach)
+        return "terraces";
+    return "terraces within " + std::to_string(filter.terrace_reach) + " pixels";
+}
+
 std::string flying_reason(const MeasuredDepth& measured) {
     const std::string flying = share(measured.flying, "hang between surfaces");
     if (measured.from_a_camera() || measured.clean_edges == 0) return flying;
@@ -116,7 +130,7 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
              median_reason(measured, unit));
     list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
              "noise " + noise_found(measured, unit));
-    list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
+    list.add(filter.terraces == TerraceRemoval::on, by.terraces, terraces_name(filter),
              removal_reason(measured, filter, unit));
     if (known && by == all_unstated && !list.has_any())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +

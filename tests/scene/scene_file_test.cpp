@@ -30,6 +30,25 @@ TEST(SceneFile, PlanesHaveNumbersOfTheirOwn) {
     EXPECT_FALSE(folder.haptic_numbers.any());
 }
 
+/// Sessions that were recorded before there was a reach state removal and no reach.
+TEST(SceneFile, StatedTerraceRemovalHasTheReachThatItHadUnlessTheFileSaysMore) {
+    const auto with = [](const std::string& members) {
+        std::string json = recording;
+        const std::string plain = R"("fill_holes": 2)";
+        return described(json.replace(json.find(plain), plain.size(), plain + members));
+    };
+    for (const char* const word : {"on", "off", "auto"}) {
+        const SceneDescription stated = with(std::string(R"(, "terraces": ")") + word + '"');
+        EXPECT_EQ(stated.scene.filter.terrace_reach, 16) << word;
+        EXPECT_FALSE(stated.unstated.filters.terrace_reach) << word;
+    }
+    const SceneDescription wide = with(R"(, "terraces": "on", "terrace_reach": 64)");
+    EXPECT_EQ(wide.scene.filter.terrace_reach, 64);
+    EXPECT_NE(scene_to_json(wide).find("\"terrace_reach\": 64"), std::string::npos);
+    EXPECT_TRUE(with("").unstated.filters.terrace_reach);
+    EXPECT_FALSE(with(R"(, "terrace_reach": 16)").unstated.filters.terrace_reach);
+}
+
 TEST(SceneFile, RecordingIsReadAsWritten) {
     const Scene scene = parsed(recording);
     EXPECT_EQ(scene.name, "castle");

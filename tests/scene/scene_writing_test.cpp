@@ -134,6 +134,8 @@ SceneDescription random_description(Random& random) {
     if (open.rate) scene.rate = {};
     open.filters = {random.below(2) > 0, random.below(2) > 0, random.below(2) > 0, random.below(2) > 0,
                     random.below(2) > 0};
+    open.filters.terrace_reach = open.filters.terraces && random.below(2);
+    if (!open.filters.terrace_reach) scene.filter.terrace_reach = 16 << random.below(4);
     if (open.filters.median) scene.filter.median = 0;
     if (open.filters.fill_holes) scene.filter.fill_holes = 0;
     if (open.filters.terraces) scene.filter.terraces = TerraceRemoval::off;

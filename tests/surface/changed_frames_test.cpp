@@ -127,8 +127,15 @@ std::string difference(const SurfaceFrame& expected, const SurfaceFrame& actual)
     return {};
 }
 
-constexpr FilterSettings filters[] = {
-    {0, 0}, {3, 0}, {5, 0}, {0, 2}, {3, 1}, {5, 5}, {0, 0, TerraceRemoval::on}, {3, 2, TerraceRemoval::on}};
+constexpr FilterSettings filters[] = {{0, 0},
+                                      {3, 0},
+                                      {5, 0},
+                                      {0, 2},
+                                      {3, 1},
+                                      {5, 5},
+                                      {0, 0, TerraceRemoval::on},
+                                      {3, 2, TerraceRemoval::on},
+                                      {.terraces = TerraceRemoval::on, .terrace_reach = 32}};
 
 std::string text(const FilterSettings& filter) {
     return "median " + std::to_string(filter.median) + ", fill_holes " + std::to_string(filter.fill_holes) +
@@ -279,7 +286,8 @@ TEST(ChangedFramesByVulkan, ReadNoRowThatIsOlderThanTheSlot) {
 
 INSTANTIATE_TEST_SUITE_P(Filters, ChangedFrames, testing::ValuesIn(filters), [](const auto& test) {
     return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
-           (test.param.terraces == TerraceRemoval::on ? "Terraces" : "");
+           (test.param.terraces == TerraceRemoval::on ? "Terraces" : "") +
+           (test.param.terrace_reach > 16 ? std::to_string(test.param.terrace_reach) : "");
 });
 
 TEST(ChangedHue, HasTheBitsOfTheWholeFrame) {
