@@ -34,9 +34,10 @@ constexpr int most_pixels = 4;
 /// Rows of the picture that one thread draws: all of the lattice that is seen there.
 class LatticeRaster::Band {
 public:
-    Band(const GpuLattice& lattice, const ViewCamera& camera, const RowBand& band, int pitch,
-         std::uint64_t* pixels)
+    Band(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, const RowBand& band,
+         int pitch, std::uint64_t* pixels)
         : lattice_(lattice),
+          edges_(edges),
           view_(rows_of(camera)),
           q_(lattice.q.mapped<float>().data()),
           colours_(lattice.colours.mapped<PackedColour>().data()),
@@ -101,6 +102,28 @@ private:
         for (int k = 0; k < n; ++k) {
             row.least_y = k == 0 ? least_y[k] : std::min(row.least_y, least_y[k]);
             row.most_y = k == 0 ? most_y[k] : std::max(row.most_y, most_y[k]);
+        }
+        move_edges(y, row);
+    }
+
+    /// Vertices that are not drawn at their pixel to where they are; q stays, by which triangles are cut.
+    void move_edges(int y, Row& row) const {
+        for (const SurfaceEdges::Vertex& edge : edges_.row(y)) {
+            const auto i = static_cast<std::size_t>(edge.x);
+            const glm::vec4 c = view_clip(view_, edge.at_x, edge.at_y, edge.q);
+            const PackedColour colour = row.colours[i];
+            const float share = 1.0F / c.w;
+            row.x[i] = view_subpixels(c.x / c.w, static_cast<float>(width_));
+            row.y[i] = view_subpixels(c.y / c.w, static_cast<float>(height_));
+            row.in_front[i] = c.w - c.z >= 0.0F ? -1 : 0;
+            row.z[i] = c.z / c.w;
+            row.share[i] = share;
+            row.red[i] = static_cast<float>(colour & 255U) * edge.light * share;
+            row.green[i] = static_cast<float>(colour >> 8 & 255U) * edge.light * share;
+            row.blue[i] = static_cast<float>(colour >> 16 & 255U) * edge.light * share;
+            row.least_y = std::min(row.least_y, row.y[i]);
+            row.most_y = std::max(row.most_y, row.y[i]);
+            row.is_in_front = row.is_in_front && row.in_front[i] != 0;
         }
     }
 
@@ -238,33 +261,40 @@ private:
         const TriangleLanes<n> right(top_left, top_right, bottom_right,
                                      turned(top_left, top_right, bottom_right)),
             left(top_left, bottom_right, bottom_left, turned(top_left, bottom_right, bottom_left));
-        Place<n> right_line(right), left_line(left);
+        Place<n> right_line(right), left_line(left), in_right = right_line, in_left = left_line;
+        const auto plot = [&](const I& place, const I& is_right, const I& is_here)
+            __attribute__((always_inline)) {
+            const F scale = is_right ? right.scale : left.scale;
+            const F of_b = __builtin_convertvector(
+                               is_right ? in_right.ca + right.ca.least : in_left.ca + left.ca.least, F) *
+                           scale,
+                    of_c = __builtin_convertvector(
+                               is_right ? in_right.ab + right.ab.least : in_left.ab + left.ab.least, F) *
+                           scale;
+            const auto mixed = [&](F Corners<n>::*value) __attribute__((always_inline)) {
+                return top_left.*value + of_b * (is_right ? right.b.*value : left.b.*value) +
+                       of_c * (is_right ? right.c.*value : left.c.*value);
+            };
+            const F z = mixed(&Corners<n>::z), share = mixed(&Corners<n>::share);
+            const auto byte = [&](F Corners<n>::*value) __attribute__((always_inline)) {
+                return __builtin_convertvector(mixed(value) / share + 0.5F, I);
+            };
+            const I colour = byte(&Corners<n>::red) | byte(&Corners<n>::green) << 8 |
+                             byte(&Corners<n>::blue) << 16 | static_cast<std::int32_t>(0xff000000U);
+            keep<n>(place, is_here & (z > 0.0F), z, colour);
+        };
         I line_start = start;
         for (int line = 0; line < lines; ++line) {
-            Place<n> in_right = right_line, in_left = left_line;
+            in_right = right_line;
+            in_left = left_line;
             const I is_line = beyond_y >= line;
             for (int column = 0; column < columns; ++column) {
-                const I is_right = in_right.is_inside();
-                const I is_here = (is_right | in_left.is_inside()) & is_line & (beyond_x >= step * column);
-                const F scale = is_right ? right.scale : left.scale;
-                const F of_b = __builtin_convertvector(
-                                   is_right ? in_right.ca + right.ca.least : in_left.ca + left.ca.least, F) *
-                               scale,
-                        of_c = __builtin_convertvector(
-                                   is_right ? in_right.ab + right.ab.least : in_left.ab + left.ab.least, F) *
-                               scale;
-                const auto mixed = [&](F Corners<n>::*value) __attribute__((always_inline)) {
-                    return top_left.*value + of_b * (is_right ? right.b.*value : left.b.*value) +
-                           of_c * (is_right ? right.c.*value : left.c.*value);
-                };
-                const F z = mixed(&Corners<n>::z), share = mixed(&Corners<n>::share);
-                const auto byte = [&](F Corners<n>::*value) __attribute__((always_inline)) {
-                    return __builtin_convertvector(mixed(value) / share + 0.5F, I);
-                };
-                const I colour = byte(&Corners<n>::red) | byte(&Corners<n>::green) << 8 |
-                                 byte(&Corners<n>::blue) << 16 | static_cast<std::int32_t>(0xff000000U);
+                const I is_there = is_line & (beyond_x >= step * column), is_right = in_right.is_inside(),
+                        is_left = in_left.is_inside();
                 const I place = line_start + greater(lesser(beyond_x, I{} + step * column), I{});
-                keep<n>(place, is_here & (z > 0.0F), z, colour);
+                plot(place, is_right, (is_right | is_left) & is_there);
+                // Of a cell that is seen folded both triangles are there.
+                if (const I both = is_right & is_left & is_there; or_of(both) != 0) plot(place, I{}, both);
                 in_right.go_right(right, step);
                 in_left.go_right(left, step);
             }
@@ -298,8 +328,10 @@ private:
         const auto corner = [&](int i, int j) {
             const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
             const PackedColour c = colours_[at];
-            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), q_[at]),
-                              glm::vec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U)};
+            const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
+            if (const SurfaceEdges::Vertex* edge = edges_.at(i, j); edge != nullptr)
+                return FillCorner{view_clip(view_, edge->at_x, edge->at_y, edge->q), colour * edge->light};
+            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), q_[at]), colour};
         };
         const auto fill_one = [&](const std::array<FillCorner, 3>& corners) {
             fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
@@ -315,6 +347,7 @@ private:
     }
 
     const GpuLattice& lattice_;
+    const SurfaceEdges& edges_;
     const ViewRows view_;
     const float* const q_;
     const PackedColour* const colours_;
@@ -332,7 +365,7 @@ void LatticeRaster::Row::resize(std::size_t vertices) {
 LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), rows_(static_cast<std::size_t>(threads)) {}
 
-void LatticeRaster::draw(const GpuLattice& lattice, const ViewCamera& camera,
+void LatticeRaster::draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
                          std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
                          std::span<float> z) {
     pixels_.resize(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height));
@@ -344,7 +377,7 @@ void LatticeRaster::draw(const GpuLattice& lattice, const ViewCamera& camera,
     bands_.for_each_band(camera.height, rows_each, [&](const RowBand& band) {
         std::fill(pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.first)),
                   pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.last)), std::uint64_t{0});
-        Band(lattice, camera, band, pitch, pixels_.data())
+        Band(lattice, edges, camera, band, pitch, pixels_.data())
             .draw(unit_, rows_[static_cast<std::size_t>(band.thread)]);
         for (int y = band.first; y < band.last; ++y) {
             const std::uint64_t* from = pixels_.data() + row_of(y);
