@@ -103,27 +103,49 @@ private:
             row.least_y = k == 0 ? least_y[k] : std::min(row.least_y, least_y[k]);
             row.most_y = k == 0 ? most_y[k] : std::max(row.most_y, most_y[k]);
         }
-        move_edges(y, row);
+        move_edges<n>(y, row);
     }
 
-    /// Vertices that are not drawn at their pixel to where they are; q stays, by which triangles are cut.
-    void move_edges(int y, Row& row) const {
-        for (const SurfaceEdges::Vertex& edge : edges_.row(y)) {
-            const auto i = static_cast<std::size_t>(edge.x);
-            const glm::vec4 c = view_clip(view_, edge.at_x, edge.at_y, edge.q);
-            const PackedColour colour = row.colours[i];
-            const float share = 1.0F / c.w;
-            row.x[i] = view_subpixels(c.x / c.w, static_cast<float>(width_));
-            row.y[i] = view_subpixels(c.y / c.w, static_cast<float>(height_));
-            row.in_front[i] = c.w - c.z >= 0.0F ? -1 : 0;
-            row.z[i] = c.z / c.w;
-            row.share[i] = share;
-            row.red[i] = static_cast<float>(colour & 255U) * edge.light * share;
-            row.green[i] = static_cast<float>(colour >> 8 & 255U) * edge.light * share;
-            row.blue[i] = static_cast<float>(colour >> 16 & 255U) * edge.light * share;
-            row.least_y = std::min(row.least_y, row.y[i]);
-            row.most_y = std::max(row.most_y, row.y[i]);
-            row.is_in_front = row.is_in_front && row.in_front[i] != 0;
+    /// Vertices that are not drawn at their pixel to where they are, n at a time; q stays, by which triangles
+    /// are cut.
+    template <int n>
+    [[gnu::always_inline]] void move_edges(int y, Row& row) const {
+        using F = Floats<n>;
+        using I = Ints<n>;
+        const std::span<const SurfaceEdges::Vertex> edges = edges_.row(y);
+        for (std::size_t first = 0; first < edges.size(); first += n) {
+            const std::size_t count = std::min<std::size_t>(n, edges.size() - first);
+            F column{}, at{}, q{}, light{};
+            I colour{};
+            for (std::size_t k = 0; k < n; ++k) {
+                const SurfaceEdges::Vertex& edge = edges[first + std::min(k, count - 1)];
+                column[k] = edge.at_x;
+                at[k] = edge.at_y;
+                q[k] = edge.q;
+                light[k] = edge.light;
+                colour[k] = static_cast<std::int32_t>(row.colours[static_cast<std::size_t>(edge.x)]);
+            }
+            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
+            const I screen_x = subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(width_)),
+                    screen_y = subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(height_)),
+                    in_front = w - z >= 0.0F;
+            const F nearness = z / w, red = __builtin_convertvector(colour & 255, F) * light * share,
+                    green = __builtin_convertvector(colour >> 8 & 255, F) * light * share,
+                    blue = __builtin_convertvector(colour >> 16 & 255, F) * light * share;
+            for (std::size_t k = 0; k < count; ++k) {
+                const auto i = static_cast<std::size_t>(edges[first + k].x);
+                row.x[i] = screen_x[k];
+                row.y[i] = screen_y[k];
+                row.in_front[i] = in_front[k];
+                row.z[i] = nearness[k];
+                row.share[i] = share[k];
+                row.red[i] = red[k];
+                row.green[i] = green[k];
+                row.blue[i] = blue[k];
+                row.least_y = std::min(row.least_y, screen_y[k]);
+                row.most_y = std::max(row.most_y, screen_y[k]);
+                row.is_in_front = row.is_in_front && in_front[k] != 0;
+            }
         }
     }
 
@@ -199,7 +221,18 @@ private:
                 if (large[k] != 0) draw_cell(x + k, y, no_right[k] != 0, no_left[k] != 0);
             is_drawn &= ~large;
         }
-        plot_cells(cells, extent, is_drawn);
+        // A pixel is asked which of a cell's triangles it is in; where the cell is seen folded, it may be
+        // both.
+        const I folded =
+            ~(no_right | no_left) & (turned(cells.top_left, cells.top_right, cells.bottom_right) !=
+                                     turned(cells.top_left, cells.bottom_right, cells.bottom_left));
+        for (bool again = false;; again = true) {
+            Cells<n> shown = cells;
+            plot_cells(shown, extent, is_drawn);
+            is_drawn &= folded;
+            if (again || or_of(is_drawn) == 0) return;
+            cells.top_right = cells.top_left;
+        }
     }
 
     /// Each from its own first pixel on: small ones side by side, larger ones one after the other.
@@ -261,40 +294,33 @@ private:
         const TriangleLanes<n> right(top_left, top_right, bottom_right,
                                      turned(top_left, top_right, bottom_right)),
             left(top_left, bottom_right, bottom_left, turned(top_left, bottom_right, bottom_left));
-        Place<n> right_line(right), left_line(left), in_right = right_line, in_left = left_line;
-        const auto plot = [&](const I& place, const I& is_right, const I& is_here)
-            __attribute__((always_inline)) {
-            const F scale = is_right ? right.scale : left.scale;
-            const F of_b = __builtin_convertvector(
-                               is_right ? in_right.ca + right.ca.least : in_left.ca + left.ca.least, F) *
-                           scale,
-                    of_c = __builtin_convertvector(
-                               is_right ? in_right.ab + right.ab.least : in_left.ab + left.ab.least, F) *
-                           scale;
-            const auto mixed = [&](F Corners<n>::*value) __attribute__((always_inline)) {
-                return top_left.*value + of_b * (is_right ? right.b.*value : left.b.*value) +
-                       of_c * (is_right ? right.c.*value : left.c.*value);
-            };
-            const F z = mixed(&Corners<n>::z), share = mixed(&Corners<n>::share);
-            const auto byte = [&](F Corners<n>::*value) __attribute__((always_inline)) {
-                return __builtin_convertvector(mixed(value) / share + 0.5F, I);
-            };
-            const I colour = byte(&Corners<n>::red) | byte(&Corners<n>::green) << 8 |
-                             byte(&Corners<n>::blue) << 16 | static_cast<std::int32_t>(0xff000000U);
-            keep<n>(place, is_here & (z > 0.0F), z, colour);
-        };
+        Place<n> right_line(right), left_line(left);
         I line_start = start;
         for (int line = 0; line < lines; ++line) {
-            in_right = right_line;
-            in_left = left_line;
+            Place<n> in_right = right_line, in_left = left_line;
             const I is_line = beyond_y >= line;
             for (int column = 0; column < columns; ++column) {
-                const I is_there = is_line & (beyond_x >= step * column), is_right = in_right.is_inside(),
-                        is_left = in_left.is_inside();
+                const I is_right = in_right.is_inside();
+                const I is_here = (is_right | in_left.is_inside()) & is_line & (beyond_x >= step * column);
+                const F scale = is_right ? right.scale : left.scale;
+                const F of_b = __builtin_convertvector(
+                                   is_right ? in_right.ca + right.ca.least : in_left.ca + left.ca.least, F) *
+                               scale,
+                        of_c = __builtin_convertvector(
+                                   is_right ? in_right.ab + right.ab.least : in_left.ab + left.ab.least, F) *
+                               scale;
+                const auto mixed = [&](F Corners<n>::*value) __attribute__((always_inline)) {
+                    return top_left.*value + of_b * (is_right ? right.b.*value : left.b.*value) +
+                           of_c * (is_right ? right.c.*value : left.c.*value);
+                };
+                const F z = mixed(&Corners<n>::z), share = mixed(&Corners<n>::share);
+                const auto byte = [&](F Corners<n>::*value) __attribute__((always_inline)) {
+                    return __builtin_convertvector(mixed(value) / share + 0.5F, I);
+                };
+                const I colour = byte(&Corners<n>::red) | byte(&Corners<n>::green) << 8 |
+                                 byte(&Corners<n>::blue) << 16 | static_cast<std::int32_t>(0xff000000U);
                 const I place = line_start + greater(lesser(beyond_x, I{} + step * column), I{});
-                plot(place, is_right, (is_right | is_left) & is_there);
-                // Of a cell that is seen folded both triangles are there.
-                if (const I both = is_right & is_left & is_there; or_of(both) != 0) plot(place, I{}, both);
+                keep<n>(place, is_here & (z > 0.0F), z, colour);
                 in_right.go_right(right, step);
                 in_left.go_right(left, step);
             }
