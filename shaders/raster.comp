@@ -27,9 +27,10 @@ Corner corner(uint i, uint j) {
     const uint index = j * push.pitch + i;
     Corner c;
     c.q = q_at(index);
-    const vec4 clip = view_clip(push.rows, float(i), float(j), c.q);
+    const Projected seen = projected(index, i, j);
+    const vec4 clip = seen.clip;
     c.share = 1.0f / clip.w;
-    c.colour = unpacked(colour_at(index)) * c.share;
+    c.colour = seen.colour * c.share;
     c.in_front = clip.z <= clip.w;
     c.z = clip.z / clip.w;
     c.at = ivec2(view_subpixels(clip.x / clip.w, float(push.picture_width)),
@@ -82,7 +83,7 @@ Sample sample_at(Edges e, ivec3 here, Corner a, Corner b, Corner c) {
 
 void leave_to_large(uint cell) {
     const uint slot = atomicAdd(large_count, 1u);
-    if (slot < push.large_capacity) {
+    if (slot < push.width * push.height) {
         large_cells[slot] = cell;
         atomicMax(groups_x, min(slot + 1u, RASTER_MOST_GROUPS));
     }

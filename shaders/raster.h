@@ -25,8 +25,9 @@ using uint = unsigned int;
 #define RASTER_Q 0        // words, which a software GPU reads faster than storage
 #define RASTER_COLOURS 1  // likewise
 #define RASTER_PIXELS 2  // 64 bits each
-#define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells
-#define RASTER_TILES 4   // of raster.comp: what to draw (shaders/tile_lists.h)
+#define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells: room for all there are
+#define RASTER_EDGES 4   // where vertices at edges are drawn (shaders/edges.h); of any kind where they are not
+#define RASTER_TILES 5   // of raster.comp: what to draw (shaders/tile_lists.h)
 
 struct RasterPush {
     ViewRows rows;
@@ -35,7 +36,7 @@ struct RasterPush {
     uint tiles_x;                        // tiles in a row of it
     uint picture_width, picture_height;  // pixels
     uint picture_pitch;                  // pixels from one row of them to the next
-    uint large_capacity;                 // cells the list has room for: all there are
+    uint has_edges;                      // 0: every vertex is drawn at its pixel
 };
 
 /// Words before the cells (row * pitch + column): workgroups in x, y, z, and how many cells follow.

@@ -3,6 +3,7 @@
 #define TOUCHABLE_SHADERS_RASTER_COMMON_H
 
 #include "shaders/cut_rule.h"
+#include "shaders/edges.h"
 #include "shaders/raster.h"
 
 layout(push_constant, std430) uniform Push {
@@ -17,6 +18,9 @@ layout(set = 0, binding = RASTER_LARGE, std430) buffer Large {
     uint groups_x, groups_y, groups_z, large_count;
     uint large_cells[];
 };
+layout(set = 0, binding = RASTER_EDGES, std430) readonly buffer MovedVertices {
+    uvec2 moved_vertices[];
+};
 
 float q_at(uint vertex) {
     return uintBitsToFloat(texelFetch(q_words, int(vertex)).x);
@@ -28,6 +32,20 @@ uint colour_at(uint vertex) {
 
 vec3 unpacked(uint colour) {
     return vec3(colour & 255u, colour >> 8 & 255u, colour >> 16 & 255u);
+}
+
+/// A vertex in clip space, and its colour.
+struct Projected {
+    vec4 clip;
+    vec3 colour;
+};
+Projected projected(uint vertex, uint x, uint y) {
+    uvec2 moved = uvec2(0u);
+    if (push.has_edges != 0u) moved = moved_vertices[vertex];
+    const vec3 colour = unpacked(colour_at(vertex));
+    if (moved.x == 0u) return Projected(view_clip(push.rows, float(x), float(y), q_at(vertex)), colour);
+    const vec3 place = edge_place(moved, x, y);
+    return Projected(view_clip(push.rows, place.x, place.y, place.z), colour * edge_light(moved));
 }
 
 void plot(int x, int y, float z, vec3 colour) {

@@ -70,8 +70,8 @@ struct Vertex {
 
 Vertex vertex(uint cell) {
     const float q = q_at(cell);
-    return Vertex(view_clip(push.rows, float(cell % push.pitch), float(cell / push.pitch), q),
-                  unpacked(colour_at(cell)), q);
+    const Projected seen = projected(cell, cell % push.pitch, cell / push.pitch);
+    return Vertex(seen.clip, seen.colour, q);
 }
 
 void draw_triangle(Vertex a, Vertex b, Vertex c) {
@@ -94,7 +94,7 @@ void draw_triangle(Vertex a, Vertex b, Vertex c) {
 }
 
 void main() {
-    for (uint n = gl_WorkGroupID.x; n < min(large_count, push.large_capacity); n += gl_NumWorkGroups.x) {
+    for (uint n = gl_WorkGroupID.x; n < min(large_count, push.width * push.height); n += gl_NumWorkGroups.x) {
         const uint cell = large_cells[n];
         const Vertex top_left = vertex(cell), bottom_right = vertex(cell + push.pitch + 1u);
         draw_triangle(top_left, vertex(cell + 1u), bottom_right);

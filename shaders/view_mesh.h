@@ -20,12 +20,14 @@ using uint = unsigned int;
 #define MESH_Q 0
 #define MESH_COLOURS 1
 #define MESH_TILES 2  // what to draw (shaders/tile_lists.h)
+#define MESH_EDGES 3  // where vertices at edges are drawn (shaders/edges.h); of any kind where they are not
 
 struct MeshPush {
     ViewRows rows;
     uint width, height;  // of the lattice
     uint pitch;          // vertices from one row of q and colours to the next
     uint tiles_x;        // tiles in a row of it
+    uint has_edges;      // 0: every vertex is drawn at its pixel
 };
 
 #ifdef __cplusplus

@@ -4,6 +4,7 @@
 // A vertex of a tile's triangles, read where it lies.
 
 #include "shaders/cut_rule.h"
+#include "shaders/edges.h"
 #include "shaders/tile_lists.h"
 #include "shaders/view_mesh.h"
 
@@ -21,6 +22,9 @@ layout(set = 0, binding = MESH_COLOURS, std430) readonly buffer Colours {
 layout(set = 0, binding = MESH_TILES, std430) readonly buffer Tiles {
     TileListsHeader header;
     uint tiles[];
+};
+layout(set = 0, binding = MESH_EDGES, std430) readonly buffer MovedVertices {
+    uvec2 moved_vertices[];
 };
 
 layout(location = 0) out vec3 colour;
@@ -56,7 +60,13 @@ void main() {
         // Beyond the picture's last row and column triangles have no area.
         at = min(origin + uvec2(vertex % MESH_TILE_SIDE, vertex / MESH_TILE_SIDE), last);
     }
-    const uint packed_colour = colour_at[at.y * push.pitch + at.x];
-    gl_Position = view_clip(push.rows, float(at.x), float(at.y), q_of(at));
-    colour = vec3(packed_colour & 255u, packed_colour >> 8 & 255u, packed_colour >> 16 & 255u) / 255.0f;
+    const uint index = at.y * push.pitch + at.x, packed_colour = colour_at[index];
+    vec3 place = vec3(at, q_of(at));
+    float light = 1.0f / 255.0f;
+    if (push.has_edges != 0u && moved_vertices[index].x != 0u) {
+        place = edge_place(moved_vertices[index], at.x, at.y);
+        light *= edge_light(moved_vertices[index]);
+    }
+    gl_Position = view_clip(push.rows, place.x, place.y, place.z);
+    colour = vec3(packed_colour & 255u, packed_colour >> 8 & 255u, packed_colour >> 16 & 255u) * light;
 }

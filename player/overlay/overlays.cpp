@@ -318,6 +318,7 @@ void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& sur
     const bool shows_relief =
         kind == Overlay::depth || kind == Overlay::depth_linear || kind == Overlay::normals;
     const unsigned lit_share = shows_relief ? 0 : 128;  // of 256
+    surface.colours_are_values = true;
     for (std::size_t k = 0; k < surface.colours.size(); ++k) {
         const std::uint8_t* rgb = overlay.rgb.data() + 3 * k;
         const PackedColour lit = surface.colours[k];

@@ -3,6 +3,7 @@
 #include <initializer_list>
 
 #include "player/view/cpu_lattice.hpp"
+#include "player/view/surface_edges.hpp"
 #include "player/view/surface_painter.hpp"
 #include "player/view/triangle_fill.hpp"
 #include "player/view/view_rows.hpp"
@@ -27,6 +28,10 @@ public:
         planes.colours.assign(pixels, 0);
         const TileGrid grid = TileGrid::of(surface.width, surface.height);
         const ViewRows rows = rows_of(camera);
+        edges_.clear();
+        if (!is_own_view(camera))
+            edges_.find(surface.q.data(), surface.width, surface.height, surface.width, CUT_RULE_RATIO,
+                        surface.colours_are_values);
         for (const auto* tiles : {&surface.tiles.whole, &surface.tiles.mixed})
             for (const std::uint32_t tile : *tiles)
                 paint_tile(surface, rows, static_cast<int>(tile) % grid.tiles_x,
@@ -53,8 +58,11 @@ private:
             const std::size_t index = surface.index(x, y);
             q[k] = surface.q[index];
             const PackedColour c = surface.colours[index];
-            corners[k] = {view_clip(rows, static_cast<float>(x), static_cast<float>(y), q[k]),
-                          glm::vec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U)};
+            const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
+            if (const SurfaceEdges::Vertex* edge = edges_.at(x, y); edge != nullptr)
+                corners[k] = {view_clip(rows, edge->at_x, edge->at_y, edge->q), colour * edge->light};
+            else
+                corners[k] = {view_clip(rows, static_cast<float>(x), static_cast<float>(y), q[k]), colour};
         }
         if (triangle_is_cut(q[0], q[1], q[2])) return;
         fill_triangle(
@@ -70,6 +78,7 @@ private:
     }
 
     CpuLattices lattices_{CpuLattices::usual_threads()};
+    SurfaceEdges edges_{1};  // of what is painted
 };
 
 }  // namespace

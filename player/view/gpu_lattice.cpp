@@ -4,6 +4,11 @@
 #include <cstring>
 #include <string>
 
+#include "player/view/decimation.hpp"
+#include "player/view/view_rows.hpp"
+#include "shaders/edges.h"
+#include "shaders/edges.spv.h"
+
 namespace touchable {
 namespace {
 
@@ -121,6 +126,32 @@ Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattic
     return {};
 }
 
+Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
+                                       GpuLattice& lattice) {
+    if (is_own_view(camera)) return {};
+    if (!edges_) {
+        auto made = GpuProgram::create(*device_, "edges", edges_spv,
+                                       {sizeof(EdgesPush),
+                                        {GpuBindingKind::uniform_texels, GpuBindingKind::storage_buffer},
+                                        {EDGES_LANES, 1, 1}});
+        if (!made.ok()) return made.error();
+        edges_ = std::move(*made);
+    }
+    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+    const std::size_t bytes = 2 * SurfaceUnproject::q_bytes(lattice.width, lattice.height);
+    if (auto done = reserve(lattice.edges, "lattice edges", bytes, memory); !done.ok()) return done;
+    uploaded_.edges = lattice.edges;
+    const EdgesPush push{
+        static_cast<std::uint32_t>(lattice.width), static_cast<std::uint32_t>(lattice.height),
+        static_cast<std::uint32_t>(lattice.pitch), cut_ratio(lattice.step), are_values ? 1U : 0U};
+    commands.barrier(GpuStage::graphics, GpuStage::compute);
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch(edges_, push, {GpuBinding::words(lattice.q), lattice.edges},
+                      {groups_for(push.pitch * push.height, EDGES_LANES)});
+    commands.mark("edges");
+    return {};
+}
+
 /// Makes a lattice and gives q and tiles of it where the CPU reads them.
 Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
                                           GpuLattice& lattice) {
@@ -162,6 +193,7 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
     if (is_here) {
         lattice = *surface.on_gpu;
         lattice.colours = uploaded_.colours;
+        lattice.edges = uploaded_.edges;
     } else {
         lattice.vulkan = device_->vulkan();
         lattice.width = surface.width;

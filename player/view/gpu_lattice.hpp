@@ -5,6 +5,7 @@
 #include "engine/gpu/gpu_buffer.hpp"
 #include "player/view/surface_unproject.hpp"
 #include "player/view/tile_lists.hpp"
+#include "player/view/view_camera.hpp"
 #include "player/view/view_surface.hpp"
 
 namespace touchable {
@@ -19,6 +20,7 @@ struct GpuLattice {
     GpuBuffer colours;  ///< PackedColour, row-major
     GpuBuffer tiles;    ///< which ones to draw: shaders/tile_lists.h
     GpuBuffer classes;  ///< of each tile, between the kernels that find them
+    GpuBuffer edges;    ///< where vertices at edges are drawn: shaders/edges.h; for turned views
 };
 
 /// Rows of a lattice's width into its q, which is mapped.
@@ -37,6 +39,11 @@ public:
                         GpuLattice& lattice);
     /// And tiles, once q is written.
     Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
+
+    /// And where vertices at edges are drawn, once q is written: the twin of SurfaceEdges, the same bits. For
+    /// the clip's own view nothing. `are_values`: as there.
+    Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
+                              GpuLattice& lattice);
 
     /// `make_view_surface`, with q and tiles by `record` where the frames have codes; they stay on the GPU
     /// beside.
@@ -64,6 +71,7 @@ private:
     SurfaceUnproject unproject_;
     TileLists tile_lists_;
     UploadPool uploads_;
+    GpuProgram edges_;  // made when first needed
     GpuLattice uploaded_;
 };
 

@@ -34,9 +34,10 @@ constexpr int most_pixels = 4;
 /// Rows of the picture that one thread draws: all of the lattice that is seen there.
 class LatticeRaster::Band {
 public:
-    Band(const GpuLattice& lattice, const ViewCamera& camera, const RowBand& band, int pitch,
-         std::uint64_t* pixels)
+    Band(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, const RowBand& band,
+         int pitch, std::uint64_t* pixels)
         : lattice_(lattice),
+          edges_(edges),
           view_(rows_of(camera)),
           q_(lattice.q.mapped<float>().data()),
           colours_(lattice.colours.mapped<PackedColour>().data()),
@@ -101,6 +102,50 @@ private:
         for (int k = 0; k < n; ++k) {
             row.least_y = k == 0 ? least_y[k] : std::min(row.least_y, least_y[k]);
             row.most_y = k == 0 ? most_y[k] : std::max(row.most_y, most_y[k]);
+        }
+        move_edges<n>(y, row);
+    }
+
+    /// Vertices that are not drawn at their pixel to where they are, n at a time; q stays, by which triangles
+    /// are cut.
+    template <int n>
+    [[gnu::always_inline]] void move_edges(int y, Row& row) const {
+        using F = Floats<n>;
+        using I = Ints<n>;
+        const std::span<const SurfaceEdges::Vertex> edges = edges_.row(y);
+        for (std::size_t first = 0; first < edges.size(); first += n) {
+            const std::size_t count = std::min<std::size_t>(n, edges.size() - first);
+            F column{}, at{}, q{}, light{};
+            I colour{};
+            for (std::size_t k = 0; k < n; ++k) {
+                const SurfaceEdges::Vertex& edge = edges[first + std::min(k, count - 1)];
+                column[k] = edge.at_x;
+                at[k] = edge.at_y;
+                q[k] = edge.q;
+                light[k] = edge.light;
+                colour[k] = static_cast<std::int32_t>(row.colours[static_cast<std::size_t>(edge.x)]);
+            }
+            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
+            const I screen_x = subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(width_)),
+                    screen_y = subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(height_)),
+                    in_front = w - z >= 0.0F;
+            const F nearness = z / w, red = __builtin_convertvector(colour & 255, F) * light * share,
+                    green = __builtin_convertvector(colour >> 8 & 255, F) * light * share,
+                    blue = __builtin_convertvector(colour >> 16 & 255, F) * light * share;
+            for (std::size_t k = 0; k < count; ++k) {
+                const auto i = static_cast<std::size_t>(edges[first + k].x);
+                row.x[i] = screen_x[k];
+                row.y[i] = screen_y[k];
+                row.in_front[i] = in_front[k];
+                row.z[i] = nearness[k];
+                row.share[i] = share[k];
+                row.red[i] = red[k];
+                row.green[i] = green[k];
+                row.blue[i] = blue[k];
+                row.least_y = std::min(row.least_y, screen_y[k]);
+                row.most_y = std::max(row.most_y, screen_y[k]);
+                row.is_in_front = row.is_in_front && in_front[k] != 0;
+            }
         }
     }
 
@@ -176,7 +221,18 @@ private:
                 if (large[k] != 0) draw_cell(x + k, y, no_right[k] != 0, no_left[k] != 0);
             is_drawn &= ~large;
         }
-        plot_cells(cells, extent, is_drawn);
+        // A pixel is asked which of a cell's triangles it is in; where the cell is seen folded, it may be
+        // both.
+        const I folded =
+            ~(no_right | no_left) & (turned(cells.top_left, cells.top_right, cells.bottom_right) !=
+                                     turned(cells.top_left, cells.bottom_right, cells.bottom_left));
+        for (bool again = false;; again = true) {
+            Cells<n> shown = cells;
+            plot_cells(shown, extent, is_drawn);
+            is_drawn &= folded;
+            if (again || or_of(is_drawn) == 0) return;
+            cells.top_right = cells.top_left;
+        }
     }
 
     /// Each from its own first pixel on: small ones side by side, larger ones one after the other.
@@ -298,8 +354,10 @@ private:
         const auto corner = [&](int i, int j) {
             const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
             const PackedColour c = colours_[at];
-            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), q_[at]),
-                              glm::vec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U)};
+            const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
+            if (const SurfaceEdges::Vertex* edge = edges_.at(i, j); edge != nullptr)
+                return FillCorner{view_clip(view_, edge->at_x, edge->at_y, edge->q), colour * edge->light};
+            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), q_[at]), colour};
         };
         const auto fill_one = [&](const std::array<FillCorner, 3>& corners) {
             fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
@@ -315,6 +373,7 @@ private:
     }
 
     const GpuLattice& lattice_;
+    const SurfaceEdges& edges_;
     const ViewRows view_;
     const float* const q_;
     const PackedColour* const colours_;
@@ -332,7 +391,7 @@ void LatticeRaster::Row::resize(std::size_t vertices) {
 LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), rows_(static_cast<std::size_t>(threads)) {}
 
-void LatticeRaster::draw(const GpuLattice& lattice, const ViewCamera& camera,
+void LatticeRaster::draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
                          std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
                          std::span<float> z) {
     pixels_.resize(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height));
@@ -344,7 +403,7 @@ void LatticeRaster::draw(const GpuLattice& lattice, const ViewCamera& camera,
     bands_.for_each_band(camera.height, rows_each, [&](const RowBand& band) {
         std::fill(pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.first)),
                   pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.last)), std::uint64_t{0});
-        Band(lattice, camera, band, pitch, pixels_.data())
+        Band(lattice, edges, camera, band, pitch, pixels_.data())
             .draw(unit_, rows_[static_cast<std::size_t>(band.thread)]);
         for (int y = band.first; y < band.last; ++y) {
             const std::uint64_t* from = pixels_.data() + row_of(y);

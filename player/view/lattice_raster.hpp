@@ -8,6 +8,7 @@
 #include "engine/vector_unit.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/light_picture.hpp"
+#include "player/view/surface_edges.hpp"
 #include "player/view/view_camera.hpp"
 
 namespace touchable {
@@ -21,8 +22,8 @@ public:
     explicit LatticeRaster(int threads, VectorUnit vectors = usable_vector_units().front());
 
     /// Writes colours and z (0 is empty) of the camera's pixels, rows of `pitch`. `lattice` is in memory that
-    /// is mapped; `background`: a colour for each row.
-    void draw(const GpuLattice& lattice, const ViewCamera& camera, std::span<const PackedColour> background,
+    /// is mapped, `edges` are its own; `background`: a colour for each row.
+    void draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, std::span<const PackedColour> background,
               int pitch, std::span<PackedColour> colours, std::span<float> z);
 
 private:

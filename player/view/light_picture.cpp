@@ -62,7 +62,7 @@ glm::vec3 brightness_of(const glm::vec3& light) {
 namespace {
 
 glm::vec3 background_light(int row, int height) {
-    const glm::vec3 above = light_of(pack_colour(22, 25, 31)), below = light_of(pack_colour(62, 67, 76));
+    const glm::vec3 above = light_of(pack_colour(22, 25, 31)), below = light_of(pack_colour(36, 39, 45));
     const float share = static_cast<float>(row) / static_cast<float>(height);
     return glm::mix(above, below, share * share);
 }

@@ -32,7 +32,7 @@ public:
     }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
-        const auto lattice = lattices_.lattice_of(surface);
+        auto lattice = lattices_.lattice_of(surface);
         if (!lattice.ok()) return lattice.error();
         const std::size_t pixels =
             static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -51,6 +51,10 @@ public:
 
         auto commands = GpuCommands::begin(device_, "mesh");
         if (!commands.ok()) return commands.error();
+        if (auto moved = lattices_.record_edges(*commands, camera, surface.colours_are_values, *lattice);
+            !moved.ok())
+            return moved.error();
+        commands->barrier(GpuStage::compute, GpuStage::graphics);
         pipeline_.record(*commands, *lattice, camera, *colour, *z);
         record_copy(*commands, *colour, *colour_back);
         record_copy(*commands, *z, *z_back);

@@ -15,7 +15,7 @@ namespace touchable {
 namespace {
 
 static_assert(MESH_TILE == TileGrid::cells);
-static_assert(sizeof(MeshPush) == 80);
+static_assert(sizeof(MeshPush) == 84);
 static_assert(TILE_LISTS_CORNERS == MESH_TILE_CELLS * 6);
 
 Result<GpuBuffer> make_tile_pattern(const GpuDevice& device) {
@@ -45,7 +45,7 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
         look.vertex = view_mesh_vert_spv;
         look.fragment = view_mesh_frag_spv;
         look.push_bytes = sizeof(MeshPush);
-        look.bindings.assign(3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+        look.bindings.assign(4, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
         look.constants = {is_mixed ? 1U : 0U};
         look.colour_format = colour_format;
         auto made = GraphicsProgram::create(device, is_mixed ? "mixed tiles" : "whole tiles", look);
@@ -59,15 +59,20 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
 }
 
 void MeshPipeline::draw(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera) const {
-    const MeshPush push{rows_of(camera), static_cast<std::uint32_t>(lattice.width),
-                        static_cast<std::uint32_t>(lattice.height), static_cast<std::uint32_t>(lattice.pitch),
-                        static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x)};
+    const bool is_own = is_own_view(camera);
+    const MeshPush push{rows_of(camera),
+                        static_cast<std::uint32_t>(lattice.width),
+                        static_cast<std::uint32_t>(lattice.height),
+                        static_cast<std::uint32_t>(lattice.pitch),
+                        static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x),
+                        is_own ? 0U : 1U};
+    const GpuBuffer& edges = is_own ? lattice.q : lattice.edges;
     const VkCommandBuffer drawing = commands.handle();
-    whole_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles});
+    whole_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles, edges});
     vkCmdBindIndexBuffer(drawing, pattern_.handle(), 0, VK_INDEX_TYPE_UINT16);
     commands.keep(pattern_.keep_alive());
     vkCmdDrawIndexedIndirect(drawing, lattice.tiles.handle(), offsetof(TileListsHeader, whole_indices), 1, 0);
-    mixed_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles});
+    mixed_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles, edges});
     vkCmdDrawIndirect(drawing, lattice.tiles.handle(), offsetof(TileListsHeader, mixed_vertices), 1, 0);
 }
 

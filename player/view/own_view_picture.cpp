@@ -106,11 +106,9 @@ void OwnViewPicture::find_places(int vertices, int pixels, SubpixelsOf subpixels
 
 bool OwnViewPicture::draws(const ViewCamera& camera) {
     const auto [x, y, z, w] = rows_of(camera);
-    const bool upright = x.y == 0 && x.w == 0 && y.x == 0 && y.w == 0 && x.x > 0 && y.y > 0;
-    const bool level = z.x == 0 && z.y == 0 && z.z == 0 && w.x == 0 && w.y == 0 && w.z == 1 && w.w == 0;
     // Clip space is two units wide and high.
     constexpr float largest = 2.0F * RASTER_LARGE_CELL / VIEW_SUBPIXELS;
-    return upright && level && x.x * static_cast<float>(camera.width) < largest &&
+    return is_own_view(camera) && x.x * static_cast<float>(camera.width) < largest &&
            y.y * static_cast<float>(camera.height) < largest;
 }
 

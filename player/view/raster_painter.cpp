@@ -24,7 +24,7 @@ public:
     }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
-        const auto lattice = lattices_.lattice_of(surface);
+        auto lattice = lattices_.lattice_of(surface);
         if (!lattice.ok()) return lattice.error();
         const std::size_t bytes =
             std::size_t{8} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -40,6 +40,10 @@ public:
 
         auto commands = GpuCommands::begin(device_, "raster");
         if (!commands.ok()) return commands.error();
+        if (auto moved = lattices_.record_edges(*commands, camera, surface.colours_are_values, *lattice);
+            !moved.ok())
+            return moved.error();
+        commands->barrier(GpuStage::compute, GpuStage::compute);
         raster_.record(*commands, *lattice, camera, pixels_, camera.width, large_);
         if (seen_.handle() != pixels_.handle()) {
             commands->barrier(GpuStage::compute, GpuStage::transfer);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "player/view/light_picture.hpp"
+#include "player/view/view_rows.hpp"
 #include "shaders/view_background.frag.spv.h"
 #include "shaders/view_screen.vert.spv.h"
 
@@ -68,6 +69,7 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
         if (device->facts().kind == GpuKind::software && device->facts().unified_memory) {
             made->by_cpu_.emplace(CpuLattices::usual_threads());
             made->turned_view_.emplace(CpuLattices::usual_threads());
+            made->edges_.emplace(CpuLattices::usual_threads());
         }
     }
     if (!made->by_cpu_) {
@@ -83,8 +85,9 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
 
 Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                   const PlaneView& colour, Lighting lighting, int step) {
-    is_shown_ = has_tiles_ = false;
+    is_shown_ = has_tiles_ = has_edges_ = false;
     drawn_.reset();
+    are_values_ = lighting == Lighting::plain && !colour.empty();
     if (auto fits = check_colour(colour, field.width(), field.height()); !fits.ok()) return fits;
     // Whoever read the last surface, in the same commands, has done so.
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
@@ -219,12 +222,35 @@ Result<void> SurfaceDrawing::draw_by_cpu(const ViewCamera& camera) {
     if (OwnViewPicture::draws(seen))
         own_view_.draw(lattice_, seen, background, pitch, colours, z);
     else
-        turned_view_->draw(lattice_, seen, background, pitch, colours, z);
+        turned_view_->draw(lattice_, edges_of(seen), seen, background, pitch, colours, z);
+    return {};
+}
+
+/// Of the surface as a camera is shown it; found once for each.
+const SurfaceEdges& SurfaceDrawing::edges_of(const ViewCamera& camera) {
+    if (is_own_view(camera)) {
+        edges_->clear();
+        has_edges_ = false;
+    } else if (!has_edges_) {
+        edges_->find(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height, lattice_.pitch,
+                     cut_ratio(lattice_.step), are_values_);
+        has_edges_ = true;
+    }
+    return *edges_;
+}
+
+/// Likewise, on the device.
+Result<void> SurfaceDrawing::record_edges(GpuCommands& commands, const ViewCamera& camera) {
+    if (has_edges_ || is_own_view(camera)) return {};
+    if (auto found = lattices_.record_edges(commands, camera, are_values_, lattice_); !found.ok())
+        return found;
+    has_edges_ = true;
     return {};
 }
 
 Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
     if (auto listed = list_tiles(commands); !listed.ok()) return listed;
+    if (auto found = record_edges(commands, camera); !found.ok()) return found;
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::transfer);
@@ -269,8 +295,10 @@ Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamer
 /// Background, and the surface if there is one.
 Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
                                          const GpuImage& target) {
-    if (is_shown_)
+    if (is_shown_) {
         if (auto listed = list_tiles(commands); !listed.ok()) return listed;
+        if (auto found = record_edges(commands, camera); !found.ok()) return found;
+    }
     commands.barrier(GpuStage::compute, GpuStage::graphics);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);

@@ -62,6 +62,8 @@ private:
     Result<void> reserve_pixels(const ViewCamera& camera);
     Result<void> draw_by_cpu(const ViewCamera& camera);
     bool is_drawn(const ViewCamera& camera) const;
+    const SurfaceEdges& edges_of(const ViewCamera& camera);
+    Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera);
     Result<void> list_tiles(GpuCommands& commands);
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
     Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
@@ -76,6 +78,7 @@ private:
     std::optional<MeshPipeline> mesh_;          // one of the two
     OwnViewPicture own_view_;                   // in the raster's place there, where it can
     std::optional<LatticeRaster> turned_view_;  // and from elsewhere, on a software device
+    std::optional<SurfaceEdges> edges_;         // for that
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     Decimation decimation_;              // of what is shown
@@ -88,6 +91,8 @@ private:
     GpuLattice lattice_;
     bool is_shown_ = false;
     bool has_tiles_ = false;           // of that surface
+    bool has_edges_ = false;           // likewise
+    bool are_values_ = false;          // its colours, of a scale
     GpuBuffer pixels_, large_;         // of the raster
     GpuBuffer colours_, z_values_;     // the surface and its background, as they are copied into images
     UploadPool pictures_;              // of these, where the CPU writes them

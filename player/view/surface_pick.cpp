@@ -6,8 +6,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "player/view/drawn_lattice.hpp"
 #include "player/view/drawn_vertex.hpp"
-#include "shaders/cut_rule.h"
+#include "player/view/view_rows.hpp"
 
 namespace touchable {
 namespace {
@@ -80,7 +81,6 @@ private:
 /// The triangle that a place of the picture is in.
 struct Triangle {
     std::array<glm::dvec3, 3> corners;  // (x, y, q)
-    bool cut;
 
     double q_at(double x, double y) const {
         const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
@@ -89,29 +89,25 @@ struct Triangle {
     }
 };
 
-/// Of what is drawn, or of what is felt.
-using VertexOf = FieldVertex (*)(const HeightField&, std::int64_t, std::int64_t);
-FieldVertex felt_vertex(const HeightField& field, std::int64_t i, std::int64_t j) {
-    return field.vertex(i, j);
+/// The cell that a place of the picture is in.
+std::array<int, 2> cell_at(int width, int height, double x, double y) {
+    return {static_cast<int>(std::clamp(std::floor(x), 0.0, width - 2.0)),
+            static_cast<int>(std::clamp(std::floor(y), 0.0, height - 2.0))};
 }
 
-Triangle triangle_at(const HeightField& field, VertexOf vertex_of, double x, double y) {
-    const auto i = static_cast<int>(std::clamp(std::floor(x), 0.0, field.width() - 2.0)),
-               j = static_cast<int>(std::clamp(std::floor(y), 0.0, field.height() - 2.0));
+/// Of what is felt.
+Triangle triangle_at(const HeightField& field, double x, double y) {
+    const auto [i, j] = cell_at(field.width(), field.height(), x, y);
     const bool lower = x - i >= y - j;
     const std::array<std::array<int, 2>, 3> at{
         {{i, j}, {i + 1, lower ? j : j + 1}, {lower ? i + 1 : i, j + 1}}};
     const Scene& scene = field.scene();
     Triangle out{};
-    std::array<float, 3> q;  // as painters have it: 0 where there is no depth
     for (std::size_t k = 0; k < 3; ++k) {
-        const FieldVertex vertex = vertex_of(field, at[k][0], at[k][1]);
-        const double depth =
-            planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], vertex.depth);
-        out.corners[k] = {at[k][0], at[k][1], 1 / depth};
-        q[k] = vertex.valid ? static_cast<float>(1 / depth) : 0.0F;
+        const double depth = field.vertex(at[k][0], at[k][1]).depth;
+        out.corners[k] = {at[k][0], at[k][1],
+                          1 / planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], depth)};
     }
-    out.cut = triangle_is_cut(q[0], q[1], q[2]);
     return out;
 }
 
@@ -131,10 +127,10 @@ std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, 
     return Meeting{s0 + (s1 - s0) * (first / (first - last)), first >= 0};
 }
 
-/// Calls `take(triangle, s0, s1)` for every triangle under the way, in order, until it gives false.
+/// Calls `take(place, s0, s1)` for every triangle under the way, in order, until it gives false; the place is
+/// in it.
 template <class Take>
-void for_each_triangle(const HeightField& field, VertexOf vertex_of, const LatticeWay& way,
-                       const Take& take) {
+void for_each_place(const LatticeWay& way, const Take& take) {
     Crossings columns(way.begin.x, way.end.x), rows(way.begin.y, way.end.y),
         diagonals(way.begin.x - way.begin.y, way.end.x - way.end.y);
     for (double s = 0; s < 1;) {
@@ -142,8 +138,7 @@ void for_each_triangle(const HeightField& field, VertexOf vertex_of, const Latti
         for (Crossings* family : {&columns, &rows, &diagonals})
             if (family->next() <= next) family->advance();
         const double end = std::max(s, next);
-        const glm::dvec3 middle = way.at(0.5 * (s + end));
-        if (!take(triangle_at(field, vertex_of, middle.x, middle.y), s, end)) return;
+        if (!take(way.at(0.5 * (s + end)), s, end)) return;
         s = end;
     }
 }
@@ -158,6 +153,43 @@ SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meetin
             ray.direction,
             met.front,
             drawn};
+}
+
+/// Where the way goes through a triangle that does not lie where its pixels do, from s0 to s1.
+std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattice::Triangle& triangle,
+                                        double s0, double s1) {
+    const glm::dvec3 &a = triangle.corners[0], b = triangle.corners[1] - a, c = triangle.corners[2] - a;
+    const double area = b.x * c.y - b.y * c.x;
+    if (!(area > 0)) return std::nullopt;
+    // (share of b, share of c, before it by so much) of a place, which is linear along the way.
+    const auto seen = [&](double s) {
+        const glm::dvec3 p = way.at(s) - a;
+        const double of_b = (p.x * c.y - p.y * c.x) / area, of_c = (b.x * p.y - b.y * p.x) / area;
+        return glm::dvec3(of_b, of_c, p.z - of_b * b.z - of_c * c.z);
+    };
+    const glm::dvec3 first = seen(s0), last = seen(s1);
+    if (first.z == last.z || (first.z >= 0) == (last.z >= 0)) return std::nullopt;
+    const double share = first.z / (first.z - last.z);
+    const double of_b = first.x + share * (last.x - first.x), of_c = first.y + share * (last.y - first.y);
+    if (of_b < 0 || of_c < 0 || of_b + of_c > 1) return std::nullopt;
+    return Meeting{s0 + (s1 - s0) * share, first.z >= 0};
+}
+
+/// The first of those, of the cell under a place and those around it.
+std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattice, const glm::dvec3& at,
+                                     double s0, double s1) {
+    const auto [i, j] = cell_at(lattice.width, lattice.height, at.x, at.y);
+    if (!lattice.is_near_edges(i, j)) return std::nullopt;
+    std::optional<Meeting> first;
+    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, lattice.height - 2); ++y)
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, lattice.width - 2); ++x)
+            for (const bool right : {true, false}) {
+                const DrawnLattice::Triangle triangle = lattice.triangle(x, y, right);
+                if (!triangle.moved) continue;
+                const auto met = meeting_anywhere(way, triangle, s0, s1);
+                if (met && (!first || met->s < first->s)) first = met;
+            }
+    return first;
 }
 
 /// Height that is taken off the depth that is drawn at a pixel, which has one.
@@ -187,10 +219,20 @@ std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& came
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
     const auto way = way_of(ray, near, field);
     if (!way) return std::nullopt;
+    DrawnLattice lattice(field, !is_own_view(camera));
     std::optional<SurfacePick> found;  // first a wall, if there is one
-    for_each_triangle(field, drawn_vertex, *way, [&](const Triangle& triangle, double s, double end) {
-        const auto met = end > s ? meeting(*way, triangle, s, end) : std::nullopt;
-        if (met && (!found || !triangle.cut)) found = picked(field, *way, *met, !triangle.cut, ray);
+    for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
+        if (!(end > s)) return true;
+        const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
+        const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
+        auto met = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
+        bool drawn = !triangle.cut;
+        if (const auto edge = meeting_edges(*way, lattice, at, s, end);
+            edge && (!met || !drawn || edge->s < met->s)) {
+            met = edge;
+            drawn = true;
+        }
+        if (met && (!found || drawn)) found = picked(field, *way, *met, drawn, ray);
         return !found || !found->drawn;
     });
     return found;
@@ -218,7 +260,8 @@ std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::
         found.behind = std::max(found.behind, 1 / at.z - surface);
         found.nearest = std::min(found.nearest, surface);
     };
-    for_each_triangle(field, felt_vertex, way, [&](const Triangle& triangle, double from_s, double to_s) {
+    for_each_place(way, [&](const glm::dvec3& place, double from_s, double to_s) {
+        const Triangle triangle = triangle_at(field, place.x, place.y);
         look(triangle, from_s);
         look(triangle, to_s);
         return true;

@@ -27,12 +27,12 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
     const auto storage = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
     auto raster = GpuProgram::create(
         device, "raster", raster_spv,
-        {sizeof(RasterPush), {texels, texels, storage, storage, storage}, {RASTER_LANES, 1, 1}});
+        {sizeof(RasterPush), {texels, texels, storage, storage, storage, storage}, {RASTER_LANES, 1, 1}});
     if (!raster.ok()) return raster.error();
     made.raster_ = std::move(*raster);
     auto large = GpuProgram::create(
         device, "raster_large", raster_large_spv,
-        {sizeof(RasterPush), {texels, texels, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
+        {sizeof(RasterPush), {texels, texels, storage, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
     if (!large.ok()) return large.error();
     made.large_ = std::move(*large);
     auto resolve =
@@ -59,7 +59,7 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.picture_width = static_cast<std::uint32_t>(camera.width);
     push.picture_height = static_cast<std::uint32_t>(camera.height);
     push.picture_pitch = static_cast<std::uint32_t>(pitch);
-    push.large_capacity = push.width * push.height;
+    push.has_edges = is_own_view(camera) ? 0 : 1;
 
     commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_pitch * push.picture_height);
     // No groups yet in x, one in y and z, no cells.
@@ -68,11 +68,12 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     const auto q = GpuBinding::words(lattice.q), colours = GpuBinding::words(lattice.colours);
-    commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, lattice.tiles}, lattice.tiles,
-                               offsetof(TileListsHeader, groups_x));
+    const GpuBuffer& edges = push.has_edges != 0 ? lattice.edges : lattice.q;
+    commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, edges, lattice.tiles},
+                               lattice.tiles, offsetof(TileListsHeader, groups_x));
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch_indirect(large_, push, {q, colours, pixels, large}, large);
+    commands.dispatch_indirect(large_, push, {q, colours, pixels, large, edges}, large);
 }
 
 int SurfaceRaster::resolve_pitch(int width) {

@@ -17,7 +17,7 @@ public:
 
     /// Records the drawing of a lattice into `pixels`, which are cleared first: 64 bits for each pixel of the
     /// camera, row-major, `pitch` from one row to the next, as shaders/raster.h says. `large` has
-    /// `large_bytes` at least.
+    /// `large_bytes` at least. A view that is not the clip's own needs the lattice's edges.
     void record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,
                 const GpuBuffer& pixels, int pitch, const GpuBuffer& large) const;
     static std::size_t large_bytes(int width, int height);

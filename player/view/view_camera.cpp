@@ -18,8 +18,9 @@ namespace {
 
 constexpr double degree = pi / 180.0;
 
-/// Share of the distance to what is looked at that lies before the near plane.
-constexpr double near_share = 0.02;
+/// Share of the distance to what is looked at that lies before the near plane. As small as that of the clip's
+/// own view, or what is near would be cut off as soon as that is turned; nearness of z is as precise at any.
+constexpr double near_share = 1e-3;
 
 /// Rows to the columns that GLM wants.
 glm::dmat4 from_rows(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& z, const glm::dvec4& w) {

@@ -30,6 +30,7 @@ struct ViewSurface {
     int width = 0, height = 0;
     std::vector<float> q;               ///< 1 / planar depth, height taken off; 0: invalid. Row-major
     std::vector<PackedColour> colours;  ///< row-major
+    bool colours_are_values = false;    ///< of a scale: nothing may darken them
     ViewTiles tiles;
     std::shared_ptr<const GpuLattice> on_gpu;  ///< q and tiles once more, where they were made on a GPU
 

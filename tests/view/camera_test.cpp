@@ -47,6 +47,20 @@ TEST(ViewCamera, OwnViewOfAnotherShapeIsAsLargeAsFitsAndCentred) {
     expect_near(*other, {1120, 720, 0.01}, 1e-9);
 }
 
+TEST(ViewCamera, WhatIsNearIsNotCutOffAsSoonAsAViewIsTurned) {
+    const Scene scene = any_scene();
+    for (const double depth : {2.0, 4.0, 50.0, 900.0, 1e5})
+        for (const double turned : {0.0, 0.05, -0.1}) {
+            Viewpoint viewpoint;
+            viewpoint.own = turned == 0.0;
+            viewpoint.azimuth = turned;
+            const auto seen = make_view(viewpoint, scene, {0, 0, -400}, 800, 600)
+                                  .project(unproject(scene.camera, 311.5, 243.25, depth));
+            ASSERT_TRUE(seen) << depth << ", turned by " << turned;
+            EXPECT_GT(seen->z, 0);
+        }
+}
+
 TEST(ViewCamera, TheLatticeAndTheWorldAreSeenAtTheSamePlace) {
     const Scene scene = any_scene();
     Viewpoint viewpoint;

@@ -11,6 +11,7 @@
 #include "player/view/own_view_picture.hpp"
 #include "player/view/surface_drawing.hpp"
 #include "player/view/upload_pool.hpp"
+#include "player/view/view_rows.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -265,13 +266,16 @@ TEST_F(Drawing, AnyViewIsTheCpuPaintersToTheBit) {
             const ViewCamera camera =
                 make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
             const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
+            SurfaceEdges edges(1);
+            if (!is_own_view(camera))
+                edges.find(surface.q.data(), surface.width, surface.height, surface.width);
             const std::vector<PackedColour> background(200, 7);
             std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
             for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
             for (const auto& [threads, unit] : ways) {
                 std::vector<PackedColour> colours(304 * 200);
                 std::vector<float> z(colours.size(), 9);
-                LatticeRaster(threads, unit).draw(lattice, camera, background, 304, colours, z);
+                LatticeRaster(threads, unit).draw(lattice, edges, camera, background, 304, colours, z);
                 std::size_t others = 0;
                 for (int y = 0; y < 200; ++y)
                     for (int x = 0; x < 301; ++x) {
@@ -301,12 +305,13 @@ TEST_F(Drawing, AnyViewIsTheSameAfterAWiderLattice) {
     };
     const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
         const HeightField field = shown.field();
-        const ViewCamera camera =
-            make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene, subject_of(field).middle, 301,
-                      200);
+        const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene,
+                                            subject_of(field).middle, 301, 200);
         const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
+        SurfaceEdges edges(1);
+        edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
         Picture picture;
-        raster.draw(lattice, camera, background, 304, picture.colours, picture.z);
+        raster.draw(lattice, edges, camera, background, 304, picture.colours, picture.z);
         return picture;
     };
     for (const VectorUnit unit : usable_vector_units()) {

@@ -1,0 +1,226 @@
+// Where a vertex at an edge is drawn. Compiled as GLSL and as C++: every painter moves alike.
+//
+// Triangles that cut_rule.h leaves out end at pixels, and seen from aside that is a saw. So where the edge is
+// between two pixels is told from its course: a vertex beside a gap follows the edge by up to EDGE_REACH
+// vertices to either side, as far as it goes equally far both ways without a corner. Their mean is where the
+// edge is, in whole steps of EDGE_UNIT; half a pixel beyond is where the pixels of the surface end.
+//
+// A move goes out into the gap only, along a column or a row, by less than a pixel. Then no triangle turns
+// over: where a and b are neighbours of one surface, neither moves towards the other. In a corner that the
+// surface has around a gap a vertex moves aslant, to the middle of its two neighbours that the gap is beside.
+//
+// q at an edge is that of the surface within: a camera mixes there what is before and behind, and a surface
+// that curves away ends in steps as high as it is steep. q of a plane is linear in x and y. So it goes on
+// from the two vertices within, by the mean of those along the edge.
+//
+// What falls away steeply at an edge is a streak from aside, of colours that a camera saw at a grazing angle
+// or mixed. It goes dark, the more the steeper it is: from a quarter to three quarters of what cut_rule.h
+// lets be.
+#ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
+#define TOUCHABLE_SHADERS_EDGE_RULE_H
+
+#ifdef __cplusplus
+#include <glm/vec2.hpp>
+namespace touchable {
+using glm::ivec2;
+#define EDGE_FUNCTION template <class Lattice>
+#define EDGE_LATTICE const Lattice&
+#define EDGE_CHANGED(type) type&
+#define EDGE_PRECISE
+#else
+#define EDGE_FUNCTION
+#define EDGE_LATTICE EdgeLattice
+#define EDGE_CHANGED(type) inout type
+#define EDGE_PRECISE precise
+#endif
+
+#define EDGE_REACH 4     // vertices to either side
+#define EDGE_UNIT 64     // steps of a pixel
+#define EDGE_MOST 48     // steps of a move
+#define EDGE_DARKEST 12  // steps of a colour, of EDGE_UNIT
+
+/// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` will do.)
+struct EdgeLattice {
+#ifdef __cplusplus
+    const float* q;
+#endif
+    int width, height;
+    int pitch;    // vertices from one row of q to the next
+    float ratio;  // of cut_rule.h
+};
+
+/// Where a vertex is drawn: from its pixel, in steps of EDGE_UNIT, and its q there; and how much of its
+/// colour, in such steps.
+struct EdgeMove {
+    ivec2 by;
+    float q;
+    int shade;
+};
+
+#ifdef __cplusplus
+inline float edge_q(const EdgeLattice& lattice, const ivec2& at) {
+    return lattice.q[static_cast<long>(at.y) * lattice.pitch + at.x];
+}
+#else
+float edge_q(EdgeLattice lattice, ivec2 at);
+#endif
+
+EDGE_FUNCTION bool edge_is_there(EDGE_LATTICE lattice, ivec2 at) {
+    return at.x >= 0 && at.y >= 0 && at.x < lattice.width && at.y < lattice.height;
+}
+
+/// Whether two neighbours are of one surface.
+EDGE_FUNCTION bool edge_joins(EDGE_LATTICE lattice, ivec2 one, ivec2 other) {
+    const float a = edge_q(lattice, one), b = edge_q(lattice, other);
+    const float least = a < b ? a : b, greatest = a < b ? b : a;
+    return least > 0.0f && greatest <= lattice.ratio * least;
+}
+
+/// Whether there is a gap between a vertex and what is beside it in the picture.
+EDGE_FUNCTION bool edge_has_gap(EDGE_LATTICE lattice, ivec2 at, ivec2 beside) {
+    return edge_is_there(lattice, beside) && !edge_joins(lattice, at, beside);
+}
+
+/// From a vertex with a gap towards `out` to the next one along it; false where the edge ends, or turns.
+EDGE_FUNCTION bool edge_goes_on(EDGE_LATTICE lattice, EDGE_CHANGED(ivec2) at, ivec2 along, ivec2 out_) {
+    ivec2 next = at + along;
+    if (!edge_is_there(lattice, next)) return false;
+    if (edge_joins(lattice, at, next)) {
+        const ivec2 farther = next + out_;
+        if (!edge_is_there(lattice, farther)) return false;
+        if (edge_joins(lattice, next, farther)) next = farther;
+    } else {
+        next = next - out_;
+        if (!edge_is_there(lattice, next) || !edge_joins(lattice, at, next)) return false;
+    }
+    at = next;
+    return edge_has_gap(lattice, next, next + out_);
+}
+
+/// q of the surface within, as it goes on to a vertex at its edge, and how much it changes from one to the
+/// next outwards; false where the surface is too narrow to tell.
+EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(float) q,
+                              EDGE_CHANGED(float) change) {
+    const ivec2 within = at - out_, farther = within - out_;
+    if (!edge_is_there(lattice, farther) || !edge_joins(lattice, at, within) ||
+        !edge_joins(lattice, within, farther))
+        return false;
+    const float here = edge_q(lattice, within);
+    EDGE_PRECISE float step = here - edge_q(lattice, farther);
+    EDGE_PRECISE float sum = q + (here + step);
+    EDGE_PRECISE float changes = change + step;
+    q = sum;
+    change = changes;
+    return true;
+}
+
+/// The move of a vertex with a gap on one side, `out_`; gives how far its edge was followed.
+EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
+    const float shares[EDGE_REACH + 1] = {1.0f, 1.0f / 3.0f, 1.0f / 5.0f, 1.0f / 7.0f, 1.0f / 9.0f};
+    const ivec2 along = ivec2(out_.y, out_.x);
+    ivec2 left = at, right = at;
+    float q = 0.0f, change = 0.0f;
+    int reach = 0, beyond = 0;
+    const bool is_wide = edge_slope(lattice, at, out_, q, change);
+    while (reach < EDGE_REACH) {
+        if (!edge_goes_on(lattice, left, -along, out_) || !edge_goes_on(lattice, right, along, out_)) break;
+        float sum = q, changes = change;
+        if (is_wide && (!edge_slope(lattice, left, out_, sum, changes) ||
+                        !edge_slope(lattice, right, out_, sum, changes)))
+            break;
+        q = sum;
+        change = changes;
+        const ivec2 both = (left - at) + (right - at);
+        beyond += both.x * out_.x + both.y * out_.y;
+        ++reach;
+    }
+    // The mean, rounded down, of what is made positive for that; half a pixel farther.
+    const int count = 2 * reach + 1;
+    int steps = (EDGE_UNIT * (beyond + EDGE_REACH * count)) / count - EDGE_UNIT * EDGE_REACH + EDGE_UNIT / 2;
+    steps = steps < 0 ? 0 : (steps > EDGE_MOST ? EDGE_MOST : steps);
+    move.by = steps * out_;
+    move.q = edge_q(lattice, at);
+    if (!is_wide) return reach;
+    const float within = edge_q(lattice, at - out_);
+    EDGE_PRECISE float mean = q * shares[reach];
+    EDGE_PRECISE float slope = change * shares[reach];
+    EDGE_PRECISE float here = mean + 0.5f * slope;
+    // No farther from what is within than half of what neighbours of one surface may be: steeper ones would
+    // end in long tongues.
+    EDGE_PRECISE float apart = (0.5f * (lattice.ratio - 1.0f)) * within;
+    EDGE_PRECISE float least = within - apart;
+    EDGE_PRECISE float most = within + apart;
+    move.q = here < least ? least : (here > most ? most : here);
+    return reach;
+}
+
+/// How much is left of the colour of a vertex at an edge.
+EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
+    const float here = edge_q(lattice, at);
+    float steepest = 0.0f;
+    for (int side = 0; side < 4; ++side) {
+        const ivec2 beside = at + (side < 2 ? ivec2(2 * side - 1, 0) : ivec2(0, 2 * side - 5));
+        if (!edge_is_there(lattice, beside) || !edge_joins(lattice, at, beside)) continue;
+        const float there = edge_q(lattice, beside);
+        const float apart = here < there ? there - here : here - there;
+        steepest = apart > steepest ? apart : steepest;
+    }
+    // In steps of a quarter of what may be, no division: the same on every machine.
+    EDGE_PRECISE float quarter = (0.25f * (lattice.ratio - 1.0f)) * here;
+    EDGE_PRECISE float step = quarter * (2.0f / float(EDGE_UNIT - EDGE_DARKEST));
+    int shade = EDGE_UNIT;
+    for (int half_of = 32; half_of > 0; half_of /= 2) {
+        EDGE_PRECISE float reached = quarter + float(EDGE_UNIT - shade + half_of) * step;
+        if (shade - half_of >= EDGE_DARKEST && steepest >= reached) shade -= half_of;
+    }
+    return shade;
+}
+
+/// Where a vertex is drawn. `lattice` has two columns and two rows at least.
+EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
+    EdgeMove move;
+    move.by = ivec2(0, 0);
+    move.q = edge_q(lattice, at);
+    move.shade = EDGE_UNIT;
+    if (!(move.q > 0.0f)) return move;
+    const ivec2 right = ivec2(1, 0), down = ivec2(0, 1);
+    const bool gap_right = edge_has_gap(lattice, at, at + right),
+               gap_left = edge_has_gap(lattice, at, at - right),
+               gap_down = edge_has_gap(lattice, at, at + down), gap_up = edge_has_gap(lattice, at, at - down);
+    const bool across = gap_right != gap_left, upright = gap_down != gap_up;
+    if (gap_right || gap_left || gap_down || gap_up) move.shade = edge_shade(lattice, at);
+    if (across || upright) {
+        EdgeMove level = move, steep = move;
+        const int level_reach = across ? edge_across(lattice, at, gap_right ? right : -right, level) : -1;
+        const int steep_reach = upright ? edge_across(lattice, at, gap_down ? down : -down, steep) : -1;
+        return steep_reach >= level_reach ? steep : level;
+    }
+    if (gap_right || gap_down) return move;  // on either side
+    const ivec2 aslant = ivec2(1, 1);
+    const bool gap_after = edge_has_gap(lattice, at, at + aslant),
+               gap_before = edge_has_gap(lattice, at, at - aslant);
+    if (gap_after == gap_before) return move;
+    const ivec2 out_ = gap_after ? aslant : -aslant;
+    const ivec2 beyond = at + out_, one = ivec2(beyond.x, at.y), other = ivec2(at.x, beyond.y);
+    if (edge_joins(lattice, beyond, one) || edge_joins(lattice, beyond, other)) return move;
+    // In the middle of where the two that the gap lies between would go.
+    EdgeMove level = move, steep = move;
+    edge_across(lattice, one, ivec2(0, out_.y), level);
+    edge_across(lattice, other, ivec2(out_.x, 0), steep);
+    const int steps = (2 * EDGE_UNIT + out_.y * level.by.y + out_.x * steep.by.x) / 4;
+    move.by = steps * out_;
+    EDGE_PRECISE float sum = level.q + steep.q;
+    move.q = 0.5f * sum;
+    move.shade = edge_shade(lattice, at);
+    return move;
+}
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+#undef EDGE_FUNCTION
+#undef EDGE_LATTICE
+#undef EDGE_CHANGED
+#undef EDGE_PRECISE
+
+#endif

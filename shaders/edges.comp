@@ -1,0 +1,35 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+// q of every vertex -> where those at edges are drawn.
+
+#include "shaders/edges.h"
+
+layout(local_size_x = EDGES_LANES) in;
+layout(push_constant, std430) uniform Push {
+    EdgesPush push;
+};
+layout(set = 0, binding = EDGES_Q) uniform utextureBuffer q_words;
+layout(set = 0, binding = EDGES_MOVED, std430) writeonly buffer Moved {
+    uvec2 moved[];
+};
+
+float edge_q(EdgeLattice lattice, ivec2 at) {
+    return uintBitsToFloat(texelFetch(q_words, at.y * lattice.pitch + at.x).x);
+}
+
+void main() {
+    const uint vertex = gl_GlobalInvocationID.x;
+    if (vertex >= push.pitch * push.height) return;
+    const uint x = vertex % push.pitch, y = vertex / push.pitch;
+    uvec2 words = uvec2(0u);
+    if (x < push.width) {
+        const EdgeLattice lattice = EdgeLattice(int(push.width), int(push.height), int(push.pitch), push.ratio);
+        const EdgeMove move = edge_move(lattice, ivec2(x, y));
+        const int shade = push.are_values != 0u ? EDGE_UNIT : move.shade;
+        if (move.by != ivec2(0) || move.q != edge_q(lattice, ivec2(x, y)) || shade != EDGE_UNIT)
+            words = uvec2(floatBitsToUint(move.q),
+                          (uint(move.by.x) & 255u) | (uint(move.by.y) & 255u) << 8 | uint(shade) << 16);
+    }
+    moved[vertex] = words;
+}
