@@ -25,7 +25,11 @@ constexpr struct {
                    {"device_is_away", &KioskTexts::device_is_away},
                    {"device_has_no_force", &KioskTexts::device_has_no_force},
                    {"device_is_moved", &KioskTexts::device_is_moved},
-                   {"come_out", &KioskTexts::come_out}};
+                   {"come_out", &KioskTexts::come_out},
+                   {"study_begin", &KioskTexts::study_begin},
+                   {"study_continue", &KioskTexts::study_continue},
+                   {"study_wait", &KioskTexts::study_wait},
+                   {"study_not_kept", &KioskTexts::study_not_kept}};
 
 KioskTexts read_texts(const checked_json::Node& node) {
     std::vector<std::string> legal{"touchable_kiosk_texts", "language"};

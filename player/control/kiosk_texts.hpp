@@ -27,6 +27,10 @@ struct KioskTexts {
     std::string device_has_no_force = "You see what you touch";
     std::string device_is_moved = "No force while the handle is moved back";
     std::string come_out = "Lift the finger off the surface: then you feel it";
+    std::string study_begin = "Begin";
+    std::string study_continue = "Continue";
+    std::string study_wait = "One moment, please";
+    std::string study_not_kept = "Answers cannot be kept. Please call whoever looks after this.";
     bool operator==(const KioskTexts&) const = default;
 
     /// One after the other, for their letters.

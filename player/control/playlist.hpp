@@ -22,6 +22,8 @@ public:
     /// Goes one on or back; null where nothing is there: then it stays.
     const ClipChoice* next();
     const ClipChoice* previous();
+    /// To that place, which is there.
+    const ClipChoice& go_to(std::size_t place) { return clips_[place_ = place]; }
 
 private:
     std::vector<ClipChoice> clips_;
