@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace touchable {
 namespace {
@@ -30,8 +31,26 @@ ImFont* font_of(float size) {
     return size <= 1.15F * small->FontSize ? small : ImGui::GetIO().Fonts->Fonts.back();
 }
 
+/// From one line of a text to the next, beside its height.
+float pause_between(float size) {
+    return 0.35F * size;
+}
+
+std::vector<std::string> lines_of(const std::string& words) {
+    std::vector<std::string> lines;
+    std::istringstream in(words);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+/// Of its lines, each of which may take several: no wider than `wrap`; 0: however wide.
 ImVec2 size_of(const std::string& words, float size, float wrap) {
-    return font_of(size)->CalcTextSizeA(size, 1e6F, wrap, words.c_str());
+    ImVec2 all(0, 0);
+    for (const std::string& line : lines_of(words)) {
+        const ImVec2 one = font_of(size)->CalcTextSizeA(size, 1e6F, wrap, line.c_str());
+        all = ImVec2(std::max(all.x, one.x), all.y + one.y + (all.y > 0 ? pause_between(size) : 0));
+    }
+    return all;
 }
 
 /// The largest size, up to `size`, in which it is no higher and no line is wider.
@@ -45,7 +64,10 @@ float fitting(const std::string& words, float size, float wide, float high) {
 }
 
 void draw_words(const std::string& words, float size, ImVec2 at, float wrap, ImU32 ink) {
-    ImGui::GetWindowDrawList()->AddText(font_of(size), size, at, ink, words.c_str(), nullptr, wrap);
+    for (const std::string& line : lines_of(words)) {
+        ImGui::GetWindowDrawList()->AddText(font_of(size), size, at, ink, line.c_str(), nullptr, wrap);
+        at.y += size_of(line, size, wrap).y + pause_between(size);
+    }
 }
 
 struct Look {
@@ -145,12 +167,16 @@ void begin_window(ImVec2 at, ImVec2 size, float opacity) {
     ImGui::SetNextWindowSize(size);
     ImGui::SetNextWindowBgAlpha(0);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // beyond which nothing is drawn
     ImGui::Begin("study", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
-    ImGui::PopStyleVar();
+    ImGui::PopStyleVar(2);
     const ImU32 back = (page_ground & 0x00FFFFFFU) | static_cast<ImU32>(255 * opacity) << IM_COL32_A_SHIFT;
-    ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), back);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.PushClipRectFullScreen();  // to the last pixel
+    list.AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), back);
+    list.PopClipRect();
 }
 
 void begin_page(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {

@@ -128,7 +128,7 @@ bool WindowLoop::take_of_study(const InputEvent& event) {
 }
 
 void WindowLoop::take_of_study(const WindowCommand& command) {
-    if (!study_) return say("there is no study; --study begins one", Tone::refusal);
+    if (!study_) return say("there is no study in this window", Tone::refusal);
     if (command.verb == WindowVerb::answer)
         study_->choose(static_cast<std::size_t>(command.number) - 1);
     else
