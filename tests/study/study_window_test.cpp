@@ -1,12 +1,17 @@
 // A study by the program, as an experimenter starts it: participants with scripted hands.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "engine/picture/image_file.hpp"
@@ -102,6 +107,29 @@ std::string tap(const char* at, double time_s) {
     std::ostringstream words;
     words << time_s << " touch 1 " << at << "\n" << time_s + 0.15 << " touch-end 1\n";
     return words.str();
+}
+
+bool has_trial(const std::filesystem::path& file) {
+    return std::filesystem::exists(file) && file_contents(file).find(",trial,") != std::string::npos;
+}
+
+/// Starts the program, and kills it as nothing can be minded.
+void kill_once(std::vector<std::string> words, const std::function<bool()>& is_enough) {
+    words.insert(words.begin(), TOUCHABLE_PROGRAM);
+    std::vector<char*> typed;
+    for (std::string& word : words) typed.push_back(word.data());
+    typed.push_back(nullptr);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        execv(TOUCHABLE_PROGRAM, typed.data());
+        _exit(127);
+    }
+    for (int k = 0; k < 6000 && !is_enough(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status)) << "it had ended by itself";
 }
 
 /// What differs of two pictures where the bar of forces is.
@@ -216,11 +244,12 @@ TEST_F(StudyWindow, ThatIsKilledLeavesAPartialTableAndOneThatIsEndedSaysSo) {
     write_whole_study();
     std::filesystem::create_directory(results());
     const std::string script = "0.6 key enter\n1.4 key enter\n";
-    const auto killed = run_interrupted(words(script, {"--seconds", "600"}), results(), SIGKILL);
-    EXPECT_EQ(killed.code, -SIGKILL);
+    const auto killed = results() / "participant-001.partial.csv";
+    kill_once(words(script, {"--seconds", "600"}), [&] { return has_trial(killed); });
     EXPECT_EQ(names_in(results()), std::vector<std::string>{"participant-001.partial.csv"});
+    EXPECT_EQ(rows_of("participant-001.partial.csv").size(), 1U);
     const auto ended = run_in_folder_until(words(script, {"--seconds", "600"}), folder_.path(), [&] {
-        return file_contents(results() / "participant-002.partial.csv").find(",trial,") != std::string::npos;
+        return has_trial(results() / "participant-002.partial.csv");
     });
     EXPECT_EQ(ended.code, 130) << ended.err;
     const auto rows = rows_of("participant-002.partial.csv");
