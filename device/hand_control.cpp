@@ -93,6 +93,7 @@ void HandControl::come_out(const SurfaceProbe& surface) {
 
 void HandControl::go_on_from(const HandControl& before) {
     ask_force(before.force_is_asked());
+    allowed_.store(before.allowed_.load(std::memory_order_relaxed), std::memory_order_relaxed);
     hold(before.held_.load(std::memory_order_relaxed));
     if (before.recentrings_.load(std::memory_order_relaxed) != before.recentred_) recentre();
     if (before.beginnings_.load(std::memory_order_relaxed) != before.begun_)
@@ -131,6 +132,9 @@ void HandControl::take_buttons(std::uint32_t buttons, bool known) {
     const std::uint32_t begun = buttons & ~pressed_;
     pressed_ = buttons;
     if ((buttons & first_button) == 0) clutch_button_ = false;
+    if ((begun & first_button) != 0) presses_[0].fetch_add(1, std::memory_order_relaxed);
+    if ((begun & second_button) != 0) presses_[1].fetch_add(1, std::memory_order_relaxed);
+    if (!allowed_.load(std::memory_order_relaxed)) return;
     if ((begun & first_button) != 0 && (buttons & second_button) == 0) {
         clutch_button_ = force_is_asked();
         ask_force(true);
@@ -176,7 +180,7 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, 
 
 void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons) {
     assert(guarded.size() == count_ && newtons.size() == count_);
-    passes_ = force_is_asked() && !gripped_;
+    passes_ = force_is_asked() && allowed_.load(std::memory_order_relaxed) && !gripped_;
     if (!passes_) close_gates();
     if (passes_) ++figures_.exerting;
     const glm::dmat3 back = glm::transpose(mapping_.turn);

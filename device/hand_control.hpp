@@ -70,6 +70,11 @@ public:
     /// Forces stay asked for, even where nobody's place was known for a second.
     void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }
     void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
+    /// Whether whoever asks for forces, by a button too, gets them; at first so.
+    void allow_force(bool on) {
+        allowed_.store(on, std::memory_order_relaxed);
+        if (!on) ask_force(false);
+    }
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
     void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
@@ -80,6 +85,8 @@ public:
         hold(false);
         beginnings_.fetch_add(1, std::memory_order_relaxed);
     }
+    /// How often the first button (0) or the second one (1) was pressed since this was asked last.
+    int take_presses(std::size_t button) { return presses_[button].exchange(0, std::memory_order_relaxed); }
     /// By a key or a button: the hand moves, and the fingers do not.
     bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
     /// Of a finger's guarded force, how much reached the hand in the newest tick: 0 to 1.
@@ -118,7 +125,8 @@ private:
 
     HandMapping mapping_;
     const std::size_t count_;
-    std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false};
+    std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false}, allowed_{true};
+    std::array<std::atomic<int>, 2> presses_{};
     std::atomic<std::uint32_t> recentrings_{0}, beginnings_{0};
     std::atomic<bool> insists_{false};
     std::array<std::atomic<double>, most_fingers> shares_{};

@@ -40,6 +40,7 @@ public:
     /// Refuses what is not an object, and members other than these.
     void allow_only(const std::vector<std::string>& legal) const;
     bool is_object() const { return value_.is_object(); }
+    bool is_list() const { return value_.is_array(); }
     bool has(const char* member) const { return value_.contains(member); }  ///< false where this is no object
     /// Names of an object's members.
     std::vector<std::string> members() const;

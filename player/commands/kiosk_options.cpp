@@ -18,22 +18,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where texts are that come with the program, where it was built and where it is installed.
-fs::path folder_of_texts() {
+/// A folder of what comes with the program, where it was built and where it is installed.
+fs::path folder_from_program(const char* way) {
     std::error_code fault;
     const fs::path program = fs::read_symlink("/proc/self/exe", fault);
-    return (program.parent_path() / TOUCHABLE_KIOSK_FROM_PROGRAM).lexically_normal();
+    return (program.parent_path() / way).lexically_normal();
+}
+fs::path folder_of_texts() {
+    return folder_from_program(TOUCHABLE_KIOSK_FROM_PROGRAM);
+}
+fs::path folder_of_studies() {
+    return folder_from_program(TOUCHABLE_STUDY_FROM_PROGRAM);
 }
 
-std::string languages_there() {
-    std::vector<std::string> languages;
+/// What there is in such a folder.
+std::string names_there(const fs::path& folder) {
+    std::vector<std::string> names;
     std::error_code failed;
-    for (fs::directory_iterator at(folder_of_texts(), failed), end; !failed && at != end;
-         at.increment(failed))
-        if (at->path().extension() == ".json") languages.push_back(at->path().stem().string());
-    std::ranges::sort(languages);
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+        if (at->path().extension() == ".json") names.push_back(at->path().stem().string());
+    std::ranges::sort(names);
     std::string words;
-    for (const std::string& language : languages) words += (words.empty() ? "" : ", ") + language;
+    for (const std::string& name : names) words += (words.empty() ? "" : ", ") + name;
     return words;
 }
 
@@ -52,8 +58,9 @@ Result<KioskTexts> choose_texts(const std::string& asked) {
     std::error_code failed;
     if (fs::exists(file, failed)) return read_texts_of(file, file.string());
     if (asked.empty() || language == KioskTexts().language) return KioskTexts();
-    return usage_error("--kiosk-texts " + asked + ": there are texts in these languages: " +
-                       languages_there() + "; right would be one of them, or the name of a file");
+    return usage_error("--kiosk-texts " + asked +
+                       ": there are texts in these languages: " + names_there(folder_of_texts()) +
+                       "; right would be one of them, or the name of a file");
 }
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
@@ -94,7 +101,7 @@ Result<void> read_sounds(KioskOptions& kiosk) {
 }  // namespace
 
 std::vector<const char*> kiosk_option_names() {
-    return {"--kiosk", "--idle", "--kiosk-texts", "--labels", "--use-log"};
+    return {"--kiosk", "--idle", "--kiosk-texts", "--labels", "--use-log", "--study", "--results"};
 }
 
 void add_kiosk_options(CLI::App& sub, KioskWords& words) {
@@ -124,6 +131,18 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
     add_file_option(sub, "--use-log", words.use_log,
                     "a table, CSV, to which a kiosk adds each visit and each fault")
         ->needs(kiosk);
+    auto* const study = sub.add_option("--study", words.study,
+                                       "what participants of a study read, touch and answer: one that comes "
+                                       "with the program (paper-4.2), or a file (docs/usability.md)")
+                            ->needs(kiosk)
+                            ->excludes("--labels")
+                            ->excludes("--idle")
+                            ->type_name("NAME|FILE");
+    auto* const results = sub.add_option("--results", words.results,
+                                         "the folder that gets a table, CSV, of each participant of --study")
+                              ->needs(study)
+                              ->type_name("FOLDER");
+    study->needs(results);
 }
 
 Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
@@ -146,6 +165,28 @@ Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
     }
     kiosk.use_log = words.use_log;
     return std::optional(std::move(kiosk));
+}
+
+Result<std::optional<StudyOptions>> read_study(const KioskWords& words, std::size_t clips) {
+    if (words.study.empty()) return std::optional<StudyOptions>();
+    fs::path file = words.study;
+    std::error_code failed;
+    if (const fs::path known = folder_of_studies() / (words.study + ".json");
+        file.filename() == file && !fs::exists(file, failed) && fs::exists(known, failed))
+        file = known;
+    const std::string named = "--study " + words.study;
+    if (!fs::exists(file, failed) && file.extension() != ".json")
+        return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
+                           "; right would be one of them, or the name of a file");
+    const auto text = read_given_file(file, named, "a study (JSON, docs/usability.md)", largest_study);
+    if (!text.ok()) return text.error();
+    auto study = parse_study(*text, file.string());
+    if (!study.ok()) return study.error();
+    if (study->clips() > clips)
+        return usage_error(named + ": has a touch of clip " + std::to_string(study->clips()) +
+                           ", and there are " + std::to_string(clips) +
+                           "; right would be as many CLIPs as the study has");
+    return std::optional(StudyOptions{std::move(*study), *words.results});
 }
 
 }  // namespace touchable

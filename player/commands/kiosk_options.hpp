@@ -17,6 +17,8 @@ struct KioskWords {
     std::vector<double> idle;
     std::string texts;
     std::optional<std::filesystem::path> labels, use_log;
+    std::string study;
+    std::optional<std::filesystem::path> results;
 };
 
 /// Names of the options, for their group in the help.
@@ -25,5 +27,8 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words);
 /// What they ask for, with all files read. `segments`: the file of --segments. Nothing: it is no kiosk.
 Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
                                                const std::optional<std::filesystem::path>& segments);
+
+/// Likewise of a study. `clips`: how many there are to touch.
+Result<std::optional<StudyOptions>> read_study(const KioskWords& words, std::size_t clips);
 
 }  // namespace touchable

@@ -238,6 +238,9 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     auto kiosk = read_kiosk(words.kiosk, options.segments);
     if (!kiosk.ok()) return kiosk.error();
     options.kiosk = std::move(*kiosk);
+    auto study = read_study(words.kiosk, 1 + options.next_clips.size());
+    if (!study.ok()) return study.error();
+    options.study = std::move(*study);
     if (options.kiosk) options.screen.fullscreen = options.screen.stays = options.screen.awake = true;
     if (is_empty)
         if (auto fits = check_empty(options); !fits.ok()) return fits.error();

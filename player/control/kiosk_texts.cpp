@@ -32,7 +32,11 @@ constexpr struct {
                    {"stiffness", &KioskTexts::stiffness},
                    {"friction", &KioskTexts::friction},
                    {"height", &KioskTexts::height},
-                   {"everywhere", &KioskTexts::everywhere}};
+                   {"everywhere", &KioskTexts::everywhere},
+                   {"study_begin", &KioskTexts::study_begin},
+                   {"study_continue", &KioskTexts::study_continue},
+                   {"study_wait", &KioskTexts::study_wait},
+                   {"study_not_kept", &KioskTexts::study_not_kept}};
 
 KioskTexts read_texts(const checked_json::Node& node) {
     std::vector<std::string> legal{"touchable_kiosk_texts", "language"};

@@ -34,6 +34,10 @@ struct KioskTexts {
     std::string friction = "Friction";
     std::string height = "Height";
     std::string everywhere = "the same everywhere";
+    std::string study_begin = "Begin";
+    std::string study_continue = "Continue";
+    std::string study_wait = "One moment, please";
+    std::string study_not_kept = "Answers cannot be kept. Please call whoever looks after this.";
     bool operator==(const KioskTexts&) const = default;
 
     /// One after the other, for their letters.

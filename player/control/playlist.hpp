@@ -23,6 +23,8 @@ public:
     const ClipChoice* next();
     const ClipChoice* previous();
     const ClipChoice* go(int by) { return by > 0 ? next() : previous(); }
+    /// To that place, which is there.
+    void go_to(std::size_t place) { place_ = place; }
 
 private:
     std::vector<ClipChoice> clips_;

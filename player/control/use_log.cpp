@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <deque>
 #include <mutex>
 #include <string_view>
@@ -18,18 +17,10 @@
 
 #include "engine/printable.hpp"
 #include "engine/start_thread.hpp"
+#include "player/control/universal_time.hpp"
 
 namespace touchable {
 namespace {
-
-/// Universal time, to the second.
-std::string in_universal_time(UseLog::Time time) {
-    const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-    std::tm parts{};
-    gmtime_r(&seconds, &parts);
-    char words[32];
-    return {words, std::strftime(words, sizeof words, "%Y-%m-%dT%H:%M:%SZ", &parts)};
-}
 
 /// As CSV has text with commas in it.
 std::string as_field(const std::string& words) {

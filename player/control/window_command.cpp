@@ -43,6 +43,8 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"measure", WindowVerb::measure, Takes::of_tool},
                                      {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
                                      {"dent", WindowVerb::dent, Takes::on_or_off},
+                                     {"continue", WindowVerb::go_on, Takes::nothing},
+                                     {"answer", WindowVerb::answer, Takes::number, 1, 11},
                                      {"home", WindowVerb::home, Takes::nothing},
                                      {"turn", WindowVerb::turn, Takes::number, -180, 180},
                                      {"tilt", WindowVerb::tilt, Takes::number, -180, 180},
@@ -227,7 +229,8 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         return command;
     }
     const auto number = number_of(rest);
-    const bool is_whole = named->verb == WindowVerb::fingers || named->verb == WindowVerb::step;
+    const bool is_whole = named->verb == WindowVerb::fingers || named->verb == WindowVerb::step ||
+                          named->verb == WindowVerb::answer;
     if (!number || (is_whole && *number != std::floor(*number)) || *number < named->least ||
         *number > named->most)
         return usage_error("'" + words + "': " + name + " needs a " + (is_whole ? "whole " : "") +

@@ -31,6 +31,8 @@ enum class WindowVerb {
     mute,         ///< no sound, or again
     volume,       ///< `number`: 0 to 100, of all that is heard
     louder,       ///< `number`: by which the volume grows
+    go_on,        ///< in a study: the participant begins, or has done with the screen
+    answer,       ///< in a study: `number`: of the answers that are there, from 1
     measure,     ///< `places`: two pixels; none: `word`, empty: the tool, in the hand or away, "off": no line
     overlay,     ///< `word`: what the surface is coloured by; empty: the next one
     dent,        ///< `number`: 1 where a surface that gives way is drawn so, 0 where it is not
@@ -80,6 +82,8 @@ struct KeyBinding {
     bool control = false;
 };
 std::span<const KeyBinding> key_bindings();
+/// Keys that only a study knows.
+inline constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
 /// Of a key with what is held; null: it does nothing.
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
 

@@ -51,6 +51,10 @@ Result<std::optional<InputEvent>> read_input(const std::string& line) {
             if (event.word == binding.key) return std::optional(event);
             known += std::string(known.empty() ? "" : " ") + binding.key;
         }
+        for (const char* const key : study_keys) {
+            if (event.word == key) return std::optional(event);
+            known += std::string(" ") + key;
+        }
         return usage_error("no key " + event.word + " does anything; there are " + known);
     }
     if (name == "touch" || name == "touch-move" || name == "touch-end") {

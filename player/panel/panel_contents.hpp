@@ -14,6 +14,7 @@
 #include "player/overlay/overlays.hpp"
 #include "player/panel/materials_panel.hpp"
 #include "player/panel/settings_panel.hpp"
+#include "player/panel/study_page.hpp"
 
 namespace touchable {
 
@@ -66,6 +67,7 @@ struct PanelFacts {
     int volume = 100;
     bool is_empty = false;            ///< nobody has said yet what to show
     std::optional<KioskFacts> kiosk;  ///< only what a visitor needs; nothing: it is none
+    std::optional<StudyFacts> study;  ///< of a kiosk whose visitors are participants
 };
 
 }  // namespace touchable

@@ -49,7 +49,14 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const bool is_stopped = !facts.force_on && !facts.hand;
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
-    if (!help_shown) draw_state(facts, w);  // it is among the help
+    const bool has_page = facts.study && facts.study->is_page;
+    if (!help_shown && !has_page) draw_state(facts, w);  // it is among the help
+    if (facts.study) {
+        if (facts.study->shows_force && !has_page) draw_force(facts, h, scale_);
+        begin_study(*facts.study, w, h, asked);
+        note_box();
+        return ImGui::End();
+    }
     if (facts.kiosk) {
         const bool has_words = draw_kiosk_words(*facts.kiosk, is_stopped, w, h);
         if (facts.kiosk->invited_s) return;

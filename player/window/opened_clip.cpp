@@ -77,6 +77,7 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     if (options_.hand) {
         session.held_device = options_.hand;
         session.control = std::make_shared<HandControl>(fingers_of_hand(), HandMapping{});
+        if (options_.study) session.control->allow_force(false);  // until its participant is to touch
     }
     // A pointer's finger that was inside, where how the surface is felt is new or after a gap, stays there,
     // and the ramp is for that. No hand is pushed out of what it did not come into.
@@ -215,6 +216,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     listener_.emplace(sound_, scene_->width);
     std::vector<TouchSink*> sinks{&*listener_};
     if (record_) sinks.push_back(record_.get());
+    if (options_.meter) sinks.push_back(options_.meter.get());
     auto started = WatchedSession::start(std::move(setup), std::move(sinks));
     if (!started.ok()) return started.error();
     session_ = std::move(*started);

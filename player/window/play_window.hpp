@@ -20,6 +20,8 @@
 #include "player/control/window_script.hpp"
 #include "player/screen/screen.hpp"
 #include "player/session/session_options.hpp"
+#include "player/study/study.hpp"
+#include "player/study/touch_meter.hpp"
 
 namespace touchable {
 
@@ -50,6 +52,12 @@ struct KioskOptions {
     std::optional<std::filesystem::path> use_log{};  ///< UseLog; nothing: none is kept
 };
 
+/// A kiosk whose visitors are the participants of a study.
+struct StudyOptions {
+    Study study;
+    std::filesystem::path results;  ///< a folder
+};
+
 /// A window, and what becomes of it.
 struct PlayOptions {
     SessionOptions session;
@@ -64,6 +72,8 @@ struct PlayOptions {
     std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> clips_of =
         touchable::clips_of;
     std::optional<KioskOptions> kiosk{};  ///< it loops and keeps no settings
+    std::optional<StudyOptions> study{};  ///< of a kiosk
+    std::shared_ptr<TouchMeter> meter{};  ///< the window's own: measures what its study wants
     std::shared_ptr<RunGpu> gpu{};        ///< that draws; nothing: the window opens one
     std::string painter = "auto";         ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;

@@ -103,6 +103,8 @@ Result<PlayFigures> WindowLoop::run() {
     if (auto written = settings_file_.write(to_keep()); !written.ok())
         figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
+    const Result<void> results =
+        study_ ? study_->end(now_s(), std::chrono::system_clock::now()) : Result<void>();
     sum_up();
     if (!failure_) failure_ = clip_->failure();
     if (!failure_ && options_.hand && options_.hand->is_gone())
@@ -123,7 +125,8 @@ Result<PlayFigures> WindowLoop::run() {
             std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
     }
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
-    if (auto done = all_ok({ended, recorded, heard, filmed, kept, saved}); !done.ok()) return done.error();
+    if (auto done = all_ok({ended, recorded, heard, filmed, kept, saved, results}); !done.ok())
+        return done.error();
     if (interrupted()) return interruption();
     return std::move(figures_);
 }
@@ -177,6 +180,7 @@ Result<void> WindowLoop::turn() {
 }
 
 void WindowLoop::go_on_with_clip() {
+    if (study_ && begun_) go_on_in_study();
     go_on_in_list(clip_->session().look());
     panel_->bar_shown = bar_is_wanted();
     const bool is_finger = !options_.hand && clip_->shown() > 0 && clip_->force_is_on() &&
@@ -224,7 +228,8 @@ void WindowLoop::note_screenshots() {
 void WindowLoop::note_files() {
     for (const auto& fault :
          {clip_ ? clip_->record_fault() : std::nullopt, sound_->file_fault(),
-          film_ ? film_->fault() : std::nullopt, use_log_ ? use_log_->missing() : std::nullopt})
+          film_ ? film_->fault() : std::nullopt, use_log_ ? use_log_->missing() : std::nullopt,
+          study_ ? study_->fault() : std::nullopt})
         if (fault && file_faults_.insert(fault->message).second) say(fault->message, Tone::fault);
 }
 
@@ -322,6 +327,7 @@ void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (kiosk_ && !is_for_visitors(event)) return;
     if (kiosk_ && clip_ && is_a_visit(event)) welcome(event);
+    if (study_ && clip_ && take_of_study(event)) return;
     if (is_a_visit(event)) stirred_s_ = time_s_;
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;

@@ -24,6 +24,7 @@
 #include "player/control/use_log.hpp"
 #include "player/panel/imgui_layer.hpp"
 #include "player/panel/window_panel.hpp"
+#include "player/study/study_run.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/long_work.hpp"
@@ -155,6 +156,17 @@ private:
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
     void try_again();
+    bool clip_repeats() const { return playlist_.size() < 2 || study_; }  // in a kiosk
+    Result<void> open_study();
+    bool study_has_page() const;
+    bool study_clip_is_there() const;
+    void go_on_in_study();
+    void take_of_study_hand();
+    bool take_of_study(const InputEvent& event);
+    void take_of_study(const WindowCommand& command);
+    void watch_over_study();
+    void hide_forces(std::vector<FingerMark>& marks, const HeightField& field) const;
+    StudyFacts study_facts() const;
     void note_sound();
     void note_slow_reading();
     void note_files();
@@ -202,6 +214,14 @@ private:
     std::optional<KioskWatch> kiosk_;
     std::optional<RestingFingers> resting_;  // once there is a clip
     std::unique_ptr<UseLog> use_log_;
+    std::unique_ptr<StudyRun> study_;
+    std::size_t study_turn_ = 0;    // that the window has begun
+    bool study_had_force_ = false;  // asked for, of a device
+    struct AskedClip {
+        std::size_t clip;
+        double at_s;
+    };
+    std::optional<AskedClip> study_asked_;         // which has not come yet
     std::map<std::string, double> logged_faults_;  // in the last hour, and when
     std::optional<double> went_on_s_;              // to the next clip by itself, or tried to: at this end
     bool is_inviting_ = false;

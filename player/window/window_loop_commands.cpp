@@ -57,6 +57,9 @@ void WindowLoop::take(const WindowCommand& command) {
             return take_of_brush(command);
         case WindowVerb::measure:
             return take_of_measure(command);
+        case WindowVerb::go_on:
+        case WindowVerb::answer:
+            return take_of_study(command);
         default:
             return take_of_window(command);
     }

@@ -51,6 +51,7 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 
 Result<void> WindowLoop::open_kiosk() {
     kiosk_.emplace(options_.kiosk->times);
+    if (auto opened = open_study(); !opened.ok()) return opened;
     if (!options_.kiosk->use_log) return {};
     auto log = UseLog::open(*options_.kiosk->use_log);
     if (!log.ok()) return log.error();
@@ -66,6 +67,7 @@ std::string WindowLoop::kiosk_letters() const {
     std::string letters = texts.all();
     for (const TouchLabel& label : options_.kiosk->labels.labels)
         if (const std::string* const caption = said_in(label.captions, texts.language)) letters += *caption;
+    if (study_) letters += study_->study().all_words(texts.language);
     return letters;
 }
 
@@ -77,6 +79,7 @@ Result<void> WindowLoop::check_labels() const {
 
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
+    if (study_) return watch_over_study();
     const double now = now_s();
     try_again();
     if (pointer_.holds() || touches_.holds()) kiosk_->holds(now);
@@ -167,7 +170,7 @@ KioskFacts WindowLoop::kiosk_facts(const PanelFacts& facts_of_clip) const {
     const KioskOptions& kiosk = *options_.kiosk;
     KioskFacts facts{.texts = kiosk.texts,
                      .by = options_.hand ? TouchedBy::device : kiosk.touched_by,
-                     .invited_s = kiosk_->invites(now_s()),
+                     .invited_s = study_ ? std::nullopt : kiosk_->invites(now_s()),
                      .is_turned = !clip_->view().own()};
     if (facts_of_clip.scale)
         facts.scale = in_kiosk_words(*facts_of_clip.scale, picture_.overlay(), kiosk.texts);
@@ -183,6 +186,8 @@ void WindowLoop::put_in_kiosk_words(HandState& state) const {
     const KioskTexts& texts = options_.kiosk->texts;
     // What it waits for is said to whoever set it up.
     const bool waits = !state.remark.empty() && !state.has_to_come_out;
+    if (study_ && !study_->gives_force() && state.what == HandState::What::off)
+        state.what = HandState::What::has_no_force;
     state.words = texts.of_device(waits ? HandState::What::away : state.what);
     if (state.has_to_come_out) state.remark = texts.come_out;
 }
@@ -263,7 +268,7 @@ void WindowLoop::begin_anew() {
     picture_.set_overlay(Overlay::colour);
     measure_.let_go();
     sound_->set_muted(false);
-    say(playback_->begin_anew(options_.session.playback, playlist_.size() < 2));
+    say(playback_->begin_anew(options_.session.playback, clip_repeats()));
 }
 
 }  // namespace touchable

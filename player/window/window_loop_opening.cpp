@@ -254,7 +254,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     is_told_of_reading_ = false;
     playback_.emplace(*clip_);
     shown_s_ = time_s_;
-    if (kiosk_ && playlist_.size() < 2 && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+    if (kiosk_ && clip_repeats() && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
         say(playback_->toggle_loop());
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");

@@ -125,6 +125,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
                                        options_.hand ? nearest_of_hand : nearest_of_pointer);
     // A dent would change what the colours of an overlay say.
     clip_->put_on_surface(marks, felt, field, is_dented_ && picture_.overlay() == Overlay::colour);
+    if (study_ && !study_->gives_force()) hide_forces(marks, field);
     const auto marked = Clock::now();
     picture_.set_tint(brush_.tint());
     const ViewCamera drawn_from = drawn_camera(size);
@@ -178,6 +179,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     if (kiosk_) {
         facts.kiosk.emplace(kiosk_facts(facts));
         if (facts.hand) put_in_kiosk_words(facts.hand->state);
+        if (study_) facts.study = study_facts();
         return facts;
     }
     const std::string& passing = notices_.passing();

@@ -1,0 +1,131 @@
+#include "player/study/participant_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "engine/new_file.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view stem = "participant-";
+constexpr const char *partial = ".partial.csv", *finished = ".csv", *left = ".left.csv";
+constexpr std::size_t largest_number = 999'999;
+
+/// Of a file of results; 0: it is none.
+std::size_t number_of(const std::string& name) {
+    if (!name.starts_with(stem)) return 0;
+    std::size_t number = 0;
+    const char* const end = name.data() + name.size();
+    const auto [rest, fault] = std::from_chars(name.data() + stem.size(), end, number);
+    const bool is_one = fault == std::errc() && rest != end && *rest == '.' && number <= largest_number;
+    return is_one ? number : 0;
+}
+
+Result<std::size_t> largest_in(const fs::path& folder) {
+    std::error_code failed;
+    std::size_t largest = 0;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+        largest = std::max(largest, number_of(at->path().filename().string()));
+    if (failed) return input_error(folder.string() + ": cannot be read: " + failed.message());
+    return largest;
+}
+
+}  // namespace
+
+ParticipantFile::ParticipantFile(fs::path folder, std::size_t number, int out)
+    : folder_(std::move(folder)), number_(number), out_(out) {}
+
+ParticipantFile::ParticipantFile(ParticipantFile&& other) noexcept
+    : folder_(std::move(other.folder_)),
+      number_(other.number_),
+      out_(std::exchange(other.out_, -1)),
+      waiting_(std::move(other.waiting_)),
+      fault_(std::move(other.fault_)) {}
+
+ParticipantFile::~ParticipantFile() {
+    if (out_ >= 0) close(out_);
+}
+
+fs::path ParticipantFile::named(const char* ending) const {
+    char digits[24];
+    std::snprintf(digits, sizeof digits, "%03zu", number_);
+    return folder_ / (std::string(stem) + digits + ending);
+}
+
+Error ParticipantFile::failed(int why) const {
+    return input_error(named(partial).string() + ": answers are not kept: " + std::strerror(why));
+}
+
+/// A number that another program takes at the same moment is left to that one.
+Result<ParticipantFile> ParticipantFile::create(const fs::path& folder, const std::string& header) {
+    constexpr int most_tries = 100;
+    const auto largest = largest_in(folder);
+    if (!largest.ok()) return largest.error();
+    for (std::size_t number = *largest + 1; number <= *largest + most_tries; ++number) {
+        if (number > largest_number) break;
+        ParticipantFile file(folder, number, -1);
+        const fs::path name = file.named(partial);
+        file.out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
+        if (file.out_ < 0 && errno == EEXIST) continue;
+        if (file.out_ < 0) return file.failed(errno);
+        std::error_code ignored;
+        const bool is_taken =
+            fs::exists(file.named(finished), ignored) || fs::exists(file.named(left), ignored);
+        file.add(header);
+        if (!is_taken && !file.fault_) return file;
+        const auto fault = file.fault_;
+        (void)unlink(name.c_str());
+        if (fault) return *fault;
+    }
+    return input_error(folder.string() + ": there is no number for another participant; right would be an " +
+                       "empty folder");
+}
+
+void ParticipantFile::add(const std::string& row) {
+    waiting_ += row;
+    write();
+}
+
+/// All that waits, or nothing of it.
+void ParticipantFile::write() {
+    fault_.reset();
+    const off_t before = lseek(out_, 0, SEEK_END);
+    std::string_view rest = waiting_;
+    while (!rest.empty()) {
+        const ssize_t count = ::write(out_, rest.data(), rest.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) {
+            fault_ = failed(count < 0 ? errno : ENOSPC);
+            if (before >= 0) (void)!ftruncate(out_, before);
+            return;
+        }
+        rest.remove_prefix(static_cast<std::size_t>(count));
+    }
+    waiting_.clear();
+}
+
+Result<void> ParticipantFile::finish(End end) {
+    write();
+    if (fault_) return *fault_;
+    if (fsync(out_) != 0) return *(fault_ = failed(errno));
+    const fs::path last = named(end == End::finished ? finished : left);
+    if (const int why = move_to_free_name(named(partial), last); why != 0)
+        return *(fault_ = input_error(named(partial).string() + ": stays partial: " +
+                                      last.filename().string() + ": " + std::strerror(why)));
+    sync_folder(folder_);
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,204 @@
+#include "player/study/study_run.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "engine/new_file.hpp"
+#include "player/control/universal_time.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr const char* header =
+    "study,participant,language,hand,time,condition,place,step,question,answer,seconds,contact_s,touches,"
+    "mean_force_n,max_force_n\n";
+
+template <class... Values>
+std::string in_words(const char* format, Values... values) {
+    char words[64];
+    std::snprintf(words, sizeof words, format, values...);
+    return words;
+}
+
+/// A device's name, in a table.
+std::string as_field(std::string words) {
+    std::ranges::replace_if(
+        words, [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, ' ');
+    return words;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, std::filesystem::path folder,
+                                                 std::string language, std::string hand) {
+    std::error_code failed;
+    std::filesystem::create_directory(folder, failed);
+    if (!std::filesystem::is_directory(folder))
+        return input_error(folder.string() + ": results cannot be kept there" +
+                           (failed ? ": " + failed.message() : std::string()) + "; right would be a folder");
+    if (auto there = NewFile(folder / "participant-000.csv", Existing::keep).check(); !there.ok())
+        return there.error();
+    return std::unique_ptr<StudyRun>(
+        new StudyRun(std::move(study), std::move(folder), std::move(language), as_field(std::move(hand))));
+}
+
+double StudyRun::share_done() const {
+    if (screens_.empty()) return 0;
+    return static_cast<double>(at_) / static_cast<double>(screens_.size());
+}
+
+/// Before anybody has begun, the first of the study: it is there by the time it is wanted.
+std::size_t StudyRun::clip() const {
+    const std::vector<StudyScreen> first =
+        screens_.empty() ? screens_of(study_, 1) : std::vector<StudyScreen>();
+    const std::vector<StudyScreen>& screens = screens_.empty() ? first : screens_;
+    for (std::size_t k = at_; k < screens.size(); ++k)
+        if (screens[k].is_touch()) return screens[k].clip();
+    for (std::size_t k = std::min(at_, screens.size()); k > 0; --k)
+        if (screens[k - 1].is_touch()) return screens[k - 1].clip();
+    return 0;
+}
+
+bool StudyRun::gives_force() const {
+    return screen() && screen()->is_touch() && screen()->force() == StudyForce::on;
+}
+
+void StudyRun::choose(std::size_t answer) {
+    if (screen() && screen()->question && answer < screen()->question->answers.size()) chosen_ = answer;
+}
+
+void StudyRun::choose_by(int by) {
+    if (!screen() || !screen()->question) return;
+    const auto count = static_cast<int>(screen()->question->answers.size());
+    if (!chosen_)
+        choose(by > 0 ? 0 : static_cast<std::size_t>(count - 1));
+    else
+        choose(static_cast<std::size_t>((static_cast<int>(*chosen_) + by + count) % count));
+}
+
+bool StudyRun::may_go_on(double now_s) const {
+    if (now_s < began_s_ + least_s) return false;
+    if (!screen()) return true;
+    return (chosen_ || !screen()->question) && now_s >= began_s_ + screen()->step->least_s;
+}
+
+void StudyRun::go_on(double now_s, Time time) {
+    if (!may_go_on(now_s)) return;
+    if (!screen()) {
+        begin(now_s);
+        return;
+    }
+    add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
+    if (at_ + 1 == screens_.size()) {
+        file_->add(row(in_words(",,end,,finished,%.2f,,,,", now_s - came_s_), time));
+        return finish(ParticipantFile::End::finished, now_s);
+    }
+    ++at_;
+    begin_screen(now_s);
+}
+
+void StudyRun::pass(double now_s, Time time) {
+    if (!screen() || !screen()->step->most_s) return;
+    if (now_s >= began_s_ + std::max(*screen()->step->most_s, least_s)) go_on(now_s, time);
+}
+
+void StudyRun::wait(double now_s) {
+    if (!screen()) return;
+    began_s_ = now_s;
+    if (screen()->is_touch()) meter_->begin(screen()->force());
+}
+
+/// Where the results of the one before could not be kept, that comes first.
+void StudyRun::begin(double now_s) {
+    no_file_.reset();
+    if (ended_) finish(*ended_, now_s);
+    if (ended_) return;
+    auto file = ParticipantFile::create(folder_, header);
+    if (!file.ok()) {
+        no_file_ = file.error();
+        return;
+    }
+    file_.emplace(std::move(*file));
+    screens_ = screens_of(study_, file_->number());
+    at_ = 0;
+    came_s_ = now_s;
+    begin_screen(now_s);
+}
+
+void StudyRun::begin_screen(double now_s) {
+    ++turn_;
+    began_s_ = now_s;
+    chosen_.reset();
+    if (screen() && screen()->is_touch()) meter_->begin(screen()->force());
+}
+
+/// `rest`: from the condition on.
+std::string StudyRun::row(const std::string& rest, Time time) const {
+    std::string row;
+    for (const std::string& field :
+         {study_.name, std::to_string(file_->number()), language_, hand_, in_universal_time(time)})
+        row += field + ',';
+    return row + rest + '\n';
+}
+
+void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
+    const StudyScreen& now = *screen();
+    const std::string condition =
+        now.condition ? now.condition->name + "," + std::to_string(now.place) : std::string(",");
+    std::string touched = ",,,";
+    if (now.is_touch()) {
+        const TouchMeasures m = meter_->measures();
+        touched = in_words("%.3f,%d,%.4f,%.4f", m.contact_s, m.touches, m.mean_newtons, m.most_newtons);
+    }
+    const std::string question = now.question ? now.question->id : std::string();
+    std::string rest = condition;
+    for (const std::string& field :
+         {now.step->id, question, answer, in_words("%.2f", now_s - began_s_), touched}) {
+        rest += ',';
+        rest += field;
+    }
+    file_->add(row(rest, time));
+}
+
+void StudyRun::leave(double now_s, Time time) {
+    if (!screen()) return;
+    const bool is_done = at_ + 1 == screens_.size() && screen()->step->kind == StudyStep::Kind::text;
+    add_row(now_s, time, "");
+    file_->add(row(in_words(",,end,,%s,%.2f,,,,", is_done ? "finished" : "left", now_s - came_s_), time));
+    finish(is_done ? ParticipantFile::End::finished : ParticipantFile::End::left, now_s);
+}
+
+/// The start screen is next, whatever became of the file.
+void StudyRun::finish(ParticipantFile::End end, double now_s) {
+    const Result<void> done = file_->finish(end);
+    ended_.reset();
+    if (done.ok())
+        file_.reset();
+    else
+        ended_ = end;
+    screens_.clear();
+    at_ = 0;
+    chosen_.reset();
+    began_s_ = now_s;
+    ++turn_;
+}
+
+/// A participant who is at it stays in a partial file: it goes as far as it went.
+Result<void> StudyRun::end(double now_s, Time time) {
+    if (screen()) {
+        add_row(now_s, time, "");
+        file_->add(row(in_words(",,end,,ended,%.2f,,,,", now_s - came_s_), time));
+        screens_.clear();
+    } else if (ended_) {
+        finish(*ended_, now_s);
+    }
+    return fault() ? Result<void>(*fault()) : Result<void>();
+}
+
+std::optional<Error> StudyRun::fault() const {
+    return file_ && file_->fault() ? file_->fault() : no_file_;
+}
+
+}  // namespace touchable
