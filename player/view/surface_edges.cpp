@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "engine/surface/vectors.hpp"
+#include "engine/vectors.hpp"
 
 // Compiled without traps: the loops over a row's vertices become vectors by themselves.
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/row_bands.hpp"
-#include "engine/surface/vector_unit.hpp"
+#include "engine/vector_unit.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/edge_rule.h"
 
