@@ -23,36 +23,37 @@ def is_number(text):
 def main(folder):
     values = defaultdict(dict)  # of what is measured: (participant, condition) -> number
     counts = defaultdict(Counter)  # of choices: answer -> people
-    conditions, people = [], 0
+    people = 0
     for table in sorted(Path(folder).glob("participant-*[0-9].csv")):
         people += 1
         for row in csv.DictReader(table.open(newline="", encoding="utf-8")):
             who, condition = row["participant"], row["condition"]
             if row["question"] and not is_number(row["answer"]):
                 counts[row["question"]][row["answer"]] += 1
-            if not condition:
-                continue
-            if condition not in conditions:
-                conditions.append(condition)
             if row["question"] and is_number(row["answer"]):
-                values[row["question"]][who, condition] = float(row["answer"])
+                values[row["question"]][who, condition or "outside"] = float(row["answer"])
             for measure in ("seconds", "contact_s", "touches", "mean_force_n", "max_force_n"):
-                if row["touches"]:
+                if condition and row["touches"]:
                     values[f"{row['step']} {measure}"][who, condition] = float(row[measure])
     print(f"{people} participants finished")
     if people == 0:
         return
-    if len(conditions) == 2:
-        a, b = sorted(conditions, reverse=True)  # force-on, force-off
-        print(f"\n{'':24}{a:>12}{b:>12}{'difference':>12}{'sd':>8}{'n':>5}")
-        for name, of in values.items():
-            pairs = [(of[who, a], of[who, b]) for who, c in of if c == a and (who, b) in of]
-            if not pairs:
-                continue
-            differences = [x - y for x, y in pairs]
-            sd = statistics.stdev(differences) if len(pairs) > 1 else float("nan")
-            means = [statistics.mean(column) for column in zip(*pairs)]
-            print(f"{name:24}{means[0]:12.2f}{means[1]:12.2f}{statistics.mean(differences):12.2f}{sd:8.2f}{len(pairs):5}")
+    conditions = sorted({condition for of in values.values() for _, condition in of}, reverse=True)
+    compared = [condition for condition in conditions if condition != "outside"]
+    heads = "".join(f"{condition:>12}" for condition in conditions)
+    print(f"\n{'':24}{heads}" + (f"{'difference':>12}{'sd':>8}{'n':>5}" if len(compared) == 2 else ""))
+    for name, of in values.items():
+        line = f"{name:24}"
+        for condition in conditions:
+            column = [value for (_, of_condition), value in of.items() if of_condition == condition]
+            line += f"{statistics.mean(column):12.2f}" if column else f"{'':12}"
+        if len(compared) == 2:
+            a, b = compared  # force-on, force-off
+            differences = [of[who, a] - of[who, b] for who, c in of if c == a and (who, b) in of]
+            if differences:
+                sd = statistics.stdev(differences) if len(differences) > 1 else float("nan")
+                line += f"{statistics.mean(differences):12.2f}{sd:8.2f}{len(differences):5}"
+        print(line)
     print()
     for question, answers in counts.items():
         print(f"{question:24}" + ", ".join(f"{answer} {count} of {answers.total()}" for answer, count in answers.most_common()))

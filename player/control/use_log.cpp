@@ -106,6 +106,7 @@ Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, 
 }
 
 Result<void> UseLog::finish(std::chrono::milliseconds longest) {
+    is_finished_ = true;
     Rows& rows = *rows_;
     std::unique_lock lock(rows.mutex);
     rows.is_ending = true;
@@ -117,7 +118,7 @@ Result<void> UseLog::finish(std::chrono::milliseconds longest) {
 }
 
 UseLog::~UseLog() {
-    (void)finish();
+    if (!is_finished_) (void)finish();
 }
 
 void UseLog::visit(Time came, double seconds) {

@@ -55,6 +55,7 @@ private:
     void add(Time time, const std::string& rest);
 
     const std::shared_ptr<Rows> rows_;
+    bool is_finished_ = false;  // or waited for long enough
     std::int64_t visitors_ = 0;
 };
 

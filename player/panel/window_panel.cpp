@@ -55,7 +55,9 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         if (facts.study->shows_force && !has_page) draw_force(facts, h, scale_);
         begin_study(*facts.study, w, h, asked);
         note_box();
-        return ImGui::End();
+        ImGui::End();
+        if (!has_page && facts.kiosk->is_turned) draw_turn_back(facts.kiosk->texts.turn_back, w, asked);
+        return;
     }
     if (facts.kiosk) {
         const bool has_words = draw_kiosk_words(*facts.kiosk, is_stopped, w, h);

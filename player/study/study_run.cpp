@@ -35,7 +35,8 @@ Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, std::filesystem::p
                                                  std::string language, std::string hand) {
     std::error_code failed;
     std::filesystem::create_directory(folder, failed);
-    if (!std::filesystem::is_directory(folder))
+    std::error_code unknown;
+    if (!std::filesystem::is_directory(folder, unknown))
         return input_error(folder.string() + ": results cannot be kept there" +
                            (failed ? ": " + failed.message() : std::string()) + "; right would be a folder");
     if (auto there = NewFile(folder / "participant-000.csv", Existing::keep).check(); !there.ok())

@@ -46,7 +46,8 @@ void WindowLoop::ask_for_first_clip() {
     options_.session.clip.shared_clip.reset();
     std::vector<ClipChoice> clips{options_.session.clip};
     clips.insert(clips.end(), options_.next_clips.begin(), options_.next_clips.end());
-    ask_for_clip(Playlist(std::move(clips), kiosk_.has_value()), 1, first);
+    // A participant of a study cannot do with another clip.
+    ask_for_clip(Playlist(std::move(clips), kiosk_.has_value()), options_.study ? 0 : 1, first);
 }
 
 Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
@@ -168,7 +169,8 @@ Result<void> WindowLoop::turn() {
     lift_after_sleep();
     for (const InputEvent& event : events) take(event);
     if (begun_ && !quit_) take_script();
-    if (!dropped_.empty()) open_others(std::exchange(dropped_, {}));
+    // Until the clip that was asked for first is open, or cannot be, what is dropped waits.
+    if (!dropped_.empty() && (clip_ || waits_for_wish())) open_others(std::exchange(dropped_, {}));
     if (kiosk_ && clip_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     if (clip_) go_on_with_clip();
@@ -325,7 +327,8 @@ void WindowLoop::take_script() {
 
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
-    if (kiosk_ && !is_for_visitors(event)) return;
+    const bool is_of_study = study_ && clip_ && event.kind == Kind::key;
+    if (kiosk_ && !is_for_visitors(event) && !is_of_study) return;
     if (kiosk_ && clip_ && is_a_visit(event)) welcome(event);
     if (study_ && clip_ && take_of_study(event)) return;
     if (is_a_visit(event)) stirred_s_ = time_s_;

@@ -155,12 +155,14 @@ private:
     void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
+    void begin_anew_at_end();
     void try_again();
     bool clip_repeats() const { return playlist_.size() < 2 || study_; }  // in a kiosk
     Result<void> open_study();
     bool study_has_page() const;
     bool study_clip_is_there() const;
     void go_on_in_study();
+    void go_on_to_next_of_study();
     void take_of_study_hand();
     bool take_of_study(const InputEvent& event);
     void take_of_study(const WindowCommand& command);

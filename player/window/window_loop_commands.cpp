@@ -102,6 +102,7 @@ void WindowLoop::set_turning(bool on) {
     is_turning_ = on;
     if (!on) return;
     pointer_.leave(clip_->fingers());
+    clip_->fingers().lift();
     measure_.hold(false);
     if (brush_.is_held()) take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
 }

@@ -89,9 +89,13 @@ void WindowLoop::watch_over() {
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
-    // A clip that did not say how long it is could not be told to loop.
-    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end && playlist_.size() < 2;
-    if (ended && now > begun_anew_s_ + 1) begin_anew();
+    begin_anew_at_end();
+}
+
+/// A clip that did not say how long it is could not be told to loop.
+void WindowLoop::begin_anew_at_end() {
+    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end && clip_repeats();
+    if (ended && now_s() > begun_anew_s_ + 1) begin_anew();
 }
 
 /// Somebody did something. Of the mouse's force no visitor has to know how it was stopped.

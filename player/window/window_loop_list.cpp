@@ -24,6 +24,7 @@ void WindowLoop::open_instead(Playlist list, int by) {
 }
 
 void WindowLoop::go_in_list(int by) {
+    if (!clip_ && !waits_for_wish()) return;  // the first is not open yet
     Playlist list = wanted_list_.value_or(playlist_);
     if (list.go(by)) return open_instead(std::move(list), by);
     if (list.size() < 2) return say("there is no other clip; drop some on the window");
@@ -38,7 +39,7 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
     const PlaybackState playback = clip_->session().playback();
     const bool has_ended = playback.at_end && playback.playing && !playback.loops;
     if (!has_ended) return went_on_s_.reset();
-    if (playlist_.size() < 2 || opening_.is_busy() || ready_) return;
+    if (study_ || playlist_.size() < 2 || opening_.is_busy() || ready_) return;
     if (clip_->seconds() < blink_s && time_s_ < shown_s_ + rest_s) return;
     // Where no other can be opened, a person is told once, and a kiosk tries on.
     if (went_on_s_ && (!kiosk_ || time_s_ < *went_on_s_ + again_s)) return;

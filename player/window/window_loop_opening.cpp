@@ -178,6 +178,8 @@ Result<void> WindowLoop::go_on_opening() {
 
 void WindowLoop::go_on_changing() {
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
+    // What a participant of a study touches is measured in one piece.
+    if (study_ && study_->screen() && study_->screen()->is_touch()) return;
     if (!wanted_settings_ && Clock::now() > renew_after_ && clip_->is_nearly_full() && was_seen && !ready_ &&
         !opening_.is_busy()) {
         renew_after_ = Clock::now() + renew_pause;
@@ -252,6 +254,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     frames_shown_.forget();
     slow_reading_ = {};
     is_told_of_reading_ = false;
+    is_turning_ = false;
     playback_.emplace(*clip_);
     shown_s_ = time_s_;
     if (kiosk_ && clip_repeats() && !clip_->session().playback().loops && clip_->seconds() >= 0.1)

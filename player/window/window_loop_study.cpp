@@ -97,6 +97,14 @@ void WindowLoop::go_on_in_study() {
         control->allow_force(study_->gives_force() && !has_page);
 }
 
+/// A hand has no force while the answer is written: its disk may be slow.
+void WindowLoop::go_on_to_next_of_study() {
+    const double now = now_s();
+    HandControl* const control = clip_ ? clip_->control() : nullptr;
+    if (control && study_->may_go_on(now)) control->allow_force(false);
+    study_->go_on(now, by_the_clock());
+}
+
 /// The first button says "continue" to a page. The second one goes through a question's answers; in a touch
 /// it stops forces, and where there are none says "continue".
 void WindowLoop::take_of_study_hand() {
@@ -106,8 +114,10 @@ void WindowLoop::take_of_study_hand() {
     const bool first = control->take_presses(0) > 0, second = control->take_presses(1) > 0;
     const bool has_page = study_has_page();
     if (second && has_page) study_->choose_by(1);
-    if ((first && has_page) || (second && !has_page && !had_force)) study_->go_on(now_s(), by_the_clock());
-    if (first || second) last_event_ = Clock::now();
+    if ((first && has_page) || (second && !has_page && !had_force)) go_on_to_next_of_study();
+    if (!first && !second) return;
+    kiosk_->came(now_s());
+    last_event_ = Clock::now();
 }
 
 /// Whether it was a key, which nobody else is to have.
@@ -120,7 +130,7 @@ bool WindowLoop::take_of_study(const InputEvent& event) {
     if (has_page && (event.word == "left" || event.word == "up")) study_->choose_by(-1);
     if (has_page && (event.word == "right" || event.word == "down")) study_->choose_by(1);
     if (!event.repeated && (event.word == "enter" || (has_page && event.word == "space")))
-        study_->go_on(now_s(), by_the_clock());
+        go_on_to_next_of_study();
     last_event_ = Clock::now();
     if (has_page) return true;
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
@@ -136,7 +146,7 @@ void WindowLoop::take_of_study(const WindowCommand& command) {
     if (command.verb == WindowVerb::answer)
         study_->choose(static_cast<std::size_t>(command.number) - 1);
     else
-        study_->go_on(now_s(), by_the_clock());
+        go_on_to_next_of_study();
 }
 
 /// Somebody who went away has left, and the start screen is back.
@@ -146,6 +156,7 @@ void WindowLoop::watch_over_study() {
     if (pointer_.holds() || touches_.holds()) kiosk_->holds(now);
     log_visit(kiosk_->ended(now));
     if (kiosk_->begins_anew(now)) study_->leave(now, by_the_clock());
+    begin_anew_at_end();
 }
 
 /// Without its force a finger is on the surface where the hand is: nothing holds it back, and nothing gives
@@ -176,12 +187,12 @@ StudyFacts WindowLoop::study_facts() const {
     facts.go_on = texts.study_continue;
     facts.may_go_on = study_->may_go_on(now_s());
     facts.share_done = study_->share_done();
+    if (study_->fault()) facts.fault = texts.study_not_kept;
     const StudyScreen* const screen = study_->screen();
     if (!screen) {
         facts.title = said(study_->study().title);
         facts.words = said(study_->study().words);
         facts.go_on = texts.study_begin;
-        if (study_->fault()) facts.fault = texts.study_not_kept;
         return facts;
     }
     if (facts.is_page && screen->is_touch()) {
