@@ -19,9 +19,8 @@ float edge_q(EdgeLattice lattice, ivec2 at) {
 }
 
 void main() {
-    const uint vertex = gl_GlobalInvocationID.x;
-    if (vertex >= push.pitch * push.height) return;
-    const uint x = vertex % push.pitch, y = vertex / push.pitch;
+    const uint x = gl_GlobalInvocationID.x, y = gl_WorkGroupID.y;
+    if (x >= push.pitch) return;
     uvec2 words = uvec2(0u);
     if (x < push.width) {
         const EdgeLattice lattice = EdgeLattice(int(push.width), int(push.height), int(push.pitch), push.ratio);
@@ -31,5 +30,5 @@ void main() {
             words = uvec2(floatBitsToUint(move.q),
                           (uint(move.by.x) & 255u) | (uint(move.by.y) & 255u) << 8 | uint(shade) << 16);
     }
-    moved[vertex] = words;
+    moved[y * push.pitch + x] = words;
 }

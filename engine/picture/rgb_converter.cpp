@@ -42,6 +42,7 @@ bool RgbConverter::is_set_up_for(const AVFrame& frame) const {
 }
 
 bool RgbConverter::set_up_for(const AVFrame& frame) {
+    pool_.reset();  // nothing is set up where this fails
     scaler_.reset();
     factors_.reset();
     if (is_yuv420(frame))

@@ -13,7 +13,7 @@ namespace touchable {
 /// (choose_filters); in the scene they are off.
 struct UnstatedFilters {
     bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
-    /// Of terrace removal, whether that is stated or not. TerraceRemoval::automatic leaves it open too.
+    /// Of terrace removal, whether that is stated or not.
     bool terrace_reach = false;
     bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
     bool operator==(const UnstatedFilters&) const = default;

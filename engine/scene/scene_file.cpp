@@ -200,7 +200,8 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
                 !node.has("flying_pixels")};
     // Removal that is stated is as it was before there was a reach, above all where a recording repeats it.
-    unstated.terrace_reach = !node.has("terrace_reach") && unstated.terraces;
+    unstated.terrace_reach =
+        !node.has("terrace_reach") && (unstated.terraces || filter.terraces == TerraceRemoval::automatic);
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 

@@ -95,7 +95,8 @@ OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& op
     if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
     if (!open.terraces) json["terraces"] = name_of(terrace_names, filter.terraces);
     if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
-    if (!open.terrace_reach && (filter.terrace_reach != least_terrace_reach || open.terraces))
+    const bool is_removal_open = open.terraces || filter.terraces == TerraceRemoval::automatic;
+    if (!open.terrace_reach && (filter.terrace_reach != least_terrace_reach || is_removal_open))
         json["terrace_reach"] = filter.terrace_reach;
     if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
     if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);

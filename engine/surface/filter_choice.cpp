@@ -63,12 +63,10 @@ void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilte
         filter.median = measured.from_a_camera() && measured.roughness >= roughness_per_pixel * measured.pixel
                             ? median_of_cameras(measured)
                             : 0;
-    const bool is_reach_open = unstated.terrace_reach || (filter.terraces == TerraceRemoval::automatic &&
-                                                          filter.terrace_reach == least_terrace_reach);
     if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
         filter.terraces = removal_advised(measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
     if (filter.terraces == TerraceRemoval::on) filter.levels = measured.levels;
-    if (is_reach_open) widen_reach(measured, scene);
+    if (unstated.terrace_reach) widen_reach(measured, scene);
 }
 
 }  // namespace

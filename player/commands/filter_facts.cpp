@@ -68,6 +68,8 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     const auto names = {std::pair{"median", chosen->chosen.median},
                         {"fill_holes", chosen->chosen.fill_holes},
                         {"terraces", chosen->chosen.terraces},
+                        {"terrace_reach", filter.terraces == TerraceRemoval::on &&
+                                              chosen->chosen.terrace_reach && !chosen->chosen.terraces},
                         {"temporal", chosen->chosen.temporal},
                         {"flying_pixels", chosen->chosen.flying_pixels}};
     out["chosen"] = Json::array();

@@ -10,8 +10,9 @@ namespace {
 // Measured on a core of an AMD EPYC (docs/gpu-vs-cpu.md). Others are faster or slower, but in both columns
 // alike.
 
-/// CPU time of a whole frame: ns for each pixel, and a rest that does not depend on them.
-constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 1.1,
+/// CPU time of a whole frame: ns for each pixel (of terraces: and each pass), and a rest that does not depend
+/// on them.
+constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 0.22,
                  temporal_ns = 0.15, frame_us = 10;
 
 /// CPU time that the lazy builder adds to a tick for each finger, us: a part that depends on how many pixels
@@ -62,10 +63,12 @@ BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
 double whole_frames_ms_per_second(const TouchLoad& load) {
     const Scene& scene = load.scene;
     const int median = scene.filter.median;
+    const auto terraces = terrace_filter(scene);
     const double ns = (median == 5   ? median5_ns
                        : median == 3 ? median3_ns
                                      : decode_ns) +
-                      (terrace_filter(scene) ? terraces_ns : 0) + (scene.filter.temporal ? temporal_ns : 0);
+                      (terraces ? terraces_ns * terraces->passes() : 0) +
+                      (scene.filter.temporal ? temporal_ns : 0);
     const double pixels = static_cast<double>(scene.width) * scene.height;
     return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
 }

@@ -19,6 +19,7 @@ void apply(const FiltersChoice& filters, Scene& scene, UnstatedFilters& unstated
     if (filters.settings.temporal_noise != DepthLength{})
         scene.filter.temporal_noise = filters.settings.temporal_noise;
     unstated = filters.unstated;
+    if (unstated.terraces) scene.filter.terrace_reach = least_terrace_reach;  // chosen anew with it
 }
 
 void apply(const TemporalChoice& temporal, Scene& scene, UnstatedFilters& unstated) {

@@ -53,7 +53,8 @@ std::string contours_found(const Contours& contours) {
 /// What removal takes levels for, where that is not what was found.
 std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& filter,
                            double metres_per_unit) {
-    if (filter.terraces == TerraceRemoval::on && filter.terrace_reach != least_terrace_reach)
+    if (filter.terraces == TerraceRemoval::on && filter.terrace_reach != least_terrace_reach &&
+        measured.contours.are_wide())
         return contours_found(measured.contours) + ", codes " + where_it_is(measured, metres_per_unit);
     const bool is_wider = filter.terraces == TerraceRemoval::on && filter.levels != measured.levels;
     return "levels " + where_it_is(measured, metres_per_unit) +
@@ -130,7 +131,8 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
              median_reason(measured, unit));
     list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
              "noise " + noise_found(measured, unit));
-    list.add(filter.terraces == TerraceRemoval::on, by.terraces, terraces_name(filter),
+    const bool is_reach_chosen = by.terrace_reach && filter.terrace_reach != least_terrace_reach;
+    list.add(filter.terraces == TerraceRemoval::on, by.terraces || is_reach_chosen, terraces_name(filter),
              removal_reason(measured, filter, unit));
     if (known && by == all_unstated && !list.has_any())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +

@@ -147,7 +147,7 @@ Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& 
     commands.barrier(GpuStage::graphics, GpuStage::compute);
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch(edges_, push, {GpuBinding::words(lattice.q), lattice.edges},
-                      {groups_for(push.pitch * push.height, EDGES_LANES)});
+                      {groups_for(push.pitch, EDGES_LANES), push.height});
     commands.mark("edges");
     return {};
 }

@@ -23,8 +23,9 @@ public:
 
     /// Writes colours and z (0 is empty) of the camera's pixels, rows of `pitch`. `lattice` is in memory that
     /// is mapped, `edges` are its own; `background`: a colour for each row.
-    void draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, std::span<const PackedColour> background,
-              int pitch, std::span<PackedColour> colours, std::span<float> z);
+    void draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+              std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
+              std::span<float> z);
 
 private:
     class Band;

@@ -133,6 +133,22 @@ TEST(RgbConverter, GivesTheBitsOfSwscaleForEverySizeAndKeepsNothingOfFramesBefor
             }
 }
 
+TEST(RgbConverter, IsAsBeforeAfterAFrameThatCannotBeConverted) {
+    RgbConverter converter;
+    const FramePtr frame = noise({}, 1);
+    const auto before = converter.converted(*frame);
+    ASSERT_TRUE(before.ok());
+    // Nobody fills one of these; what matters is its format.
+    const FramePtr other(av_frame_alloc());
+    other->width = frame->width;
+    other->height = frame->height;
+    other->format = AV_PIX_FMT_VAAPI;
+    EXPECT_FALSE(converter.converted(*other).ok());
+    const auto after = converter.converted(*frame);
+    ASSERT_TRUE(after.ok());
+    EXPECT_EQ(pixels_of(**after), pixels_of(**before));
+}
+
 TEST(RgbConverter, MovesBytesOfEveryOrderOfChannels) {
     unsigned seed = 0;
     for (const AVPixelFormat format : {AV_PIX_FMT_GBRP, AV_PIX_FMT_GBRAP, AV_PIX_FMT_RGB24, AV_PIX_FMT_BGR24,

@@ -47,6 +47,8 @@ TEST(SceneFile, StatedTerraceRemovalHasTheReachThatItHadUnlessTheFileSaysMore) {
     EXPECT_NE(scene_to_json(wide).find("\"terrace_reach\": 64"), std::string::npos);
     EXPECT_TRUE(with("").unstated.filters.terrace_reach);
     EXPECT_FALSE(with(R"(, "terrace_reach": 16)").unstated.filters.terrace_reach);
+    EXPECT_TRUE(with(R"(, "terraces": "auto")").unstated.filters.terrace_reach);
+    EXPECT_FALSE(with(R"(, "terraces": "auto", "terrace_reach": 16)").unstated.filters.terrace_reach);
 }
 
 TEST(SceneFile, RecordingIsReadAsWritten) {

@@ -124,7 +124,8 @@ TEST(ChosenReach, StatedRemovalIsAsItWasUnlessItsReachIsOpen) {
     unstated.terrace_reach = true;
     EXPECT_EQ(chosen_for(phone(90, 1), unstated, on).terrace_reach, 128);
     const FilterSettings automatic{.terraces = TerraceRemoval::automatic};
-    EXPECT_EQ(chosen_for(phone(90, 1), {}, automatic).terrace_reach, 128);
+    EXPECT_EQ(chosen_for(phone(90, 1), unstated, automatic).terrace_reach, 128);
+    EXPECT_EQ(chosen_for(phone(90, 1), {}, automatic).terrace_reach, 16) << "stated";
     const FilterSettings said{.terraces = TerraceRemoval::automatic, .terrace_reach = 32};
     EXPECT_EQ(chosen_for(phone(90, 1), {}, said).terrace_reach, 32);
     EXPECT_EQ(chosen_for(phone(90, 1), {}, {}), FilterSettings{}) << "off";
