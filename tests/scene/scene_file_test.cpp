@@ -37,7 +37,7 @@ TEST(SceneFile, StatedTerraceRemovalHasTheReachThatItHadUnlessTheFileSaysMore) {
         const std::string plain = R"("fill_holes": 2)";
         return described(json.replace(json.find(plain), plain.size(), plain + members));
     };
-    for (const char* const word : {"on", "off", "auto"}) {
+    for (const char* const word : {"on", "off"}) {
         const SceneDescription stated = with(std::string(R"(, "terraces": ")") + word + '"');
         EXPECT_EQ(stated.scene.filter.terrace_reach, 16) << word;
         EXPECT_FALSE(stated.unstated.filters.terrace_reach) << word;

@@ -67,7 +67,7 @@ private:
 };
 
 /// Where buttons are.
-constexpr int help = 39, settings = 84, measure = 170, turn = 250, previous = -39, next = -115;
+constexpr int help = 39, settings = 84, measure = 170, turn = 288, previous = -39, next = -115;
 
 class MouseAlone : public ::testing::TestWithParam<WindowOfSize> {
 protected:

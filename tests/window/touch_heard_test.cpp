@@ -173,7 +173,7 @@ TEST(Sound, OfTheWindowIsKept) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
-    std::ofstream(folder / "script") << "0 move 160 130\n0 press left\n";
+    std::ofstream(folder / "script") << "0 move 160 130\n0.2 press left\n";
     const std::vector<std::string> words{"play",    clip,       "--headless",
                                          "--size",  "320x240",  "--seconds",
                                          "0.6",     "--script", (folder / "script").string(),

@@ -93,7 +93,7 @@ TEST_F(Touches, EachFingerPressesWhereItIs) {
 }
 
 /// A mouse's finger comes from the clip's camera, here 5 cm of the hand's away.
-TEST_F(Touches, FingerIsFeltWithinATenthOfASecond) {
+TEST_F(Touches, FingerIsFeltWithinATenthOfASecondAndSoIsTheMouses) {
     begin(1, 320, 240, 0);
     const double deep = depths(100)[0].value_or(-1);
     EXPECT_GT(deep, 0.0005) << "half a newton in 1 N/mm";
@@ -104,7 +104,7 @@ TEST_F(Touches, FingerIsFeltWithinATenthOfASecond) {
     fingers_->set_pointer(std::nullopt);
     depths(2000);
     fingers_->set_pointer(glm::dvec2(320, 240));
-    EXPECT_LT(depths(100)[0].value_or(-1), -0.002) << "the mouse's is on its way";
+    EXPECT_GT(depths(100)[0].value_or(-1), 0.0005);
 }
 
 TEST_F(Touches, FingerComesFromBeforeTheSurfaceAndNeverLeapsOnIt) {

@@ -136,10 +136,10 @@ TEST(TouchScript, FingerPressesButtonsAsAMouseDoes) {
     EXPECT_EQ(by_finger.felt.most_pushing(), 0);
 }
 
-TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndTheListShowsThePanel) {
+TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndSettingsAreThePanel) {
     const Touched own = play("", "1"), turned = play("0.1 turn 30\n", "1"),
-                  home = play("0.1 turn 30\n0.3 touch 1 525 444\n0.4 touch-end 1\n", "1"),
-                  panel = play("0.3 touch 1 563 444\n0.4 touch-end 1\n", "1"),
+                  home = play("0.1 turn 30\n0.3 touch 1 406 444\n0.4 touch-end 1\n", "1"),
+                  panel = play("0.3 touch 1 543 444\n0.4 touch-end 1\n", "1"),
                   by_key = play("0.3 key tab\n", "1");
     EXPECT_GT(surface_differences(own.image, turned.image), 3000);
     EXPECT_LT(surface_differences(own.image, home.image), 100);
