@@ -22,20 +22,23 @@ def is_number(text):
 
 def main(folder):
     values = defaultdict(dict)  # of what is measured: (participant, condition) -> number
-    counts = defaultdict(Counter)  # of choices: answer -> people
+    counts, asked = defaultdict(Counter), Counter()  # of choices: answer -> people; who was asked
     people = 0
+    if not Path(folder).is_dir():
+        sys.exit(f"means.py: {folder} is no folder; right would be the one of --results")
     for table in sorted(Path(folder).glob("participant-*[0-9].csv")):
         people += 1
         for row in csv.DictReader(table.open(newline="", encoding="utf-8")):
             who, condition = row["participant"], row["condition"]
             if row["question"] and not is_number(row["answer"]):
                 counts[row["question"]][row["answer"]] += 1
+                asked[row["question"]] += 1
             if row["question"] and is_number(row["answer"]):
                 values[row["question"]][who, condition or "outside"] = float(row["answer"])
             for measure in ("seconds", "contact_s", "touches", "mean_force_n", "max_force_n"):
                 if condition and row["touches"]:
                     values[f"{row['step']} {measure}"][who, condition] = float(row[measure])
-    print(f"{people} participants finished")
+    print(f"participants finished: {people}")
     if people == 0:
         return
     conditions = sorted({condition for of in values.values() for _, condition in of}, reverse=True)
@@ -51,12 +54,15 @@ def main(folder):
             a, b = compared  # force-on, force-off
             differences = [of[who, a] - of[who, b] for who, c in of if c == a and (who, b) in of]
             if differences:
-                sd = statistics.stdev(differences) if len(differences) > 1 else float("nan")
-                line += f"{statistics.mean(differences):12.2f}{sd:8.2f}{len(differences):5}"
+                sd = f"{statistics.stdev(differences):.2f}" if len(differences) > 1 else "-"
+                line += f"{statistics.mean(differences):12.2f}{sd:>8}{len(differences):5}"
         print(line)
     print()
     for question, answers in counts.items():
-        print(f"{question:24}" + ", ".join(f"{answer} {count} of {answers.total()}" for answer, count in answers.most_common()))
+        if set(answers) <= {"yes", "no"}:
+            answers = {"yes": answers["yes"]}
+        told = (f"{answer} {count} of {asked[question]}" for answer, count in sorted(answers.items()))
+        print(f"{question:24}" + ", ".join(told))
 
 
 if len(sys.argv) != 2:

@@ -271,9 +271,10 @@ void print(const PlayFigures& figures) {
         std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
     std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(figures.ticks),
                 static_cast<long long>(figures.late_ticks));
-    std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
-                static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
-                static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
+    if (!figures.builder.empty())  // otherwise there was no clip
+        std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
+                    static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
+                    static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
     if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", figures.relief.c_str());
     for (const std::string& line : figures.measured) std::printf("%-24s%s\n", "measured", line.c_str());
     if (!figures.materials.empty()) std::printf("%-24s%s\n", "materials", figures.materials.c_str());

@@ -72,13 +72,15 @@ void draw_words(const std::string& words, float size, ImVec2 at, float wrap, ImU
 
 struct Look {
     bool is_chosen = false, is_there = true;
+    /// An answer under a pointer that rests there must not look chosen.
+    bool is_lit_by_pointer = true;
 };
 
 /// A button with words in its middle; whether it was clicked.
 bool draw_button(const char* id, const std::string& words, ImVec2 at, ImVec2 size, float text, Look look) {
     ImGui::SetCursorScreenPos(at);
     const bool clicked = ImGui::InvisibleButton(id, size);
-    const bool is_lit = ImGui::IsItemHovered() && look.is_there;
+    const bool is_lit = ImGui::IsItemHovered() && look.is_there && look.is_lit_by_pointer;
     ImU32 back = is_lit ? page_lit_field : page_field, ink = page_words_ink;
     if (look.is_chosen) {
         back = is_lit ? page_lit_accent : page_accent;
@@ -109,7 +111,8 @@ void draw_row(const StudyFacts& facts, float left, float room, ImVec2 rows, floa
     for (std::size_t k = 0; k < facts.answers.size(); ++k) {
         const ImVec2 at(left + static_cast<float>(k) * (wide + gap), rows.x);
         if (draw_button(("answer" + std::to_string(k)).c_str(), facts.answers[k], at,
-                        ImVec2(wide, rows.y - rows.x), text, {.is_chosen = facts.chosen == k}))
+                        ImVec2(wide, rows.y - rows.x), text,
+                        {.is_chosen = facts.chosen == k, .is_lit_by_pointer = false}))
             choose(k, asked);
     }
 }
@@ -148,7 +151,8 @@ void draw_choices(const StudyFacts& facts, const Page& page, float top, float bo
     float at = top + (bottom - top - high * count - gap * (count - 1)) / 2;
     for (std::size_t k = 0; k < facts.answers.size(); ++k, at += high + gap)
         if (draw_button(("answer" + std::to_string(k)).c_str(), facts.answers[k], ImVec2(page.margin, at),
-                        ImVec2(page.room, high), page.text, {.is_chosen = facts.chosen == k}))
+                        ImVec2(page.room, high), page.text,
+                        {.is_chosen = facts.chosen == k, .is_lit_by_pointer = false}))
             choose(k, asked);
 }
 

@@ -360,6 +360,8 @@ void WindowLoop::take(const InputEvent& event) {
 void WindowLoop::take_of_pointer(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
+    if (event.kind == Kind::moved || event.kind == Kind::left_window)
+        pointer_is_there_ = event.kind == Kind::moved;
     const bool is_over = !pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y);
     const bool is_of_panel = layer_->holds_pointer() || is_over;
     // A finger under the bar is felt, though the bar has the clicks.
@@ -371,6 +373,10 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     if (!clip_) return;
     const auto lead = options_.hand || is_turning_ ? &PointerInput::take_for_view : &PointerInput::take;
+    // A clip that has just come knows of no pointer yet.
+    if (event.kind == Kind::pressed && pointer_is_there_ && !is_of_panel)
+        (pointer_.*lead)({.kind = Kind::moved, .x = pointer_at_.x, .y = pointer_at_.y}, clip_->fingers(),
+                         clip_->view(), size.width, size.height);
     const bool ends = event.kind == Kind::released || event.kind == Kind::left_window;
     if (!is_of_panel || ends || (event.kind == Kind::moved && !leaves))
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);

@@ -245,6 +245,7 @@ private:
     TouchInput touches_;
     bool was_touched_ = false;  // by a finger on a touch screen
     glm::dvec2 pointer_at_{0.0};
+    bool pointer_is_there_ = false;     // in the window
     std::vector<InputEvent> events_;    // since the last picture
     std::vector<std::string> dropped_;  // at once
     DoubleClick full_screen_click_;

@@ -320,7 +320,7 @@ TEST_F(StudyWindow, ThePapersStudyBeginsAndItsResultsAreAnalysed) {
                                 "/examples/study/means.py' '" + results().string() + "' > '" + printed + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
     const std::string said = file_contents(printed);
-    EXPECT_NE(said.find("3 participants finished"), std::string::npos) << said;
+    EXPECT_NE(said.find("participants finished: 3"), std::string::npos) << said;
     std::istringstream lines(said.substr(said.find("details ")));
     std::string name, on, off, difference, sd, n;
     lines >> name >> on >> off >> difference >> sd >> n;

@@ -82,6 +82,18 @@ TEST(DroppedClips, ForceThatIsStoppedWhileOneOpensStaysOff) {
     EXPECT_GT(differences(off, on, words), 300) << "it does not say that force is off";
 }
 
+/// The pointer has not moved since: the new clip has a finger there all the same.
+TEST(DroppedClips, AreTouchedWhereThePointerRested) {
+    const std::string drop = "0.1 move 160 120\n0.2 drop " + still_of("bumps") + "\n";
+    const Image pressed = played_by({still_of("globe")}, drop + "1.5 press left\n", "3").image,
+                moved =
+                    played_by({still_of("globe")}, drop + "1.4 move 160 121\n1.5 press left\n", "3").image,
+                rested = played_by({still_of("globe")}, drop, "3").image;
+    const PicturePart finger{130, 90, 190, 150};
+    EXPECT_GT(differences(moved, rested, finger), 100);
+    EXPECT_GT(differences(pressed, rested, finger), 100);
+}
+
 TEST(EmptyWindow, HasTheKeysErrorsAndTouchesOfOneWithAClip) {
     const std::string there = "0.9 screenshot there.png\n";
     const auto stays = [&](const std::string& script) {
