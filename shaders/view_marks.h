@@ -1,9 +1,9 @@
-// What the shaders view_solid, view_thread and view_shadow and their caller agree on: fingers, as triangle
+// What the shaders view_ball, view_frustum, view_thread and view_shadow and their caller agree on: fingers, as triangle
 // hardware draws them. Compiled as GLSL and as C++ (with GLM). World axes and scene units; colours are light.
 //
-// A solid is an instance of a pattern of rings: the half of a ball that faces the eye, or the mantle of a
-// frustum. A thread is an instance for each stretch between two points: a ribbon that faces the eye and looks
-// round. Solids and threads are half a pixel larger than they are, and fade over the outermost pixel, which
+// A ball is an instance of a square in which sight meets it pixel by pixel, the mantle of a frustum an instance
+// of a pattern of triangles. A thread is an instance for each stretch between two points: a ribbon that faces the
+// eye and looks round. Their edges are half a pixel larger than they are, and fade over the outermost pixel, which
 // is what makes their edges smooth.
 #ifndef TOUCHABLE_SHADERS_VIEW_MARKS_H
 #define TOUCHABLE_SHADERS_VIEW_MARKS_H
@@ -17,9 +17,8 @@ using glm::vec4;
 using uint = unsigned int;
 #endif
 
-#define MARKS_SIDES 32       // of a ring
-#define MARKS_BALL_RINGS 6   // from the silhouette to the point nearest to the eye: 320 triangles
-#define MARKS_RING_CORNERS 33  // vertices: the last is the first again
+#define MARKS_SIDES 24         // of a frustum's ends
+#define MARKS_RING_CORNERS 25  // vertices: the last is the first again
 
 struct SolidRecord {
     vec4 foot;   // of a ball its centre; w: radius at the first ring
@@ -42,7 +41,6 @@ struct ShadowRecord {
 struct MarksPush {
     mat4 clip_from_world;
     vec4 eye;        // w: pixels that a thing of its own distance's size has
-    uint is_ball;    // solids
     uint is_behind;  // solids that are seen through: those parts of them that are behind something
     uint is_veil;    // solids that are seen through
 };

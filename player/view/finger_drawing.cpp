@@ -5,34 +5,33 @@
 #include <string>
 #include <vector>
 
+#include "shaders/view_ball.frag.spv.h"
+#include "shaders/view_ball.vert.spv.h"
+#include "shaders/view_frustum.frag.spv.h"
+#include "shaders/view_frustum.vert.spv.h"
 #include "shaders/view_marks.h"
 #include "shaders/view_shadow.frag.spv.h"
 #include "shaders/view_shadow.vert.spv.h"
-#include "shaders/view_solid.frag.spv.h"
-#include "shaders/view_solid.vert.spv.h"
 #include "shaders/view_thread.frag.spv.h"
 #include "shaders/view_thread.vert.spv.h"
 
 namespace touchable {
 namespace {
 
-static_assert(sizeof(MarksPush) == 92 && sizeof(SolidRecord) == 64 && sizeof(ThreadRecord) == 32 &&
+static_assert(sizeof(MarksPush) == 88 && sizeof(SolidRecord) == 64 && sizeof(ThreadRecord) == 32 &&
               sizeof(ShadowRecord) == 96);
 
-constexpr std::uint32_t band_indices = 6 * MARKS_SIDES;
-constexpr std::uint32_t ball_indices = (MARKS_BALL_RINGS - 1) * band_indices;
+constexpr std::uint32_t frustum_indices = 6 * MARKS_SIDES;
 
-/// Between rings, two triangles a side; the first band alone is a frustum's.
-Result<GpuBuffer> make_ring_pattern(const GpuDevice& device) {
-    auto buffer = GpuBuffer::create(device, "ring pattern", ball_indices * 2, GpuMemory::upload);
+/// Between a frustum's ends, two triangles a side.
+Result<GpuBuffer> make_frustum_pattern(const GpuDevice& device) {
+    auto buffer = GpuBuffer::create(device, "frustum pattern", frustum_indices * 2, GpuMemory::upload);
     if (!buffer.ok()) return buffer;
     auto to = buffer->mapped<std::uint16_t>().begin();
-    for (std::uint32_t ring = 0; ring + 1 < MARKS_BALL_RINGS; ++ring)
-        for (std::uint32_t side = 0; side < MARKS_SIDES; ++side) {
-            const std::uint32_t a = ring * MARKS_RING_CORNERS + side, b = a + 1, c = b + MARKS_RING_CORNERS,
-                                d = c - 1;
-            for (const std::uint32_t vertex : {a, b, c, a, c, d}) *to++ = static_cast<std::uint16_t>(vertex);
-        }
+    for (std::uint32_t a = 0; a < MARKS_SIDES; ++a) {
+        const std::uint32_t b = a + 1, c = b + MARKS_RING_CORNERS, d = c - 1;
+        for (const std::uint32_t vertex : {a, b, c, a, c, d}) *to++ = static_cast<std::uint16_t>(vertex);
+    }
     return buffer;
 }
 
@@ -55,9 +54,8 @@ ShadowRecord record_of(const BallShadow& shadow, const ViewCamera& camera) {
     return record;
 }
 
-MarksPush push_of(const ViewCamera& camera, bool is_ball, bool is_veil, bool is_behind) {
-    return {glm::mat4(camera.clip_from_world), glm::vec4(camera.eye, camera.focal), is_ball, is_behind,
-            is_veil};
+MarksPush push_of(const ViewCamera& camera, bool is_veil, bool is_behind) {
+    return {glm::mat4(camera.clip_from_world), glm::vec4(camera.eye, camera.focal), is_behind, is_veil};
 }
 
 }  // namespace
@@ -86,24 +84,45 @@ Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& de
                      {buffer},
                      DrawDepth::nearest,
                      DrawBlend::over},
-                    {"solids",
-                     made.solid_,
-                     view_solid_vert_spv,
-                     view_solid_frag_spv,
+                    {"balls",
+                     made.solid_.ball,
+                     view_ball_vert_spv,
+                     view_ball_frag_spv,
                      {buffer},
                      DrawDepth::nearest,
                      DrawBlend::over},
-                    {"veils",
-                     made.veil_,
-                     view_solid_vert_spv,
-                     view_solid_frag_spv,
+                    {"frusta",
+                     made.solid_.frustum,
+                     view_frustum_vert_spv,
+                     view_frustum_frag_spv,
+                     {buffer},
+                     DrawDepth::nearest,
+                     DrawBlend::over},
+                    {"bubbles",
+                     made.veil_.ball,
+                     view_ball_vert_spv,
+                     view_ball_frag_spv,
                      {buffer},
                      DrawDepth::in_front,
                      DrawBlend::over},
-                    {"hidden veils",
-                     made.hidden_veil_,
-                     view_solid_vert_spv,
-                     view_solid_frag_spv,
+                    {"rods",
+                     made.veil_.frustum,
+                     view_frustum_vert_spv,
+                     view_frustum_frag_spv,
+                     {buffer},
+                     DrawDepth::in_front,
+                     DrawBlend::over},
+                    {"hidden bubbles",
+                     made.hidden_veil_.ball,
+                     view_ball_vert_spv,
+                     view_ball_frag_spv,
+                     {buffer},
+                     DrawDepth::behind,
+                     DrawBlend::over},
+                    {"hidden rods",
+                     made.hidden_veil_.frustum,
+                     view_frustum_vert_spv,
+                     view_frustum_frag_spv,
                      {buffer},
                      DrawDepth::behind,
                      DrawBlend::over}};
@@ -120,7 +139,7 @@ Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& de
         if (!program.ok()) return program.error();
         each.program = std::move(*program);
     }
-    auto pattern = make_ring_pattern(*device);
+    auto pattern = make_frustum_pattern(*device);
     if (!pattern.ok()) return pattern.error();
     made.pattern_ = std::move(*pattern);
     return made;
@@ -176,32 +195,41 @@ void FingerDrawing::draw_solids(GpuCommands& commands, const ViewCamera& camera,
                                 const Parts& parts) const {
     const VkCommandBuffer drawing = commands.handle();
     if (shapes_.threads.size() > 1) {
-        thread_.bind(commands, push_of(camera, false, false, false),
+        thread_.bind(commands, push_of(camera, false, false),
                      {{records, parts.threads.offset, parts.threads.bytes}});
         vkCmdDraw(drawing, 6, static_cast<std::uint32_t>(shapes_.threads.size() - 1), 0, 0);
     }
     vkCmdBindIndexBuffer(drawing, pattern_.handle(), 0, VK_INDEX_TYPE_UINT16);
     commands.keep(pattern_.keep_alive());
-    const auto draw = [&](const GraphicsProgram& program, bool is_ball, bool is_veil, bool is_behind,
-                          std::size_t first, std::size_t count) {
-        if (count == 0) return;
-        program.bind(commands, push_of(camera, is_ball, is_veil, is_behind),
+    const auto bind = [&](const GraphicsProgram& program, bool is_veil, bool is_behind) {
+        program.bind(commands, push_of(camera, is_veil, is_behind),
                      {{records, parts.solids.offset, parts.solids.bytes}});
-        vkCmdDrawIndexed(drawing, is_ball ? ball_indices : band_indices, static_cast<std::uint32_t>(count), 0,
-                         0, static_cast<std::uint32_t>(first));
+    };
+    const auto draw_balls = [&](const SolidPrograms& programs, bool is_veil, bool is_behind,
+                                std::size_t first, std::size_t count) {
+        if (count == 0) return;
+        bind(programs.ball, is_veil, is_behind);
+        vkCmdDraw(drawing, 6, static_cast<std::uint32_t>(count), 0, static_cast<std::uint32_t>(first));
+    };
+    const auto draw_frusta = [&](const SolidPrograms& programs, bool is_veil, bool is_behind,
+                                 std::size_t first, std::size_t count) {
+        if (count == 0) return;
+        bind(programs.frustum, is_veil, is_behind);
+        vkCmdDrawIndexed(drawing, frustum_indices, static_cast<std::uint32_t>(count), 0, 0,
+                         static_cast<std::uint32_t>(first));
     };
     const auto balls_in = [](const std::vector<Solid>& solids) {
         return static_cast<std::size_t>(
             std::count_if(solids.begin(), solids.end(), [](const Solid& solid) { return solid.is_ball; }));
     };
     const std::size_t solids = shapes_.solids.size(), balls = balls_in(shapes_.solids);
-    draw(solid_, true, false, false, 0, balls);
-    draw(solid_, false, false, false, balls, solids - balls);
+    draw_balls(solid_, false, false, 0, balls);
+    draw_frusta(solid_, false, false, balls, solids - balls);
     const std::size_t bubbles = balls_in(shapes_.veils), rods = shapes_.veils.size() - bubbles;
-    draw(hidden_veil_, false, true, true, solids, rods);
-    draw(veil_, false, true, false, solids, rods);
-    draw(hidden_veil_, true, true, true, solids + rods, bubbles);
-    draw(veil_, true, true, false, solids + rods, bubbles);
+    draw_frusta(hidden_veil_, true, true, solids, rods);
+    draw_frusta(veil_, true, false, solids, rods);
+    draw_balls(hidden_veil_, true, true, solids + rods, bubbles);
+    draw_balls(veil_, true, false, solids + rods, bubbles);
 }
 
 Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const FingerMark> fingers,

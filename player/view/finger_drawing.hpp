@@ -38,8 +38,12 @@ private:
                      const Parts& parts) const;
 
     UploadPool uploads_;
-    GraphicsProgram shadow_, thread_, solid_, veil_, hidden_veil_;
-    GpuBuffer pattern_;  // indices of a ball's triangles; the first ones are a frustum's
+    struct SolidPrograms {
+        GraphicsProgram ball, frustum;
+    };
+    GraphicsProgram shadow_, thread_;
+    SolidPrograms solid_, veil_, hidden_veil_;
+    GpuBuffer pattern_;  // indices of a frustum's triangles
     FingerShapes shapes_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <glm/geometric.hpp>
 #include <string>
 #include <vector>
 
@@ -179,6 +180,37 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
             EXPECT_GT(marked, 3000U);
             // Edges are smooth in one and not in the other, and threads are ribbons.
             EXPECT_LE(different(drawn, expected, 12), marked / 8) << painter << ", " << words;
+        }
+    }
+}
+
+/// Before the surface and half within it, from near and far: no pixel differs but those of edges.
+TEST_F(Drawing, BallsAreRoundAndMeetTheSurfaceAsTheCpuHasIt) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const HeightField field = shown->field();
+    const Subject subject = subject_of(field);
+    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    std::vector<FingerMark> fingers(3);
+    for (std::size_t k = 0; k < fingers.size(); ++k)
+        fingers[k].proxy = subject.points[subject.points.size() * (k + 1) / 4] +
+                           glm::dvec3(0, 0, static_cast<double>(k) * sizes.finger_radius);
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const GpuImage target = target_of(600, 400);
+        for (const char* words : {"own", "orbit:az=-60,el=30,zoom=3", "orbit:az=10,el=0,zoom=0.3"}) {
+            const ViewCamera camera =
+                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
+            const Image expected = cpu_picture(surface, camera, fingers, sizes);
+            double round = 0;  // pixels
+            for (const FingerMark& finger : fingers)
+                round +=
+                    2 * 3.15 * camera.focal * sizes.finger_radius / glm::distance(camera.eye, finger.proxy);
+            EXPECT_LE(static_cast<double>(
+                          different(picture_of(*drawing, camera, fingers, sizes, target), expected, 12)),
+                      1.5 * round)
+                << painter << ", " << words;
         }
     }
 }

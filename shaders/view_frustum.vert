@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// A vertex of a ball or a frustum.
+// A vertex of a frustum.
 
 #include "shaders/view_marks.h"
 
@@ -15,7 +15,6 @@ layout(set = 0, binding = 0, std430) readonly buffer Solids {
 layout(location = 0) out vec3 normal;
 layout(location = 1) flat out vec3 to_eye;
 layout(location = 2) flat out vec4 light;
-layout(location = 3) out float inside;  // of a ball: pixels to its silhouette
 
 const float pi = 3.14159265f;
 
@@ -24,28 +23,16 @@ void main() {
     const uint ring = uint(gl_VertexIndex) / MARKS_RING_CORNERS, side = uint(gl_VertexIndex) % MARKS_RING_CORNERS;
     to_eye = normalize(push.eye.xyz - solid.foot.xyz);
     light = solid.light;
-    const bool is_ball = push.is_ball != 0u;
     const float half_pixel = 0.5f * length(push.eye.xyz - solid.foot.xyz) / push.eye.w;
 
-    const vec3 along = is_ball ? to_eye : solid.along.xyz;
+    const vec3 along = solid.along.xyz;
     const vec3 other = abs(along.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
     const vec3 a = normalize(cross(along, other)), b = cross(along, a);
     const float turn = 2.0f * pi * float(side % MARKS_SIDES) / float(MARKS_SIDES);
     const vec3 away = cos(turn) * a + sin(turn) * b;
 
-    float height, radius;
-    inside = 0.0f;
-    if (is_ball) {
-        // Rings are closer to each other on the screen at the silhouette, where the surface turns away.
-        const float angle = 0.5f * pi * float(ring) / float(MARKS_BALL_RINGS - 1);
-        inside = (0.5f * solid.foot.w / half_pixel + 0.5f) * (1.0f - cos(angle));
-        normal = sin(angle) * along + cos(angle) * away;
-        height = (solid.foot.w + half_pixel) * sin(angle);
-        radius = (solid.foot.w + half_pixel) * cos(angle);
-    } else {
-        normal = normalize(solid.ends.z * along + solid.ends.w * away);
-        height = ring == 0u ? solid.ends.x : solid.ends.y;
-        radius = (ring == 0u ? solid.foot.w : solid.along.w) + half_pixel * solid.ends.w;
-    }
+    normal = normalize(solid.ends.z * along + solid.ends.w * away);
+    const float height = ring == 0u ? solid.ends.x : solid.ends.y;
+    const float radius = (ring == 0u ? solid.foot.w : solid.along.w) + half_pixel * solid.ends.w;
     gl_Position = push.clip_from_world * vec4(solid.foot.xyz + height * along + radius * away, 1.0f);
 }

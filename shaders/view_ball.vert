@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+// A corner of the square that a ball is seen in: across the line to its centre, and as wide as the ball, half
+// a pixel larger than it is, is seen from the eye.
+
+#include "shaders/view_marks.h"
+
+layout(push_constant, std430) uniform Push {
+    MarksPush push;
+};
+layout(set = 0, binding = 0, std430) readonly buffer Solids {
+    SolidRecord solids[];
+};
+
+layout(location = 0) out vec3 place;             // from the centre
+layout(location = 1) flat out vec4 to_eye;       // unit; w: how far it is
+layout(location = 2) flat out vec4 centre;       // w: radius
+layout(location = 3) flat out vec4 light;
+layout(location = 4) flat out float per_length;  // pixels
+
+void main() {
+    const SolidRecord solid = solids[gl_InstanceIndex];
+    const vec3 back = push.eye.xyz - solid.foot.xyz;
+    const float distance_to_eye = length(back);
+    per_length = push.eye.w / distance_to_eye;
+    to_eye = vec4(back / distance_to_eye, distance_to_eye);
+    centre = solid.foot;
+    light = solid.light;
+
+    const vec3 other = abs(to_eye.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
+    const vec3 a = normalize(cross(to_eye.xyz, other)), b = cross(to_eye.xyz, a);
+    const bool right = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
+    const bool below = gl_VertexIndex == 2 || gl_VertexIndex == 4 || gl_VertexIndex == 5;
+    // Where sight grazes it, at the centre's distance. An eye within it sees nothing.
+    const float radius = solid.foot.w + 0.5f / per_length;
+    const float share = radius / distance_to_eye, slant = 1.0f - share * share;
+    const float reach = slant > 0.0f ? radius / sqrt(slant) : 0.0f;
+    place = reach * ((right ? 1.0f : -1.0f) * a + (below ? 1.0f : -1.0f) * b);
+    gl_Position = push.clip_from_world * vec4(solid.foot.xyz + place, 1.0f);
+}
