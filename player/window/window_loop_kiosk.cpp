@@ -266,7 +266,9 @@ void WindowLoop::begin_anew() {
     clip_->view().go_home();
     clip_->fingers().set_count(KeptSettings().fingers);
     clip_->fingers().lift();
-    if (!is_inviting_) pointer_.leave(clip_->fingers());  // a button that nobody has let go of
+    // A button that nobody has let go of: on the surface, or on something of the panel.
+    if (!is_inviting_) pointer_.leave(clip_->fingers());
+    events_.push_back(InputEvent{.kind = InputEvent::Kind::released, .word = "left"});
     clip_->device().set_force(true);
     if (HandControl* const control = clip_->control()) control->begin_anew();
     picture_.set_overlay(Overlay::colour);

@@ -322,7 +322,8 @@ TEST_F(KioskDay, EndsReadyForTheNextVisitorAndInTheMemoryThatItBeganWith) {
 
 TEST_F(KioskDay, IsReadyAfterTenMinutesOfAnyVisitorWhoNeverRests) {
     const Image first = seen_after(0, false);
-    const unsigned step = static_cast<unsigned>(sweep_step());
+    // All of them in the long run of the tests. The 13th leaves with a button held on a button.
+    const unsigned step = hours_of_visitors() > 1 ? 1 : 4 * static_cast<unsigned>(sweep_step());
     for (unsigned seed = 1; seed <= 20; seed += step) {
         const Image last = seen_after(Visitors::restless(1.0 / 6, seed), std::to_string(seed), false);
         EXPECT_GE(differences(first, last), 0) << seed;
