@@ -9,6 +9,7 @@
 #include "player/view/drawn_lattice.hpp"
 #include "player/view/drawn_vertex.hpp"
 #include "player/view/view_rows.hpp"
+#include "shaders/cut_rule.h"
 
 namespace touchable {
 namespace {
@@ -32,6 +33,41 @@ void keep_positive(double from, double change, double& t0, double& t1) {
         t1 = -1;
 }
 
+/// A range is up to so many times as long as a planar depth.
+double longest_ray(const HeightField& field) {
+    const Camera& camera = field.scene().camera;
+    const double width = field.width() - 1, height = field.height() - 1;
+    return std::max({camera.ray_length(0, 0), camera.ray_length(width, 0), camera.ray_length(0, height),
+                     camera.ray_length(width, height)});
+}
+
+/// How near what is drawn over a cell may be.
+class NearestDrawn {
+public:
+    explicit NearestDrawn(const HeightField& field) : field_(field), longest_(longest_ray(field)) {}
+    /// No q is greater there: of the tiles around the cell's own too, whose edges may reach it, and as far as
+    /// an edge goes on (shaders/edge_rule.h).
+    double greatest_q(int i, int j) {
+        const TileGrid tiles = field_.tiles();
+        const int x = tiles.column_of_cell(i), y = tiles.row_of_cell(j);
+        if (x == x_ && y == y_) return q_;
+        x_ = x;
+        y_ = y;
+        double nearest = never;
+        for (int row = std::max(y - 1, 0); row <= std::min(y + 1, tiles.tiles_y - 1); ++row)
+            for (int column = std::max(x - 1, 0); column <= std::min(x + 1, tiles.tiles_x - 1); ++column)
+                nearest = std::min(nearest, field_.nearest_depth(column, row));
+        q_ = nearest > 0 ? static_cast<double>(CUT_RULE_RATIO) * longest_ / nearest : never;
+        return q_;
+    }
+
+private:
+    const HeightField& field_;
+    const double longest_;
+    int x_ = -1, y_ = -1;  // the tile that q_ is of
+    double q_ = never;
+};
+
 std::optional<LatticeWay> way_of(const ViewRay& ray, double near, const HeightField& field) {
     const Camera& camera = field.scene().camera;
     const double width = field.width() - 1, height = field.height() - 1;
@@ -40,10 +76,7 @@ std::optional<LatticeWay> way_of(const ViewRay& ray, double near, const HeightFi
         return glm::dvec3(camera.fx * p.x - camera.cx * p.z, -camera.fy * p.y - camera.cy * p.z, -p.z);
     };
     const glm::dvec3 from = lattice(ray.eye), change = lattice(ray.direction);
-    // A range is up to so many times as long as a planar depth.
-    const double longest = std::max({camera.ray_length(0, 0), camera.ray_length(width, 0),
-                                     camera.ray_length(0, height), camera.ray_length(width, height)});
-    const double least = 0.5 * field.nearest_depth_anywhere() / longest,
+    const double least = 0.5 * field.nearest_depth_anywhere() / longest_ray(field),
                  most = 1.001 * field.scene().depth.far;
     double t0 = near, t1 = never;
     keep_positive(from.z - least, change.z, t0, t1);
@@ -220,10 +253,13 @@ std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& came
     const auto way = way_of(ray, near, field);
     if (!way) return std::nullopt;
     DrawnLattice lattice(field, !is_own_view(camera));
+    NearestDrawn nearest(field);
     std::optional<SurfacePick> found;  // first a wall, if there is one
     for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
         if (!(end > s)) return true;
         const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
+        // Most of a way is before everything.
+        if (std::min(way->at(s).z, way->at(end).z) > nearest.greatest_q(i, j)) return true;
         const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
         auto met = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
         bool drawn = !triangle.cut;

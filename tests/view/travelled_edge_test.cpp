@@ -45,7 +45,8 @@ struct TwoFrames {
         frame.validity.assign(
             static_cast<std::size_t>(frame.validity_words_per_row()) * static_cast<std::size_t>(height), ~0U);
         const TileGrid tiles = TileGrid::of(width, height);
-        frame.tiles.resize(static_cast<std::size_t>(tiles.tiles_x) * static_cast<std::size_t>(tiles.tiles_y));
+        const auto [least, greatest] = std::minmax_element(frame.codes.begin(), frame.codes.end());
+        for (int k = 0; k < tiles.tiles_x * tiles.tiles_y; ++k) frame.tiles.push_back({*least, *greatest});
         frame.vertices = std::make_unique<FilteredVertices>(frame);
     }
     FramePair pair(double blend) const { return {{0, 0, &prev}, {1, 33'333'333, &next}, blend}; }
