@@ -94,11 +94,11 @@ TEST(WindowFiles, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
 
 TEST(WindowFiles, AFilmIsKeptUpToWhereItsDiskBecameFull) {
     const TemporaryFolder folder;
-    std::ofstream(folder / "script") << "0 overlay depth\n0.3 size 640x480\n0.6 overlay normals\n";
+    std::ofstream(folder / "script") << "0 loop\n0 overlay depth\n0.3 size 640x480\n0.6 overlay normals\n";
     const std::string film = (folder / "film.mp4").string(), record = (folder / "hand.touch").string();
     const Outcome played =
         run_on_full_disk({"play", made_clip("globe", 30).string(), "--headless", "--size", "640x480",
-                          "--seconds", "1.5", "--painter", "cpu", "--builder", "cpu", "--script",
+                          "--seconds", "4", "--painter", "cpu", "--builder", "cpu", "--script",
                           (folder / "script").string(), "--video", film, "--record", record},
                          250);
     EXPECT_EQ(played.code, 3) << played.err;
