@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <glm/matrix.hpp>
 #include <utility>
 
+#include "engine/vectors.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable {
@@ -17,17 +19,20 @@ int half_of(int vertices) {
     return vertices / 2 + 1;
 }
 
+/// Rows of a band, which a loop of vectors goes through.
 template <class Values>
-void halve_values(const Values& from, int from_width, int from_height, Values& to) {
-    const int width = half_of(from_width), height = half_of(from_height);
-    to.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    std::uint16_t* __restrict values = to.data();
-    for (int y = 0; y < height; ++y, values += width) {
-        const std::uint16_t* row =
-            from.data() + static_cast<std::ptrdiff_t>(std::min(2 * y, from_height - 1)) * from_width;
-        for (int x = 0; x + 1 < width; ++x) values[x] = row[2 * x];
-        values[width - 1] = row[from_width - 1];
-    }
+void halve_values(const Values& from, int from_width, int from_height, int width, VectorUnit unit,
+                  const RowBand& band, Values& to) {
+    const auto all = [&](auto) __attribute__((always_inline)) {
+        std::uint16_t* __restrict values = to.data() + static_cast<std::ptrdiff_t>(band.first) * width;
+        for (int y = band.first; y < band.last; ++y, values += width) {
+            const std::uint16_t* __restrict row =
+                from.data() + static_cast<std::ptrdiff_t>(std::min(2 * y, from_height - 1)) * from_width;
+            for (int x = 0; x + 1 < width; ++x) values[x] = row[2 * x];
+            values[width - 1] = row[from_width - 1];
+        }
+    };
+    run_vectors(unit, all);
 }
 
 /// Bits 0, 2, 4, ... side by side.
@@ -40,10 +45,26 @@ std::uint32_t even_bits(std::uint64_t bits) {
     return static_cast<std::uint32_t>(bits | bits >> 16);
 }
 
-void halve_validity(const SurfaceFrame& from, SurfaceFrame& to) {
+/// As many bytes as values of 16 bits.
+template <class Lanes>
+struct Bytes {
+    typedef std::uint8_t Type __attribute__((vector_size(sizeof(Lanes) / 2)));
+};
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes load_bytes(const std::uint8_t* from) {
+    typename Bytes<Lanes>::Type bytes;
+    std::memcpy(&bytes, from, sizeof(bytes));
+    return __builtin_convertvector(bytes, Lanes);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void store_bytes(const Lanes& values, std::uint8_t* to) {
+    const auto bytes = __builtin_convertvector(values, typename Bytes<Lanes>::Type);
+    std::memcpy(to, &bytes, sizeof(bytes));
+}
+
+void halve_validity(const SurfaceFrame& from, const RowBand& band, SurfaceFrame& to) {
     const int words = to.validity_words_per_row(), from_words = from.validity_words_per_row();
-    to.validity.resize(static_cast<std::size_t>(words) * static_cast<std::size_t>(to.height));
-    for (int y = 0; y < to.height; ++y) {
+    for (int y = band.first; y < band.last; ++y) {
         const int row = std::min(2 * y, from.height - 1);
         const std::uint32_t* bits = from.validity_row(row);
         std::uint32_t* const half = to.validity_row(y);
@@ -58,17 +79,6 @@ void halve_validity(const SurfaceFrame& from, SurfaceFrame& to) {
     }
 }
 
-void halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
-    to.width = half_of(from.width);
-    to.height = half_of(from.height);
-    to.coding = from.coding;
-    halve_values(from.codes, from.width, from.height, to.codes);
-    to.heights.clear();
-    if (!from.heights.empty()) halve_values(from.heights, from.width, from.height, to.heights);
-    halve_validity(from, to);
-    if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
-}
-
 }  // namespace
 
 int Decimation::step_for(double pixels_per_vertex) {
@@ -76,6 +86,28 @@ int Decimation::step_for(double pixels_per_vertex) {
     int step = 1;
     while (step < most && pixels_per_vertex * 2 * step <= most_apart) step *= 2;
     return step;
+}
+
+Decimation::Decimation(int threads, VectorUnit vectors)
+    : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
+
+void Decimation::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
+    to.width = half_of(from.width);
+    to.height = half_of(from.height);
+    to.coding = from.coding;
+    const std::size_t vertices = static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height);
+    const bool has_heights = !from.heights.empty();
+    to.codes.resize(vertices);
+    to.heights.resize(has_heights ? vertices : 0);
+    to.validity.resize(static_cast<std::size_t>(to.validity_words_per_row()) *
+                       static_cast<std::size_t>(to.height));
+    bands_.for_each_band(to.height, 1, [&](const RowBand& band) {
+        halve_values(from.codes, from.width, from.height, to.width, unit_, band, to.codes);
+        if (has_heights)
+            halve_values(from.heights, from.width, from.height, to.width, unit_, band, to.heights);
+        halve_validity(from, band, to);
+    });
+    if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
 }
 
 const SurfaceFrame* Decimation::decimated_frame(const SurfaceFrame& frame, int step, Halves& halves) {
@@ -91,28 +123,48 @@ const SurfaceFrame* Decimation::decimated_frame(const SurfaceFrame& frame, int s
 /// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
 void Decimation::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
     const int width = half_of(from.width), height = half_of(from.height);
-    const std::size_t row_bytes = 3 * static_cast<std::size_t>(from.width);
     to.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    sums_.resize(row_bytes + 9);  // a pixel before the first, two after the last
-    std::uint8_t* out = to.data();
-    for (int y = 0; y < height; ++y) {
-        const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
-        const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
-        std::uint16_t* const sums = sums_.data() + 3;
-        for (std::size_t k = 0; k < row_bytes; ++k)
-            sums[k] = static_cast<std::uint16_t>(upper[k] + 2 * middle[k] + lower[k]);
+    bands_.for_each_band(height, 1, [&](const RowBand& band) {
+        Scratch& scratch = scratch_[static_cast<std::size_t>(band.thread)];
+        for (int y = band.first; y < band.last; ++y)
+            halve_colour_row(from, y, scratch, to.data() + 3 * static_cast<std::ptrdiff_t>(width) * y);
+    });
+}
+
+void Decimation::halve_colour_row(const PlaneView& from, int y, Scratch& scratch, std::uint8_t* out) const {
+    const int row_bytes = 3 * from.width, width = half_of(from.width);
+    const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
+    const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
+    // A pixel before the first, and two after the last.
+    scratch.sums.resize(static_cast<std::size_t>(row_bytes) + 9);
+    scratch.means.resize(static_cast<std::size_t>(row_bytes) + 6);
+    std::uint16_t* const sums = scratch.sums.data() + 3;
+    std::uint8_t* const means = scratch.means.data();
+    const auto all = [&](auto kind) __attribute__((always_inline)) {
+        using Lanes = typename decltype(kind)::Lanes;
+        constexpr int n = lane_count<Lanes>;
+        int k = 0;
+        for (; k + n <= row_bytes; k += n)
+            store_lanes<Lanes>(load_bytes<Lanes>(upper + k) + 2 * load_bytes<Lanes>(middle + k) +
+                                   load_bytes<Lanes>(lower + k),
+                               sums + k);
+        for (; k < row_bytes; ++k) sums[k] = static_cast<std::uint16_t>(upper[k] + 2 * middle[k] + lower[k]);
         for (int channel = 0; channel < 3; ++channel) {
             sums[channel - 3] = sums[channel];
-            for (std::size_t beyond : {row_bytes, row_bytes + 3})
-                sums[beyond + static_cast<std::size_t>(channel)] =
-                    sums[row_bytes - 3 + static_cast<std::size_t>(channel)];
+            sums[row_bytes + channel] = sums[row_bytes + 3 + channel] = sums[row_bytes - 3 + channel];
         }
-        const std::uint16_t* at = sums;
-        for (int x = 0; x < width; ++x, at += 6, out += 3)
-            for (int channel = 0; channel < 3; ++channel)
-                out[channel] =
-                    static_cast<std::uint8_t>((at[channel - 3] + 2 * at[channel] + at[channel + 3] + 8) >> 4);
-    }
+        for (k = 0; k + n <= row_bytes + 3; k += n)
+            store_bytes<Lanes>((load_lanes<Lanes>(sums + k - 3) + 2 * load_lanes<Lanes>(sums + k) +
+                                load_lanes<Lanes>(sums + k + 3) + 8) >>
+                                   4,
+                               means + k);
+        for (; k < row_bytes + 3; ++k)
+            means[k] = static_cast<std::uint8_t>((sums[k - 3] + 2 * sums[k] + sums[k + 3] + 8) >> 4);
+    };
+    run_vectors(unit_, all);
+    // Four bytes for three: the fourth is the next pixel's.
+    for (int x = 0; x + 1 < width; ++x) std::memcpy(out + 3 * x, means + 6 * x, 4);
+    std::memcpy(out + 3 * (width - 1), means + 6 * (width - 1), 3);
 }
 
 void Decimation::make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step) {

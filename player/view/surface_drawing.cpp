@@ -68,6 +68,7 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
         made->raster_ = std::move(*raster);
         if (device->facts().kind == GpuKind::software && device->facts().unified_memory) {
             made->by_cpu_.emplace(CpuLattices::usual_threads());
+            made->decimation_.emplace(CpuLattices::usual_threads());
             made->turned_view_.emplace(CpuLattices::usual_threads());
             made->edges_.emplace(CpuLattices::usual_threads());
         }
@@ -94,9 +95,9 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
         commands.barrier(reader, GpuStage::compute);
     if (by_cpu_) {
         const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
-        if (is_part) decimation_.make(field, pair, colour, step);
-        if (auto made = is_part ? make_by_cpu(decimation_.field(), decimation_.pair(), decimation_.colour(),
-                                              lighting, step)
+        if (is_part) decimation_->make(field, pair, colour, step);
+        if (auto made = is_part ? make_by_cpu(decimation_->field(), decimation_->pair(),
+                                              decimation_->colour(), lighting, step)
                                 : make_by_cpu(field, pair, colour, lighting, 1);
             !made.ok())
             return made;

@@ -81,8 +81,8 @@ private:
     std::optional<SurfaceEdges> edges_;         // for that
     GpuLattices lattices_;
     SurfaceLighting lighting_;
-    Decimation decimation_;              // of what is shown
-    std::optional<CpuLattices> by_cpu_;  // makes what is shown in their place, on a software device
+    std::optional<CpuLattices> by_cpu_;     // makes what is shown in their place, on a software device
+    std::optional<Decimation> decimation_;  // of that
     std::optional<DentDrawing> dents_;
     DentPatches dent_patches_;  // in their place where the CPU draws the surface
     FingerDrawing fingers_;

@@ -21,11 +21,11 @@ int whole_at(int n, int step, int vertices) {
 }
 
 /// One vertex after the other.
-void expect_every(const Shown& shown, double blend, int step) {
+void expect_every(const Shown& shown, double blend, int step, VectorUnit unit) {
     const HeightField whole = shown.field(blend);
     const FramePair pair = shown.pair(blend);
     ASSERT_TRUE(SurfaceUnproject::has_codes(whole, pair));
-    Decimation decimation;
+    Decimation decimation(2, unit);
     decimation.make(whole, pair, {}, step);
     const HeightField& part = decimation.field();
     ASSERT_GE((part.width() - 1) * step, whole.width() - 1) << "nothing is missing at the right";
@@ -53,7 +53,8 @@ TEST(Decimation, HasEverySecondVertexAndEveryFourth) {
         for (const char* scene : {"globe", "noise", "grain"}) {
             SCOPED_TRACE(std::string(scene) + " " + std::to_string(width));
             const auto shown = shown_scene(scene, width, height);
-            for (const int step : {2, 4, 8}) expect_every(*shown, step == 4 ? 0.25 : 0, step);
+            for (const VectorUnit unit : usable_vector_units())
+                for (const int step : {2, 4, 8}) expect_every(*shown, step == 4 ? 0.25 : 0, step, unit);
         }
 }
 
@@ -61,15 +62,15 @@ TEST(Decimation, TellsHolesAndHeights) {
     for (const char* recording : {"castel_sr300", "redwood5"}) {
         const auto shown = shown_stand_in(recording);
         ASSERT_NE(shown, nullptr);
-        for (const int step : {2, 4}) expect_every(*shown, 0.5, step);
+        for (const int step : {2, 4}) expect_every(*shown, 0.5, step, usable_vector_units().front());
     }
 }
 
-TEST(Decimation, MeansColoursAroundEachVertex) {
-    const auto shown = shown_scene("globe", 37, 22);
-    const ManyColours colours(37, 22);
+void expect_means(int width, int height, int threads, VectorUnit unit) {
+    const auto shown = shown_scene("globe", width, height);
+    const ManyColours colours(width, height);
     const PlaneView from = colours.view();
-    Decimation decimation;
+    Decimation decimation(threads, unit);
     decimation.make(shown->field(), shown->pair(), from, 2);
     const PlaneView& half = decimation.colour();
     ASSERT_EQ(half.width, decimation.field().width());
@@ -81,13 +82,20 @@ TEST(Decimation, MeansColoursAroundEachVertex) {
                 for (int dy = -1; dy <= 1; ++dy)
                     for (int dx = -1; dx <= 1; ++dx)
                         sum += (2 - std::abs(dx)) * (2 - std::abs(dy)) *
-                               from.sample(std::clamp(2 * x + dx, 0, 36), std::clamp(2 * y + dy, 0, 21),
-                                           channel);
+                               from.sample(std::clamp(2 * x + dx, 0, width - 1),
+                                           std::clamp(2 * y + dy, 0, height - 1), channel);
                 ASSERT_EQ(half.sample(x, y, channel), (sum + 8) / 16) << x << ", " << y;
             }
     decimation.make(shown->field(), shown->pair(), from, 4);
     EXPECT_EQ(decimation.colour().width, decimation.field().width());
     EXPECT_EQ(decimation.colour().height, decimation.field().height());
+}
+
+TEST(Decimation, MeansColoursAroundEachVertex) {
+    for (const VectorUnit unit : usable_vector_units())
+        for (const int threads : {1, 2})
+            for (const auto& [width, height] : {std::pair{37, 22}, {130, 71}})
+                expect_means(width, height, threads, unit);
 }
 
 TEST(Decimation, IsOfWhatAWindowDoesNotTellApart) {
