@@ -71,7 +71,7 @@ Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clip
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
     figures.push_back({"cpu_ms_per_picture", cpu_ms / pictures, "ms"});
     figures.push_back({"window_cpu_ms", p.window_cpu_ms / pictures, "ms"});
-    figures.push_back({"least_share_pct", 100 * p.least_share, "%"});
+    figures.push_back({"least_detail_pct", 100 * p.least_detail, "%"});
     figures.push_back({"tick_late_us_p99", p.tick_late_us_p99, "us"});
     figures.push_back({"late_ticks_pct", percent(p.late_ticks, p.ticks), "%"});
     figures.push_back({"late_frames_pct", percent(p.late_frames, p.frames), "%"});

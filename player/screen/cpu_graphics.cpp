@@ -10,6 +10,7 @@ public:
     std::string gpu() const override { return {}; }
     bool is_lost() const override { return false; }
     bool can_stretch() const override { return false; }
+    bool thins_vertices() const override { return false; }
 
     Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,

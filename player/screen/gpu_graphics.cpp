@@ -262,6 +262,7 @@ public:
     std::string gpu() const override { return device_->facts().name; }
     bool is_lost() const override { return device_->lost(); }
     bool can_stretch() const override { return true; }
+    bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
 
     Result<void> begin() override {
         auto commands = GpuCommands::begin(device_, "window");

@@ -24,6 +24,8 @@ public:
     /// That GPU, or what it shows by, is lost: nothing more can be drawn by these graphics.
     virtual bool is_lost() const = 0;
     virtual bool can_stretch() const = 0;
+    /// Whether `show` heeds its step.
+    virtual bool thins_vertices() const = 0;
 
     virtual Result<void> begin() = 0;
     /// As SurfaceDrawing::show.

@@ -35,6 +35,9 @@ public:
     /// "raster" or "mesh".
     std::string_view painter() const { return raster_ ? "raster" : "mesh"; }
 
+    /// Whether `show` heeds its step: the CPU draws.
+    bool thins_vertices() const { return by_cpu_.has_value(); }
+
     /// From now on this surface is drawn: records what makes q and colours of the pair that `field` is of.
     /// For the raster of a software device the CPU makes them at once, and there no more than every `step`th
     /// vertex across and down, a power of two: a level of detail (Decimation). `colour`: RGB of 8 bits, of

@@ -35,6 +35,7 @@ public:
     /// Of the last camera.
     int drawn_width() const { return drawn_width_; }
     int drawn_height() const { return drawn_height_; }
+    int drawn_step() const { return shown_ ? shown_->step : 1; }  ///< from vertex to vertex
     Overlay overlay() const { return overlay_; }
     void set_overlay(Overlay overlay);
     /// Segments in place of the clip's own colours; null: those.

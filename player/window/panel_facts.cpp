@@ -63,7 +63,10 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
             words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
             words_of("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
                      static_cast<long long>(figures.ticks.ticks)),
-            words_of("surface drawn at %dx%d", picture.drawn_width(), picture.drawn_height()),
+            words_of("surface drawn at %dx%d", picture.drawn_width(), picture.drawn_height()) +
+                (picture.drawn_step() == 1 ? std::string()
+                                           : words_of(", every %d%s vertex", picture.drawn_step(),
+                                                      picture.drawn_step() == 2 ? "nd" : "th")),
             "surface by the " + figures.feed.builder + " builder" +
                 (clip.builder_why().empty() ? "" : ": " + clip.builder_why()),
             "picture by the " + std::string(picture.graphics().painter()) + " painter on " +

@@ -29,7 +29,7 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
         drawing_each > cause && static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);
     due_ = in_time_ = pictures_ = 0;
     drawing_ = 0;
-    const bool is_lowest = level_ + 1 == levels.size();
+    const bool is_lowest = level_ + 1 == levels_.size();
     if (before_ > 0 && (is_lowest || !is_late)) {
         // Judged at the end of the way down: a step of it may save too little to be seen in the time, as long
         // as decoding wants what it leaves.
@@ -44,9 +44,7 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
         }
         go_to(level_ + 1, now_s);
     } else if (!is_late && level_ > least && now_s - changed_s_ >= wait_s_) {
-        const double larger = levels[level_ - 1].share / levels[level_].share;
-        const double more = level_ == 1 ? all_vertices : larger * larger;
-        if (drawing_each * more < room) go_to(level_ - 1, now_s);
+        if (drawing_each * levels_[level_ - 1].dearer < room) go_to(level_ - 1, now_s);
     }
 }
 

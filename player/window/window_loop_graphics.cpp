@@ -29,6 +29,7 @@ Result<void> WindowLoop::open_graphics() {
     if (!graphics.ok()) return graphics.error();
     figures_.painter = (*graphics)->painter();
     figures_.gpu = (*graphics)->gpu();
+    governor_ = PictureGovernor((*graphics)->thins_vertices() ? LessOf::vertices : LessOf::pixels);
     picture_.use(std::move(*graphics));
     return {};
 }

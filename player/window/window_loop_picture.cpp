@@ -81,7 +81,7 @@ int WindowLoop::vertex_step(const ViewCamera& camera) {
     const int coarse = Decimation::step_for(clip_->view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
     const PlaybackState playback = clip_->session().playback();
-    return governor_.coarse() && playback.playing && !playback.at_end ? coarse : 1;
+    return governor_.coarse() && playback.playing && !playback.at_end ? coarse * governor_.step() : 1;
 }
 
 Result<void> WindowLoop::draw_what_is_there(const WatchedMoment* moment) {
@@ -257,7 +257,7 @@ void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
     if (playback.playing)
         governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms(), coarse_saves_);
-    figures_.least_share = std::min(figures_.least_share, governor_.share());
+    figures_.least_detail = std::min(figures_.least_detail, governor_.detail());
 }
 
 }  // namespace touchable

@@ -83,6 +83,39 @@ TEST(PictureGovernor, GoesAllTheWayDownWhereAStepOfItSavesLittle) {
     EXPECT_EQ(governor.share(), 0.5);
 }
 
+TEST(PictureGovernor, LeavesOutVerticesAndNoPixelsWhereTheseCostLittle) {
+    PictureGovernor governor(LessOf::vertices);
+    double now = 0;
+    const auto play_for = [&](double seconds, double coarse, double coarser) {
+        for (const double end = now + seconds; now < end; now += 1.0 / 30) {
+            const double drawing = governor.step() == 1 ? coarse : coarser;
+            governor.add(now, 1, drawing <= 1 ? 1 : 0, drawing, true);
+        }
+    };
+    EXPECT_EQ(governor.detail(), 1);
+    play_for(2, 1.2, 0.7);
+    EXPECT_EQ(governor.step(), 2);
+    EXPECT_EQ(governor.share(), 1);
+    EXPECT_EQ(governor.detail(), 0.5);
+    play_for(60, 1.2, 0.7);
+    EXPECT_EQ(governor.step(), 2) << "more vertices have no room";
+    play_for(20, 0.7, 0.5);
+    EXPECT_EQ(governor.step(), 1);
+    EXPECT_TRUE(governor.coarse());
+}
+
+TEST(PictureGovernor, HeedsEveryTenthPictureThatIsLate) {
+    PictureGovernor governor;
+    const auto play_with_late = [&governor](double from_s, int each) {
+        for (int k = 0; k < 60; ++k)
+            governor.add(from_s + k / 30.0, 1, k % each == 0 ? 0 : 1, 0.9 * governor.share(), false);
+    };
+    play_with_late(0, 15);
+    EXPECT_EQ(governor.share(), 1) << "one of fifteen";
+    play_with_late(2, 7);
+    EXPECT_LT(governor.share(), 1);
+}
+
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
     FramesShown shown;
     const auto at = [](std::uint64_t epoch, std::int64_t number) {
