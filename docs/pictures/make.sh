@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes the pictures of docs/play.md and of the README anew, by the program itself, without a display:
+# Makes the pictures of docs/play.md, docs/usability.md and of the README anew, by the program itself, without a display:
 #     docs/pictures/make.sh [build/release/player/touchable]
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -51,4 +51,16 @@ picture label 4 --size 800x450 --kiosk --kiosk-texts en --labels "$work/labels.j
 0.2  seek 1
 0.4  move 310 290
 1.0  press left
+SCRIPT
+
+# The trial lasts ten seconds at least, the touch before the question twenty.
+picture study-question 37 --size 960x540 --kiosk --kiosk-texts en --study paper-4.2 --results "$work/results" <<'SCRIPT'
+0.5  continue
+1.0  continue
+1.5  answer 2
+2.0  continue
+13.0 continue
+13.5 continue
+34.5 continue
+35.0 answer 6
 SCRIPT

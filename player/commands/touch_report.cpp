@@ -261,6 +261,12 @@ std::string guesses_in_words(const Json& report) {
            " guessed of the clip (touchable info says which)";
 }
 
+/// A window has room for more fingers than anybody leads.
+std::string fingers_in_words(const Json& report) {
+    const auto fingers = report["fingers"].get<int>(), led = report["fingers_led"].get<int>();
+    return (led == 0 || led == fingers ? "" : std::to_string(led) + " of ") + std::to_string(fingers);
+}
+
 /// What the checks of a run say.
 std::string verdict_words(const Json& report) {
     std::string faults;
@@ -346,9 +352,8 @@ Json join_reports(const std::vector<Json>& parts, const TouchFigures& all) {
 std::string report_in_short(const Json& report, const std::optional<std::vector<std::string>>& files) {
     std::string text, written;
     for (const auto& warning : report["warnings"]) text += labelled("warning", warning.get<std::string>());
-    const auto fingers = report["fingers"].get<int>();
-    text += labelled("touched", report["clip"].get<std::string>() + ", by " + std::to_string(fingers) +
-                                    (fingers == 1 ? " finger" : " fingers") +
+    text += labelled("touched", report["clip"].get<std::string>() + ", by " + fingers_in_words(report) +
+                                    (report["fingers"] == 1 ? " finger" : " fingers") +
                                     with_number(1e-3 * report["ticks"].get<double>(), " for %.3f s, ") +
                                     with_number(report["finger_contact_pct"], "%.1f %% of it in contact") +
                                     guesses_in_words(report));
@@ -392,7 +397,7 @@ std::string report_to_text(const Json& r) {
     line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +
                         r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
     const auto hand = r["hand"].get<std::string>(), device = r.value("device", hand);
-    line("fingers", count("fingers") + ", " + hand + (device == hand ? "" : " with " + device));
+    line("fingers", fingers_in_words(r) + ", " + hand + (device == hand ? "" : " with " + device));
     if (r.contains("forces_on_ticks"))
         line("device", (r["device_exerts_force"] == true
                             ? number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ")

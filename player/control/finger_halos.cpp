@@ -3,7 +3,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -15,7 +14,6 @@ namespace {
 
 constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0, 0, 0, 130),
                 faint_ink = IM_COL32(255, 255, 255, 120);
-constexpr double all_round = 2 * std::numbers::pi, upward = -0.5 * std::numbers::pi;
 
 /// Whether something is drawn before it.
 bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen, const HeightField& field,
@@ -29,22 +27,12 @@ ImVec2 point(const glm::dvec2& at) {
     return {static_cast<float>(at.x), static_cast<float>(at.y)};
 }
 
-/// A part of the circle, clockwise, that an arrow is not drawn over: from 0.5 before `gap` to 0.5 behind it.
-/// `from`, `to` and `gap`: from straight up, 0 to a turn.
-void draw_arc(ImDrawList& list, const FingerHalo& halo, double radius, double from, double to,
-              std::optional<double> gap, float thick, ImU32 colour) {
-    const auto draw = [&](double begin, double end) {
-        if (end <= begin) return;
-        list.PathArcTo(point(halo.at), static_cast<float>(radius), static_cast<float>(upward + begin),
-                       static_cast<float>(upward + end), 48);
-        list.PathStroke(colour, 0, thick);
-    };
-    if (!gap) return draw(from, to);
-    constexpr double half = 0.5;
-    // The gap may lie across the top.
-    const double before = std::max(from, *gap + half - all_round), behind = std::min(to, *gap - half);
-    draw(before, behind);
-    draw(std::max(from, *gap + half), std::min(to, *gap - half + all_round));
+/// So much of a turn, clockwise from straight up.
+void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thick, ImU32 colour) {
+    constexpr double upward = -0.5 * std::numbers::pi;
+    list.PathArcTo(point(halo.at), static_cast<float>(halo.ring), static_cast<float>(upward),
+                   static_cast<float>(upward + 2 * std::numbers::pi * turns), 64);
+    list.PathStroke(colour, 0, thick);
 }
 
 /// On a ground of its own, to be read on any surface.
@@ -138,13 +126,8 @@ void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     for (const FingerHalo& halo : halos) {
         const bool pushes = halo.touching && halo.newtons > least_newtons;
         const bool end_on = glm::length(halo.arrow) < 1.9 * halo.radius;
-        std::optional<double> gap;  // where the arrow is
-        if (pushes && !end_on) {
-            gap = std::atan2(halo.arrow.y, halo.arrow.x) - upward;
-            if (*gap < 0) *gap += all_round;
-        }
         const auto draw = [&](double share, float thick, ImU32 ink) {
-            draw_arc(list, halo, halo.ring, 0, share * all_round, gap, thick * scale, ink);
+            draw_arc(list, halo, share, thick * scale, ink);
         };
         draw(1, 3.4F, dark_ink);
         draw(1, 1.4F, halo.touching ? faint_ink : light_ink);

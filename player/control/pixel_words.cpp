@@ -1,5 +1,6 @@
 #include "player/control/pixel_words.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include "engine/frame/stored_code.hpp"
@@ -30,6 +31,12 @@ std::string length_in_words(double length, const Scene& scene) {
     const double metres = length * scene.metres_per_unit;
     if (metres >= 10) return number_words("%.3f m", metres);
     return number_words(metres < 0.1 ? "%.2f mm" : "%.1f mm", 1000 * metres);
+}
+
+std::string pressed_in_words(double millimetres) {
+    char words[32];
+    std::snprintf(words, sizeof words, "%.1f %s", std::abs(millimetres), millimetres < 0 ? "above" : "in");
+    return words;
 }
 
 }  // namespace touchable

@@ -14,5 +14,7 @@ std::string metres_in_words(double depth, const Scene& scene);
 std::string stored_in_words(const PlaneView& depth, const Scene& scene, int x, int y);
 /// Of a distance, scene units: "12.34 mm", from 10 m on "12.340 m".
 std::string length_in_words(double length, const Scene& scene);
+/// Of how deep a finger is meant to be in the surface, millimetres: "4.0 in"; below 0 "4.0 above".
+std::string pressed_in_words(double millimetres);
 
 }  // namespace touchable

@@ -169,8 +169,12 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
 float draw_place(const PanelFacts& facts, float width, float height, float scale) {
     std::span<const std::string> words = facts.place.lines;
     const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
-    if (words.empty()) return bottom;
+    // What lies behind the bar, or the panel, nobody looks at; and a button's explanation has the room.
+    if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return bottom;
     const ImGuiStyle& style = ImGui::GetStyle();
+    const float room = height / 5 + style.ItemSpacing.y - 2 * style.WindowPadding.y;
+    const auto fit = static_cast<std::size_t>(std::max(room / ImGui::GetTextLineHeightWithSpacing(), 1.0F));
+    words = words.first(std::min(words.size(), fit));
     const auto widest = [&words] {
         float wide = 0;
         for (const std::string& line : words) wide = std::max(wide, ImGui::CalcTextSize(line.c_str()).x);
@@ -231,7 +235,7 @@ void draw_class(PackedColour colour, const char* words, float scale) {
     ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + side, at.y + side), colour, 3 * scale);
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
-    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 270 * scale);
+    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 290 * scale);
     ImGui::TextUnformatted(words);
     ImGui::PopTextWrapPos();
 }

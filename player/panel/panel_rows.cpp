@@ -47,19 +47,26 @@ void explain_row(const char* words) {
     ImGui::End();
 }
 
+float explanation_height() {
+    return ImGui::GetTextLineHeight() + ImGui::GetStyle().WindowPadding.y;
+}
+
 /// In front of whatever is there.
-void explain_button(const char* words) {
-    if (!ImGui::IsItemHovered()) return;
+bool explain_button(const char* words) {
+    if (!ImGui::IsItemHovered()) return false;
     const ImGuiStyle& style = ImGui::GetStyle();
     const ImVec2 text = ImGui::CalcTextSize(words), pad(style.WindowPadding.x, style.WindowPadding.y / 2),
                  least = ImGui::GetItemRectMin(), most = ImGui::GetItemRectMax();
-    const float gap = style.ItemSpacing.x, wide = text.x + 2 * pad.x, tall = text.y + 2 * pad.y,
+    const float gap = style.ItemSpacing.x, wide = text.x + 2 * pad.x, tall = explanation_height(),
                 room = ImGui::GetIO().DisplaySize.x - gap - wide;
     const ImVec2 at(std::clamp((least.x + most.x - wide) / 2, gap, std::max(room, gap)),
                     ImGui::GetWindowPos().y - gap - tall);
     ImDrawList& list = *ImGui::GetForegroundDrawList();
-    list.AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), IM_COL32(14, 17, 22, 242), style.WindowRounding);
+    const ImVec2 end(at.x + wide, at.y + tall);
+    list.AddRectFilled(at, end, IM_COL32(14, 17, 22, 255), style.WindowRounding);
+    list.AddRect(at, end, ImGui::GetColorU32(ImGuiCol_Border), style.WindowRounding);
     list.AddText(ImVec2(at.x + pad.x, at.y + pad.y), ImGui::GetColorU32(ImGuiCol_Text), words);
+    return true;
 }
 
 ImU32 readable_finger_colour(std::size_t finger) {

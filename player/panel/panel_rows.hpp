@@ -29,8 +29,10 @@ void draw_value(const char* words, float right_of, float top);
 /// While the pointer is over the row before: what it is, in plain words, beside the panel.
 void explain_row(const char* words);
 
-/// While the pointer is over the button before: likewise, above it.
-void explain_button(const char* words);
+/// While the pointer is over the button before: likewise, above its window, as high as `explanation_height`
+/// with a gap. Gives whether it is.
+bool explain_button(const char* words);
+float explanation_height();
 
 /// A finger's colour, light enough to be told from the panel's dark ground.
 ImU32 readable_finger_colour(std::size_t finger);

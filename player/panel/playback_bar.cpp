@@ -74,15 +74,17 @@ struct BarButton {
     }
 };
 
-void draw_button(const BarButton& button, float side, std::vector<WindowCommand>& asked) {
+/// Whether it is explained.
+bool draw_button(const BarButton& button, float side, std::vector<WindowCommand>& asked) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec4* const colours = ImGui::GetStyle().Colors;
     if (button.is_lit) ImGui::PushStyleColor(ImGuiCol_Text, colours[ImGuiCol_SliderGrab]);
     if (ImGui::Button(button.words.c_str(), ImVec2(button.wide(side), side))) asked.push_back(button.command);
     if (button.is_lit) ImGui::PopStyleColor();
     draw_sign(button.sign, at, side);
-    explain_button(button.what);
+    const bool is_explained = explain_button(button.what);
     ImGui::SameLine();
+    return is_explained;
 }
 
 BarButton play_button(const PanelFacts& facts) {
@@ -224,16 +226,20 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
         for (auto* const buttons : {&left, &right})
             std::erase_if(*buttons, [need](const BarButton& button) { return button.need == need; });
     const float seek = room();
-    if (!left.empty()) draw_button(left.front(), side, asked);
-    draw_button(play_button(facts), side, asked);
-    if (!left.empty()) draw_button(left.back(), side, asked);
+    explains_ = false;
+    const auto draw_one = [&](const BarButton& button) {
+        explains_ = draw_button(button, side, asked) || explains_;
+    };
+    if (!left.empty()) draw_one(left.front());
+    draw_one(play_button(facts));
+    if (!left.empty()) draw_one(left.back());
     ImGui::AlignTextToFramePadding();
     const float time_left = ImGui::GetCursorPosX();
     ImGui::TextUnformatted(time.words.c_str());
     ImGui::SameLine(time_left + time.width + ImGui::GetStyle().ItemSpacing.x);
     draw_seek(facts, scale, seek, asked);
     ImGui::SameLine();
-    for (const BarButton& button : right) draw_button(button, side, asked);
+    for (const BarButton& button : right) draw_one(button);
     ImGui::PopStyleVar();
 }
 

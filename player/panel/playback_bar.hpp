@@ -16,11 +16,14 @@ public:
     void draw(const PanelFacts& facts, float width, float height, float scale, bool panel_shown,
               bool help_shown, std::vector<WindowCommand>& asked);
 
+    /// Whether a button is explained, above the bar.
+    bool explains() const { return explains_; }
+
 private:
     void draw_seek(const PanelFacts& facts, float scale, float room, std::vector<WindowCommand>& asked);
 
     float dragged_seconds_ = 0;
-    bool dragging_ = false;
+    bool dragging_ = false, explains_ = false;
 };
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "player/control/pixel_words.hpp"
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
@@ -83,8 +84,10 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const float above_place = draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
         const float right = w - m - (shown ? side_width(w) + m : 0);
-        const bool is_beside = right > 560 * scale_;  // what is said of the place
-        draw_overlay_scale(*facts.scale, right, is_beside ? h - 2 * m - bar : above_place, scale_);
+        const bool is_beside = right > 580 * scale_;  // what is said of the place
+        const float bottom = is_beside ? h - 2 * m - bar : above_place;
+        const float explained = wants_bar(facts) && bar_.explains() ? explanation_height() : 0;
+        draw_overlay_scale(*facts.scale, right, bottom - explained, scale_);
     }
     if (shown) draw_side(facts, w, h, asked);
 }
@@ -116,19 +119,18 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
 }
 
 void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    char words[32];
     draw_label("fingers", scale);
     const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
     const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
     if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
     explain_row("How many fingers there are round the pointer.");
-    draw_label("pressed in", scale);
+    draw_label("depth, mm", scale);
     auto depth = static_cast<float>(facts.pressed_mm);
-    std::snprintf(words, sizeof words, "%.1f mm", facts.pressed_mm);
-    if (draw_slider("##depth", depth, -6, 12, words, scale))
+    const std::string depth_words = pressed_in_words(facts.pressed_mm);
+    if (draw_slider("##depth", depth, -6, 12, depth_words, scale))
         asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
     explain_row(
-        "How deep a finger is meant to be in the surface, millimetres of the hand; below 0 it is above. So "
+        "How deep a finger is meant to be in the surface, or how far above it, millimetres of the hand. So "
         "does the wheel.");
 }
 

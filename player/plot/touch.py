@@ -13,13 +13,14 @@ from matplotlib.patches import Patch
 
 from style import COLOURS, BadInput, colour
 
-NUMBERS = ["time_s", "force_x", "force_y", "force_z", "pixel_x", "pixel_y"]
+GOAL = ["goal_x", "goal_y", "goal_z"]
+NUMBERS = ["time_s", *GOAL, "force_x", "force_y", "force_z", "pixel_x", "pixel_y"]
 FLAGS = ["finger", "contact", "guard"]
 STRIPS_AT_MOST = len(COLOURS)
 
 
 def read_forces(file):
-    """Per finger, in order: a dict of arrays over the ticks."""
+    """Per finger that was led, in order: a dict of arrays over the ticks."""
     fingers = {}
     try:
         with open(file, newline="", encoding="utf-8") as stream:
@@ -39,7 +40,13 @@ def read_forces(file):
         raise BadInput(f"{file}: cannot be read: {fault}") from None
     if not fingers:
         raise BadInput(f"{file}: has no rows")
-    return [dict(zip(NUMBERS + FLAGS, np.array(fingers[finger]).T)) for finger in sorted(fingers)]
+    read = [dict(zip(NUMBERS + FLAGS, np.array(fingers[finger]).T)) for finger in sorted(fingers)]
+    return [finger for finger in read if was_led(finger)] or read
+
+
+def was_led(finger):
+    """A window has room for more fingers than anybody leads: those neither move nor touch."""
+    return np.any(finger["contact"] != 0) or any(np.any(finger[axis] != finger[axis][0]) for axis in GOAL)
 
 
 def magnitude(finger):
@@ -50,14 +57,18 @@ def name(finger):
     return f"finger {int(finger['finger'][0])}"
 
 
+def colour_of(finger):
+    return colour(int(finger["finger"][0]))
+
+
 def contact_share(fingers):
     return 100 * np.mean(np.concatenate([finger["contact"] for finger in fingers]) != 0)
 
 
-def draw_strip(axes, finger, index, top):
+def draw_strip(axes, finger, top):
     time, force = finger["time_s"], magnitude(finger)
-    axes.fill_between(time, force, color=colour(index), alpha=0.25, linewidth=0)
-    axes.plot(time, force, color=colour(index), linewidth=0.9)
+    axes.fill_between(time, force, color=colour_of(finger), alpha=0.25, linewidth=0)
+    axes.plot(time, force, color=colour_of(finger), linewidth=0.9)
     axes.fill_between(time, top, where=finger["guard"] != 0, step="mid", color="#999999", alpha=0.35,
                       linewidth=0)
     axes.set_ylim(0, top)
@@ -80,8 +91,8 @@ def draw_forces(file):
         raise BadInput(f"{file}: a force is not finite")
     figure, strips = plt.subplots(len(shown), 1, sharex=True, squeeze=False, layout="constrained",
                                   figsize=(10, 1.5 + 1.2 * max(2, len(shown))))
-    for index, (axes, finger) in enumerate(zip(strips[:, 0], shown)):
-        draw_strip(axes, finger, index, top)
+    for axes, finger in zip(strips[:, 0], shown):
+        draw_strip(axes, finger, top)
     strips[-1, 0].set_xlabel("time (s)")
     figure.supylabel("force |F| (N)", fontsize=10)
     seconds = fingers[0]["time_s"][-1] - fingers[0]["time_s"][0]
@@ -156,16 +167,16 @@ def draw_paths(file, export):
     halo = [matplotlib.patheffects.Stroke(linewidth=3.2, foreground="white", alpha=0.75),
             matplotlib.patheffects.Normal()]
     handles = []
-    for index, finger in enumerate(fingers):
+    for finger in fingers:
         x, y = stretches(finger)
-        axes.plot(x, y, color=colour(index), linewidth=1.6, path_effects=halo, solid_capstyle="round")
+        axes.plot(x, y, color=colour_of(finger), linewidth=1.6, path_effects=halo, solid_capstyle="round")
         touching = np.flatnonzero(finger["contact"])
         if touching.size:
             first, last = touching[0], touching[-1]
-            axes.plot(x[first], y[first], "o", color="white", markeredgecolor=colour(index), markersize=7,
+            axes.plot(x[first], y[first], "o", color="white", markeredgecolor=colour_of(finger), markersize=7,
                       markeredgewidth=2)
-            axes.plot(x[last], y[last], "o", color=colour(index), markeredgecolor="white", markersize=8)
-        handles.append(Line2D([], [], color=colour(index), linewidth=3, label=name(finger)))
+            axes.plot(x[last], y[last], "o", color=colour_of(finger), markeredgecolor="white", markersize=8)
+        handles.append(Line2D([], [], color=colour_of(finger), linewidth=3, label=name(finger)))
     handles += [Line2D([], [], linestyle="", marker="o", color="white", markeredgecolor="#555555",
                        markeredgewidth=2, markersize=7, label="first contact"),
                 Line2D([], [], linestyle="", marker="o", color="#555555", markersize=7, label="last contact")]

@@ -24,12 +24,16 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     energy_.resize(tick.contacts.size());
     limited_.resize(tick.contacts.size());
     in_hole_.resize(tick.contacts.size());
+    led_.resize(tick.contacts.size());
+    if (first_goals_.empty())
+        for (const Contact& c : tick.contacts) first_goals_.push_back(c.goal);
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
         const glm::dvec3 force = tick.sent(k);
         const bool all_sent = tick.share(k) == 1;
         hash_.add(tick.forces[k].force);
         contact |= c.touching;
+        led_[k] = led_[k] || c.touching || c.goal != first_goals_[k];
         finger_contact_ticks_ += c.touching;
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
         capped |= c.counts.capped;
@@ -56,7 +60,6 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         smallest_stiffness_ = std::min(smallest_stiffness_, c.properties.stiffness);
     }
     ++ticks_;
-    finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
     contact_ticks_ += contact;
     behind_ticks_ += tick.behind;
     nonfinite_ticks_ += nonfinite;
@@ -97,6 +100,11 @@ void TouchFigures::end_part() {
     energy_.clear();
     limited_.clear();
     in_hole_.clear();
+    first_goals_.clear();
+}
+
+std::int64_t TouchFigures::fingers_led() const {
+    return std::count(led_.begin(), led_.end(), true);
 }
 
 nlohmann::ordered_json TouchFigures::energy_mj() const {
@@ -117,7 +125,9 @@ nlohmann::ordered_json TouchFigures::hole_contact() const {
 nlohmann::ordered_json TouchFigures::to_json() const {
     return {{"ticks", ticks_},
             {"contact_ticks", contact_ticks_},
-            {"finger_contact_pct", 100.0 * share(static_cast<double>(finger_contact_ticks_), finger_ticks_)},
+            {"fingers_led", fingers_led()},
+            {"finger_contact_pct",
+             100.0 * share(static_cast<double>(finger_contact_ticks_), ticks_ * fingers_led())},
             {"proxy_behind_mesh_ticks", behind_ticks_},
             {"nonfinite_ticks", nonfinite_ticks_},
             {"capped_ticks", capped_ticks_},

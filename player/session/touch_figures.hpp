@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -40,7 +41,12 @@ private:
     nlohmann::ordered_json energy_mj() const;
     nlohmann::ordered_json hole_contact() const;
 
-    std::int64_t ticks_ = 0, finger_ticks_ = 0;
+    /// Of those that were led somewhere, or touched.
+    std::int64_t fingers_led() const;
+
+    std::int64_t ticks_ = 0;
+    std::vector<glm::dvec3> first_goals_;                        // of each finger, in this part
+    std::vector<bool> led_;                                      // each finger, in any part
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;

@@ -58,6 +58,13 @@ void shape_thread(const FingerMark& finger, double radius, const glm::vec3& ligh
     }
 }
 
+/// The finger's colour as bright as it can be, so that a thin shaft is seen on dark ground as well as on
+/// snow.
+glm::vec3 arrow_light(const glm::vec3& light) {
+    const glm::vec3 vivid = light / std::max({light.x, light.y, light.z});
+    return glm::mix(vivid, glm::vec3(1.0F), 0.15F);
+}
+
 }  // namespace
 
 PackedColour finger_colour(std::size_t finger) {
@@ -102,7 +109,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
         const double length = glm::length(arrow);
         if (!(length > 0)) continue;
         const glm::dvec3 from = finger.proxy + arrow * (0.95 * radius / length);
-        add_arrow(shapes.solids, from, from + arrow, 0.34 * radius, {glm::mix(light, white, 0.35F), 1});
+        add_arrow(shapes.solids, from, from + arrow, 0.34 * radius, {arrow_light(light), 1});
     }
     for (std::size_t k = 0; k < fingers.size(); ++k)
         if (fingers[k].shown && fingers[k].touching)

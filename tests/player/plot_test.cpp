@@ -50,6 +50,28 @@ TEST_F(Plot, DrawsForcesAndWays) {
     EXPECT_NE(over_depth->samples, over_time->samples);
 }
 
+/// As a window records them: five fingers, of which one was led.
+TEST_F(Plot, LeavesOutFingersThatNobodyLed) {
+    const auto write = [&](const std::string& file, int fingers) {
+        std::ofstream out(folder / file);
+        out << "tick,time_s,finger,goal_x,goal_y,goal_z,force_x,force_y,force_z,contact,pixel_x,pixel_y,"
+               "guard\n";
+        for (int tick = 0; tick < 20; ++tick)
+            for (int finger = 0; finger < fingers; ++finger) {
+                out << tick << ',' << 0.001 * tick << ',' << finger << ',' << (finger == 0 ? tick : 0)
+                    << ",0,0,0," << (finger == 0 ? 0.1 * tick : 0) << ",0,"
+                    << (finger == 0 && tick > 9 ? 1 : 0) << ",3,4,0\n";
+            }
+    };
+    write("one.csv", 1);
+    write("five.csv", 5);
+    ASSERT_EQ(run_touchable({"plot", folder / "one.csv", folder / "one.png"}).code, 0);
+    ASSERT_EQ(run_touchable({"plot", folder / "five.csv", folder / "five.png"}).code, 0);
+    const auto one = read_image(folder / "one.png"), five = read_image(folder / "five.png");
+    ASSERT_TRUE(one.ok() && five.ok());
+    EXPECT_EQ(one->samples, five->samples);
+}
+
 TEST_F(Plot, KeepsWhatIsThere) {
     std::ofstream(picture()) << "mine";
     expect_refused({"plot", forces(), picture()}, 2, "--overwrite");

@@ -75,6 +75,28 @@ TEST(TouchFigures, CountEachTickOnceHoweverManyFingersItIsOf) {
     EXPECT_EQ(report["force_n"]["max"], 5.0);
 }
 
+/// A window's pointer has five fingers, most of which stay away.
+TEST(TouchFigures, KnowHowManyFingersWereLed) {
+    TouchFigures figures;
+    const auto take = [&](double goal, bool pressed) {
+        TwoFingers two;
+        two.contacts[0].goal = {0, 0, goal};
+        two.contacts[1].goal = {1, 2, 3};
+        if (pressed) two.press(0, 1);
+        EXPECT_TRUE(figures.take(two.tick()).ok());
+        return figures.to_json();
+    };
+    EXPECT_EQ(take(1, false)["fingers_led"], 0);
+    const auto led = take(2, true);
+    EXPECT_EQ(led["fingers_led"], 1);
+    EXPECT_EQ(led["finger_contact_pct"], 50.0) << "of the one finger's time";
+    figures.end_part();  // whose scene may lie elsewhere
+    TwoFingers two;
+    two.contacts[1].goal = {4, 5, 6};
+    EXPECT_TRUE(figures.take(two.tick()).ok());
+    EXPECT_EQ(figures.to_json()["fingers_led"], 1);
+}
+
 TEST(TouchFigures, CountTicksThatAreNoNumberOrBehindTheSurface) {
     const double nan = std::nan("");
     for (const double bad : {nan, HUGE_VAL, -HUGE_VAL}) {

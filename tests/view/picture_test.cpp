@@ -131,6 +131,27 @@ TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
     EXPECT_NEAR(farthest, 5 * 6 + 2, 0.2) << "5 N, 6 units each, from the rim of the finger";
 }
 
+/// In every finger's colour, so that it is seen on dark ground.
+TEST(FingerMarks, TheArrowIsBrighterThanTheFinger) {
+    for (std::size_t k = 0; k < 5; ++k) {
+        std::vector<FingerMark> fingers(5);
+        for (FingerMark& finger : fingers) finger.shown = false;
+        fingers[k].shown = fingers[k].touching = true;
+        fingers[k].force = {0, 3, 4};
+        FingerShapes shapes;
+        shape_fingers(fingers, {2, 6}, shapes);
+        const auto most = [](const Solid& solid) {
+            const glm::vec3& light = solid.material.light;
+            return std::max({light.x, light.y, light.z});
+        };
+        for (const Solid& solid : shapes.solids) {
+            if (solid.is_ball) continue;
+            EXPECT_NEAR(most(solid), 1, 1e-6) << k;
+            EXPECT_GT(most(solid), most(shapes.solids.front())) << k;
+        }
+    }
+}
+
 TEST(LightPicture, DevelopsEveryByteToItself) {
     LightPicture picture{256, 1, {}, {}};
     for (unsigned k = 0; k < 256; ++k) picture.light.push_back(light_of(pack_colour(k, k, k)));

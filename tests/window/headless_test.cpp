@@ -70,6 +70,7 @@ TEST(HeadlessWindow, TouchThatIsRecordedRepeatsToTheBitWithoutIt) {
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_NE(again.err.find("as recorded, to the bit"), std::string::npos) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    EXPECT_NE(again.out.find("\"fingers_led\": 3,"), std::string::npos) << "one, and three from 1.1 s on";
 }
 
 TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {

@@ -14,6 +14,7 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/control/measure_tool.hpp"
+#include "player/control/pixel_words.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/window/scripted_window.hpp"
@@ -295,6 +296,12 @@ TEST(MeasureTool, AnEndWithoutDepthStaysWhereItWasAndIsSaidToBeFrozen) {
                 glm::distance(place_of(20, 32, code_of(800)), place_of(70, 32, code_of(500))), 0.06);
     frames.show(tool, 0);
     EXPECT_FALSE(tool.facts(frames.camera(), frames.scene).is_frozen) << "it has depth again";
+}
+
+TEST(PixelWords, SayHowDeepAFingerIsMeantToBeOrHowFarAbove) {
+    EXPECT_EQ(pressed_in_words(4), "4.0 in");
+    EXPECT_EQ(pressed_in_words(-4), "4.0 above");
+    EXPECT_EQ(pressed_in_words(0), "0.0 in");
 }
 
 TEST(MeasureTool, TheThirdClickBeginsAnother) {

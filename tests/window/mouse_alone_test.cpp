@@ -184,6 +184,21 @@ TEST_P(MouseAlone, GoesToTheNextClipAndBack) {
     EXPECT_LT(middle_differs("back.png", "first.png"), 0.02);
 }
 
+/// Above what is said of the button.
+TEST_P(MouseAlone, ReadsTheLegendWhileAButtonIsExplained) {
+    MouseScript script(GetParam());
+    script.leave(0.1);
+    script.picture(0.5, "away.png");
+    script.move_to_bar(0.6, settings);
+    script.picture(1, "explained.png");
+    script.quit(1.1);
+    play({"globe.mkv"}, "0 overlay depth\n" + script.words());
+    const auto [width, height] = GetParam();
+    EXPECT_GT(differs("explained.png", "away.png", 1000 - 200'000 / width, 1000 - 140'000 / height,
+                      1000 - 20'000 / width, 1000 - 104'000 / height),
+              0.2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
                          ::testing::Values(WindowOfSize{640, 400}, WindowOfSize{1280, 720},
                                            WindowOfSize{2560, 1440}),
@@ -210,6 +225,25 @@ TEST_P(MouseInANarrowWindow, FindsHelpAndReadsLegends) {
     const int top = 1000 - 110'000 / height, bottom = 1000 - 66'000 / height;
     EXPECT_GT(differs("legend.png", "away.png", 1000 - 200'000 / width, top, 1000 - 20'000 / width, bottom),
               0.2);
+}
+
+/// They take a fifth of its height, and are not said of what the bar covers, where buttons explain
+/// themselves.
+TEST_P(MouseInANarrowWindow, ThePixelsWordsLeaveThePictureFree) {
+    MouseScript script(GetParam());
+    script.move(0.1, 800, 300);
+    script.picture(0.5, "said.png");
+    script.leave(0.6);
+    script.picture(0.9, "away.png");
+    script.move_to_bar(1, help);
+    script.picture(1.4, "on-help.png");
+    script.quit(1.5);
+    play({"globe.mkv"}, script.words());
+    const auto [width, height] = GetParam();
+    const int left = 20'000 / width, right = 110'000 / width, bottom = 1000 - 74'000 / height;
+    EXPECT_LT(differs("said.png", "away.png", left, 470, right, 1000 - 148'000 / height), 0.001);
+    EXPECT_GT(differs("said.png", "away.png", left, 1000 - 100'000 / height, right, bottom), 0.1);
+    EXPECT_LT(differs("on-help.png", "away.png", left, 470, right, bottom), 0.001);
 }
 
 INSTANTIATE_TEST_SUITE_P(Narrow, MouseInANarrowWindow,
