@@ -1,8 +1,10 @@
 // Which triangles of the lattice the eye is not shown. Compiled as GLSL and as C++: every painter cuts alike.
 //
-// q is 1 / planar depth of a corner, scene units; 0 stands for an invalid pixel. A triangle between corners
-// whose depths differ by more than 6 % is no surface but the gap between two: from any view but the clip's
-// own it would be drawn as a curtain that is not there. A pixel is about 1/500 of its depth wide (480 to 1000
+// q is 1 / planar depth of a corner, scene units; 0 stands for an invalid pixel, and a triangle with one is
+// never shown. A triangle between corners whose depths differ by more than 6 % is no surface but the gap
+// between two: in a turned view it would be a curtain that is not there. In the clip's own view it covers what
+// lies between two pixels, and nothing is behind it. There it is shown, or a dark line would run along every
+// edge: the picture is the clip's own. A pixel is about 1/500 of its depth wide (480 to 1000
 // pixels to 60 degrees), so 6 % in one pixel is a slope of 30: surfaces seen at more than 88 degrees from
 // their normal, which no depth camera measures.
 #ifndef TOUCHABLE_SHADERS_CUT_RULE_H
@@ -18,6 +20,11 @@ namespace touchable {
 /// Depths of a triangle's corners differ by at most this factor.
 #define CUT_RULE_RATIO 1.06f
 
+CUT_RULE_FUNCTION bool triangle_has_hole(float q0, float q1, float q2) {
+    return !(q0 > 0.0f && q1 > 0.0f && q2 > 0.0f);
+}
+
+/// In a turned view; in the clip's own it is those with a hole.
 CUT_RULE_FUNCTION bool triangle_is_cut(float q0, float q1, float q2) {
     float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
     least = q2 < least ? q2 : least;

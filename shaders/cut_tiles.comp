@@ -40,7 +40,7 @@ void main() {
     const uint tx = tile % push.tiles_x, ty = tile / push.tiles_x;
     const uint first = ty * CUT_TILES_CELLS, end = min(first + CUT_TILES_CELLS, push.height - 1u);
     const uint columns = push.width - 1u - tx * CUT_TILES_CELLS;  // of cells, here and to the right
-    bool any_cut = false, any_kept = false;
+    bool any_cut = false, any_shown = false;
     Row upper = load(first, tx);
     for (uint y = first; y < end; ++y) {
         const Row lower = load(y + 1u, tx);
@@ -49,9 +49,11 @@ void main() {
             const bool no_lower = triangle_is_cut(upper.q[k], upper.q[k + 1], lower.q[k + 1]);
             const bool no_upper = triangle_is_cut(upper.q[k], lower.q[k + 1], lower.q[k]);
             any_cut = any_cut || (is_there && (no_lower || no_upper));
-            any_kept = any_kept || (is_there && !(no_lower && no_upper));
+            const bool is_hole = triangle_has_hole(upper.q[k], upper.q[k + 1], lower.q[k + 1]) &&
+                                 triangle_has_hole(upper.q[k], lower.q[k + 1], lower.q[k]);
+            any_shown = any_shown || (is_there && !is_hole);
         }
         upper = lower;
     }
-    classes[tile] = any_kept ? (any_cut ? mixed_tile : whole_tile) : empty_tile;
+    classes[tile] = any_shown ? (any_cut ? mixed_tile : whole_tile) : empty_tile;
 }

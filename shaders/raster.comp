@@ -91,8 +91,8 @@ void leave_to_large(uint cell) {
 
 /// Whether the cell is left to raster_large.comp.
 bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
-    const bool no_lower = triangle_is_cut(top_left.q, top_right.q, bottom_right.q);
-    const bool no_upper = triangle_is_cut(top_left.q, bottom_right.q, bottom_left.q);
+    const bool no_lower = is_cut(top_left.q, top_right.q, bottom_right.q);
+    const bool no_upper = is_cut(top_left.q, bottom_right.q, bottom_left.q);
     if (no_lower && no_upper) return false;
     if (no_lower) top_right = top_left;  // a triangle without area is not drawn
     if (no_upper) bottom_left = top_left;

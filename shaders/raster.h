@@ -36,7 +36,7 @@ struct RasterPush {
     uint tiles_x;                        // tiles in a row of it
     uint picture_width, picture_height;  // pixels
     uint picture_pitch;                  // pixels from one row of them to the next
-    uint has_edges;                      // 0: every vertex is drawn at its pixel
+    uint is_turned;                      // 0: the clip's own view, every vertex at its pixel
 };
 
 /// Words before the cells (row * pitch + column): workgroups in x, y, z, and how many cells follow.

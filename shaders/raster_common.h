@@ -41,11 +41,16 @@ struct Projected {
 };
 Projected projected(uint vertex, uint x, uint y) {
     uvec2 moved = uvec2(0u);
-    if (push.has_edges != 0u) moved = moved_vertices[vertex];
+    if (push.is_turned != 0u) moved = moved_vertices[vertex];
     const vec3 colour = unpacked(colour_at(vertex));
     if (moved.x == 0u) return Projected(view_clip(push.rows, float(x), float(y), q_at(vertex)), colour);
     const vec3 place = edge_place(moved, x, y);
     return Projected(view_clip(push.rows, place.x, place.y, place.z), colour * edge_light(moved));
+}
+
+/// By the rule of this view.
+bool is_cut(float q0, float q1, float q2) {
+    return push.is_turned != 0u ? triangle_is_cut(q0, q1, q2) : triangle_has_hole(q0, q1, q2);
 }
 
 void plot(int x, int y, float z, vec3 colour) {

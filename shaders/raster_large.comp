@@ -75,7 +75,7 @@ Vertex vertex(uint cell) {
 }
 
 void draw_triangle(Vertex a, Vertex b, Vertex c) {
-    if (triangle_is_cut(a.q, b.q, c.q)) return;
+    if (is_cut(a.q, b.q, c.q)) return;
     const Vertex corners[3] = Vertex[3](a, b, c);
     Point points[4];
     int count = 0;

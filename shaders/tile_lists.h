@@ -1,7 +1,7 @@
 // What the kernels cut_tiles.comp and list_tiles.comp, those that draw from their lists, and C++ agree on.
 //
-// cut_tiles.comp says of each tile of 16x16 cells whether shaders/cut_rule.h keeps all of its triangles, some
-// or none, with a lane for each tile. list_tiles.comp, a single workgroup, lists the first two sorts in the
+// cut_tiles.comp says of each tile of 16x16 cells whether shaders/cut_rule.h keeps all of its triangles, or
+// some in any view, or none (all have a hole), with a lane for each tile. list_tiles.comp, a single workgroup, lists the first two sorts in the
 // order in which tiles lie, so that a picture does not depend on who came first.
 #ifndef TOUCHABLE_SHADERS_TILE_LISTS_H
 #define TOUCHABLE_SHADERS_TILE_LISTS_H

@@ -27,7 +27,7 @@ struct MeshPush {
     uint width, height;  // of the lattice
     uint pitch;          // vertices from one row of q and colours to the next
     uint tiles_x;        // tiles in a row of it
-    uint has_edges;      // 0: every vertex is drawn at its pixel
+    uint is_turned;      // 0: the clip's own view, every vertex at its pixel
 };
 
 #ifdef __cplusplus

@@ -38,6 +38,10 @@ float q_of(uvec2 at) {
     return q_at[at.y * push.pitch + at.x];
 }
 
+bool is_cut(float q0, float q1, float q2) {
+    return push.is_turned != 0u ? triangle_is_cut(q0, q1, q2) : triangle_has_hole(q0, q1, q2);
+}
+
 void main() {
     const uint tile = tiles[(is_mixed ? header.whole_tiles : 0u) + uint(gl_InstanceIndex)];
     const uvec2 origin = uvec2(tile % push.tiles_x, tile / push.tiles_x) * MESH_TILE;
@@ -50,8 +54,8 @@ void main() {
         const bool is_there = all(lessThan(cell_at, last));
         const uvec2 base = min(cell_at, last);
         at = base + corners[corner];
-        if (!is_there || triangle_is_cut(q_of(base + corners[first]), q_of(base + corners[first + 1u]),
-                                         q_of(base + corners[first + 2u]))) {
+        if (!is_there || is_cut(q_of(base + corners[first]), q_of(base + corners[first + 1u]),
+                                q_of(base + corners[first + 2u]))) {
             gl_Position = vec4(2.0f, 2.0f, 0.0f, 1.0f);
             colour = vec3(0.0f);
             return;
@@ -63,7 +67,7 @@ void main() {
     const uint index = at.y * push.pitch + at.x, packed_colour = colour_at[index];
     vec3 place = vec3(at, q_of(at));
     float light = 1.0f / 255.0f;
-    if (push.has_edges != 0u && moved_vertices[index].x != 0u) {
+    if (push.is_turned != 0u && moved_vertices[index].x != 0u) {
         place = edge_place(moved_vertices[index], at.x, at.y);
         light *= edge_light(moved_vertices[index]);
     }

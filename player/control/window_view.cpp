@@ -11,6 +11,7 @@ namespace touchable {
 WindowView::WindowView(const Scene& scene, const glm::dvec3& middle)
     : scene_(scene), home_(0, 0, middle.z), centre_(home_) {
     orbit_.zoom = 1;
+    orbit_.keeps_axis = true;
 }
 
 ViewCamera WindowView::camera(int width, int height) const {
@@ -66,6 +67,7 @@ void WindowView::go_home() {
     own_ = true;
     orbit_ = Viewpoint{};
     orbit_.zoom = 1;
+    orbit_.keeps_axis = true;
     centre_ = home_;
 }
 

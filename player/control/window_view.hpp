@@ -29,7 +29,7 @@ public:
     void pan(double x, double y, int width, int height);
     /// Brings the view nearer by this factor; below 1 farther away.
     void near_by(double factor);
-    /// From now on the view turns round this place, which is the picture's middle then.
+    /// From now on the view turns round this place, which is seen then where the clip's camera has its axis.
     void look_at(const glm::dvec3& place);
     void go_home();
 

@@ -86,13 +86,17 @@ struct FrameRow {
            static_cast<std::uint32_t>(greatest > CUT_RULE_RATIO * least);
 }
 
-/// A row of cells between two rows of q: 1 is added where a triangle is cut, 2 where one is not.
+/// A row of cells between two rows of q: 1 is added where a triangle is cut, 2 where one has no hole.
 [[gnu::always_inline]] inline void mark_row(const float* upper, const float* lower, int cells,
                                             std::uint32_t* marks) {
     for (int x = 0; x < cells; ++x) {
         const float q00 = upper[x], q10 = upper[x + 1], q01 = lower[x], q11 = lower[x + 1];
         const std::uint32_t right = cut(q00, q10, q11), left = cut(q00, q11, q01);
-        marks[x] |= (right | left) + 2U - 2U * (right & left);
+        const auto whole_diagonal =
+                       static_cast<std::uint32_t>(q00 > 0.0F) & static_cast<std::uint32_t>(q11 > 0.0F),
+                   whole_corner =
+                       static_cast<std::uint32_t>(q10 > 0.0F) | static_cast<std::uint32_t>(q01 > 0.0F);
+        marks[x] |= (right | left) + 2U * (whole_diagonal & whole_corner);
     }
 }
 

@@ -29,7 +29,8 @@ public:
         const TileGrid grid = TileGrid::of(surface.width, surface.height);
         const ViewRows rows = rows_of(camera);
         edges_.clear();
-        if (!is_own_view(camera))
+        is_turned_ = !is_own_view(camera);
+        if (is_turned_)
             edges_.find(surface.q.data(), surface.width, surface.height, surface.width, CUT_RULE_RATIO,
                         surface.colours_are_values);
         for (const auto* tiles : {&surface.tiles.whole, &surface.tiles.mixed})
@@ -64,7 +65,7 @@ private:
             else
                 corners[k] = {view_clip(rows, static_cast<float>(x), static_cast<float>(y), q[k]), colour};
         }
-        if (triangle_is_cut(q[0], q[1], q[2])) return;
+        if (is_turned_ ? triangle_is_cut(q[0], q[1], q[2]) : triangle_has_hole(q[0], q[1], q[2])) return;
         fill_triangle(
             corners, planes.width, planes.height, [&](int x, int y, float z, const glm::vec3& colour) {
                 const std::size_t pixel = planes.index(x, y);
@@ -79,6 +80,7 @@ private:
 
     CpuLattices lattices_{CpuLattices::usual_threads()};
     SurfaceEdges edges_{1};  // of what is painted
+    bool is_turned_ = false;
 };
 
 }  // namespace

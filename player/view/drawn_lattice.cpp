@@ -7,13 +7,13 @@
 
 namespace touchable {
 
-DrawnLattice::DrawnLattice(const HeightField& field, bool has_edges)
+DrawnLattice::DrawnLattice(const HeightField& field, bool is_turned)
     : width(field.width()),
       height(field.height()),
       field_(field),
-      has_edges_(has_edges),
+      is_turned_(is_turned),
       vertices_(side * side),
-      edges_(has_edges ? side * side : 0) {}
+      edges_(is_turned ? side * side : 0) {}
 
 const DrawnLattice::Vertex& DrawnLattice::vertex(const glm::ivec2& at) const {
     Vertex& kept = vertices_[slot(at.x, at.y)];
@@ -44,8 +44,8 @@ DrawnLattice::Triangle DrawnLattice::triangle(int i, int j, bool right) {
         q[k] = here.q;
         out.corners[k] = {at[k].x, at[k].y, here.exact_q};
     }
-    out.cut = triangle_is_cut(q[0], q[1], q[2]);
-    if (!has_edges_ || out.cut) return out;
+    out.cut = is_turned_ ? triangle_is_cut(q[0], q[1], q[2]) : triangle_has_hole(q[0], q[1], q[2]);
+    if (!is_turned_ || out.cut) return out;
     for (std::size_t k = 0; k < 3; ++k) {
         const Edge& there = edge(at[k].x, at[k].y);
         if (!there.is_moved) continue;
@@ -56,7 +56,7 @@ DrawnLattice::Triangle DrawnLattice::triangle(int i, int j, bool right) {
 }
 
 bool DrawnLattice::is_near_edges(int i, int j) {
-    if (!has_edges_) return false;
+    if (!is_turned_) return false;
     for (int y = std::max(j - 1, 0); y <= std::min(j + 2, height - 1); ++y)
         for (int x = std::max(i - 1, 0); x <= std::min(i + 2, width - 1); ++x)
             if (edge(x, y).is_moved) return true;

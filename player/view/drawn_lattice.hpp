@@ -15,9 +15,10 @@ namespace touchable {
 /// when asked for, and kept for a while.
 class DrawnLattice {
 public:
-    /// `has_edges`: vertices at edges are where shaders/edge_rule.h has them, as in every view but the clip's
-    /// own; otherwise at their pixels.
-    DrawnLattice(const HeightField& field, bool has_edges);
+    /// `is_turned`: as every view but the clip's own has it. There shaders/edge_rule.h says where vertices at
+    /// edges are, and depth steps are cut; in the clip's own all are at their pixels, and holes alone are
+    /// cut.
+    DrawnLattice(const HeightField& field, bool is_turned);
 
     struct Triangle {
         std::array<glm::dvec3, 3> corners;  ///< (x, y, q) where they are drawn
@@ -53,7 +54,7 @@ private:
     const Edge& edge(int x, int y);
 
     const HeightField& field_;
-    const bool has_edges_;
+    const bool is_turned_;
     mutable std::vector<Vertex> vertices_;
     std::vector<Edge> edges_;
 };

@@ -46,7 +46,7 @@ public:
           last_(band.last - 1),
           height_(camera.height),
           pitch_(pitch),
-          cut_ratio_(cut_ratio(lattice.step)),
+          cut_ratio_(is_own_view(camera) ? std::numeric_limits<float>::max() : cut_ratio(lattice.step)),
           pixels_(pixels) {}
 
     void draw(VectorUnit unit, Rows& rows) {
@@ -378,7 +378,7 @@ private:
     const float* const q_;
     const PackedColour* const colours_;
     const int width_, first_, last_, height_, pitch_;
-    const float cut_ratio_;
+    const float cut_ratio_;  // in the clip's own view holes alone are cut
     std::uint64_t* const pixels_;
 };
 

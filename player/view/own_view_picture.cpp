@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "engine/vectors.hpp"
-#include "player/view/decimation.hpp"
 #include "player/view/view_rows.hpp"
 #include "shaders/raster.h"
 
@@ -22,7 +21,7 @@ struct PixelRow {
     const float *upper_left_q, *upper_right_q, *lower_left_q, *lower_right_q;
     const float* into;  ///< the cell, from the left
     float down;         ///< likewise from above
-    float z_per_q, cut_ratio;
+    float z_per_q;
     PackedColour background;
 };
 
@@ -67,12 +66,9 @@ struct PixelRow {
                                     channel_of(a, other, c, of_other, of_c, 8) |
                                     channel_of(a, other, c, of_other, of_c, 16) | 0xff000000U;
         const float nearness = (a_q + of_other * (other_q - a_q) + of_c * (c_q - a_q)) * from.z_per_q;
-        // `triangle_is_cut`, without a branch.
-        float least = a_q < other_q ? a_q : other_q, greatest = a_q < other_q ? other_q : a_q;
-        least = c_q < least ? c_q : least;
-        greatest = c_q > greatest ? c_q : greatest;
+        // Without a branch: not `triangle_has_hole`, nor before the near plane.
         const std::int32_t is_drawn =
-            mask_of(least > 0.0F) & mask_of(greatest <= from.cut_ratio * least) & mask_of(nearness <= 1.0F);
+            mask_of(a_q > 0.0F) & mask_of(other_q > 0.0F) & mask_of(c_q > 0.0F) & mask_of(nearness <= 1.0F);
         colours[x] = chosen(is_drawn, colour, from.background);
         z[x] = chosen(is_drawn, nearness, 0.0F);
     }
@@ -170,7 +166,6 @@ void OwnViewPicture::draw(const GpuLattice& lattice, const ViewCamera& camera,
                               columns_.into.data() + first,
                               rows_.into[static_cast<std::size_t>(y)],
                               view.z.w,
-                              cut_ratio(lattice.step),
                               empty};
         const auto draw_pixels = [&](auto) __attribute__((always_inline)) {
             draw_row(pixels, end - first, to + first, to_z + first);

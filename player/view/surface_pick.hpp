@@ -24,7 +24,8 @@ struct SurfacePick {
     glm::dvec3 direction;  ///< of sight, unit length
     /// Seen from the side that a finger comes from. False: through the back, as from behind the clip's scene.
     bool from_front;
-    /// False: a wall or a hole (shaders/cut_rule.h), where nothing that is drawn lies behind.
+    /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), where nothing that is drawn lies
+    /// behind.
     bool drawn;
 };
 

@@ -59,7 +59,7 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.picture_width = static_cast<std::uint32_t>(camera.width);
     push.picture_height = static_cast<std::uint32_t>(camera.height);
     push.picture_pitch = static_cast<std::uint32_t>(pitch);
-    push.has_edges = is_own_view(camera) ? 0 : 1;
+    push.is_turned = is_own_view(camera) ? 0 : 1;
 
     commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_pitch * push.picture_height);
     // No groups yet in x, one in y and z, no cells.
@@ -68,7 +68,7 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     const auto q = GpuBinding::words(lattice.q), colours = GpuBinding::words(lattice.colours);
-    const GpuBuffer& edges = push.has_edges != 0 ? lattice.edges : lattice.q;
+    const GpuBuffer& edges = push.is_turned != 0 ? lattice.edges : lattice.q;
     commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, edges, lattice.tiles},
                                lattice.tiles, offsetof(TileListsHeader, groups_x));
     commands.barrier(GpuStage::compute, GpuStage::indirect);

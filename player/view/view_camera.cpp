@@ -44,6 +44,13 @@ double fit(const Scene& scene, int width, int height) {
     return std::min(static_cast<double>(width) / scene.width, static_cast<double>(height) / scene.height);
 }
 
+/// Where the clip's camera has its axis in the clip's own view, pixels.
+glm::dvec2 axis_of(const Scene& scene, int width, int height) {
+    const double scale = fit(scene, width, height);
+    const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
+    return margin + scale * glm::dvec2(scene.camera.cx + 0.5, scene.camera.cy + 0.5);
+}
+
 /// An eye, before which the world's points are `eye_from_world`'s, and its lens.
 struct Sight {
     glm::dmat4 eye_from_world{1.0};
@@ -91,8 +98,9 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
     const glm::dmat4 eye_from_world = from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)},
                                                 {back, -glm::dot(back, eye)}, {0, 0, 0, 1});
     const glm::dvec2 focal = orbit_focal(viewpoint, scene, width, height);
-    return view_of({eye_from_world, eye, focal, {width / 2.0, height / 2.0}, near_share * distance}, scene,
-                   width, height);
+    const glm::dvec2 middle =
+        viewpoint.keeps_axis ? axis_of(scene, width, height) : glm::dvec2(width / 2.0, height / 2.0);
+    return view_of({eye_from_world, eye, focal, middle, near_share * distance}, scene, width, height);
 }
 
 /// What is wrong with "key=value" of an orbit; nothing where it is right. `read`: the keys before it.
@@ -194,11 +202,9 @@ glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera
 ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     const Camera& camera = scene.camera;
     const double scale = fit(scene, width, height);
-    const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
-    const glm::dvec2 centre = margin + scale * glm::dvec2(camera.cx + 0.5, camera.cy + 0.5);
-    return view_of(
-        {glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy), centre, nearest}, scene,
-        width, height);
+    return view_of({glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy),
+                    axis_of(scene, width, height), nearest},
+                   scene, width, height);
 }
 
 double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,

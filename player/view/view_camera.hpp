@@ -26,6 +26,9 @@ struct Viewpoint {
     /// 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far. Nothing: `whole_zoom`.
     std::optional<double> zoom;
     std::optional<double> fov;  ///< vertical, degrees, 5 to 120; nothing: the clip's
+    /// What an orbit goes round is seen where the clip's camera has its axis, not in the picture's centre: so
+    /// an orbit that is not turned shows the clip's own view.
+    bool keeps_axis = false;
 };
 Result<Viewpoint> parse_viewpoint(const std::string& words);
 

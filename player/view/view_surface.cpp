@@ -1,6 +1,7 @@
 #include "player/view/view_surface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "player/view/drawn_vertex.hpp"
@@ -29,15 +30,18 @@ ViewTiles classify_tiles(int width, int height, const std::vector<float>& q) {
     };
     for (int ty = 0; ty < grid.tiles_y; ++ty)
         for (int tx = 0; tx < grid.tiles_x; ++tx) {
-            bool any_cut = false, any_kept = false;
+            bool any_cut = false, any_shown = false;
             const int end_x = std::min((tx + 1) * TileGrid::cells, width - 1);
             const int end_y = std::min((ty + 1) * TileGrid::cells, height - 1);
             for (int y = ty * TileGrid::cells; y < end_y; ++y)
                 for (int x = tx * TileGrid::cells; x < end_x; ++x)
-                    for (const bool cut : {triangle_is_cut(at(x, y), at(x + 1, y), at(x + 1, y + 1)),
-                                           triangle_is_cut(at(x, y), at(x + 1, y + 1), at(x, y + 1))})
-                        (cut ? any_cut : any_kept) = true;
-            if (!any_kept) continue;
+                    for (const std::array<float, 3>& q :
+                         {std::array{at(x, y), at(x + 1, y), at(x + 1, y + 1)},
+                          std::array{at(x, y), at(x + 1, y + 1), at(x, y + 1)}}) {
+                        any_cut = any_cut || triangle_is_cut(q[0], q[1], q[2]);
+                        any_shown = any_shown || !triangle_has_hole(q[0], q[1], q[2]);
+                    }
+            if (!any_shown) continue;
             (any_cut ? tiles.mixed : tiles.whole)
                 .push_back(static_cast<std::uint32_t>(ty * grid.tiles_x + tx));
         }

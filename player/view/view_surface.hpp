@@ -19,7 +19,8 @@ constexpr PackedColour pack_colour(std::uint32_t r, std::uint32_t g, std::uint32
 /// Tiles of TileGrid worth drawing, as row * tiles_x + column, ascending.
 struct ViewTiles {
     std::vector<std::uint32_t> whole;  ///< no triangle in them is cut (shaders/cut_rule.h)
-    std::vector<std::uint32_t> mixed;  ///< some are and some are not
+    std::vector<std::uint32_t>
+        mixed;  ///< some are; there is one without a hole, which the clip's own view shows
     bool operator==(const ViewTiles&) const = default;
 };
 

@@ -41,5 +41,12 @@ TEST(CutRule, ScaleDoesNotMatter) {
     }
 }
 
+TEST(CutRule, OfTheClipsOwnViewLeavesOutHolesAlone) {
+    EXPECT_TRUE(triangle_has_hole(0, 1, 1));
+    EXPECT_TRUE(triangle_has_hole(1, 0, 1));
+    EXPECT_TRUE(triangle_has_hole(1, 1, 0));
+    EXPECT_FALSE(triangle_has_hole(1, 0.01F, 100));
+}
+
 }  // namespace
 }  // namespace touchable

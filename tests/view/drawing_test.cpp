@@ -283,6 +283,36 @@ TEST_F(Drawing, OwnViewIsTheSameByAllVectors) {
     EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
 }
 
+TEST_F(Drawing, OwnViewIsTheCpuPaintersAcrossDepthSteps) {
+    for (const char* scene : {"globe", "cliffs", "noise"}) {
+        const auto shown = shown_scene(scene, 203, 133);
+        const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
+        GpuLattices lattices(gpu);
+        const GpuLattice lattice = must(lattices.lattice_of(surface));
+        const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
+        ASSERT_TRUE(OwnViewPicture::draws(camera));
+        const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
+        std::vector<PackedColour> colours(304 * 200);
+        std::vector<float> z(colours.size());
+        OwnViewPicture().draw(lattice, camera, std::vector<PackedColour>(200, 7), 304, colours, z);
+        std::size_t drawn = 0, others = 0;
+        for (int y = 0; y < 200; ++y)
+            for (int x = 0; x < 301; ++x) {
+                const std::size_t at = static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
+                const std::size_t pixel = expected.index(x, y);
+                drawn += z[at] > 0;
+                others += (z[at] > 0) != (expected.z[pixel] > 0);
+                if (!(z[at] > 0) || !(expected.z[pixel] > 0)) continue;
+                others += std::fabs(z[at] - expected.z[pixel]) > 1e-4F * z[at];
+                for (const unsigned shift : {0U, 8U, 16U})
+                    others += std::abs(static_cast<int>(colours[at] >> shift & 255U) -
+                                       static_cast<int>(expected.colours[pixel] >> shift & 255U)) > 1;
+            }
+        EXPECT_EQ(others, 0U) << scene;
+        EXPECT_GT(drawn, 10'000U) << scene;
+    }
+}
+
 /// From the side, from behind, from so near that cells are large and reach before the eye.
 TEST_F(Drawing, AnyViewIsTheCpuPaintersToTheBit) {
     for (const char* scene : {"globe", "cliffs", "noise"}) {

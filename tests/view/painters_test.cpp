@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <string>
 
 #include "player/view/gpu_painters.hpp"
@@ -121,10 +122,70 @@ TEST_F(Painters, DrawTheirOwnViewPixelByPixel) {
         for (std::size_t k = 0; k < planes.z.size(); ++k) {
             if (!(planes.z[k] > 0)) continue;
             ++drawn;
-            EXPECT_NEAR(planes.z[k] / 10, surface.q[k], 1e-6 * static_cast<double>(surface.q[k]))
+            // On walls a rounding of a place is some depth.
+            EXPECT_NEAR(planes.z[k] / 10, surface.q[k], 1e-5 * static_cast<double>(surface.q[k]))
                 << painter->name() << " at " << k;
         }
         EXPECT_GT(drawn, 96 * 64 / 2);
+    }
+}
+
+/// Something near before something far, in colours that differ everywhere, and a hole.
+struct Step {
+    explicit Step(int across) : side(across) {
+        surface.width = surface.height = scene.width = scene.height = side;
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const bool is_near = x > side / 3 && y > side / 4 + x / 5;
+                const auto red = static_cast<std::uint32_t>((x * 37 + y * 91) % 200 + 20);
+                surface.q.push_back(is_near ? 0.02F : 0.01F);
+                surface.colours.push_back(is_near ? pack_colour(red, 240, 30) : pack_colour(red, 20, 210));
+            }
+        surface.q[1] = 0;
+        surface.tiles = classify_tiles(side, side, surface.q);
+        scene.camera = {50.0, 50.0, side / 2.0, side / 2.0};
+    }
+    /// The clip's picture between its pixels, by the triangle there.
+    glm::dvec3 colour_at(double x, double y) const {
+        const int i = static_cast<int>(x), j = static_cast<int>(y);
+        const double into = x - i, down = y - j;
+        const bool right = into >= down;
+        const auto of = [&](int column, int row) {
+            const PackedColour c = surface.colours[surface.index(column, row)];
+            return glm::dvec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
+        };
+        const glm::dvec3 a = of(i, j), b = right ? of(i + 1, j) : of(i, j + 1), c = of(i + 1, j + 1);
+        return a + std::fabs(into - down) * (b - a) + std::min(into, down) * (c - a);
+    }
+    int side;
+    ViewSurface surface;
+    Scene scene;
+};
+
+TEST_F(Painters, ShowTheClipsPictureAcrossDepthSteps) {
+    // Cells for either kernel of raster.
+    for (const auto& [side, scale] : {std::pair(40, 8), std::pair(6, 100)}) {
+        const Step step(side);
+        const ViewCamera camera = own_view(step.scene, scale * side, scale * side, 1);
+        for (const auto& painter :
+             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+            const PicturePlanes planes = must(painter->paint(step.surface, camera));
+            std::size_t missing = 0, others = 0;
+            for (int py = scale; py < scale * (side - 1); ++py)
+                for (int px = scale; px < scale * (side - 1); ++px) {
+                    const double x = (px + 0.5) / scale - 0.5, y = (py + 0.5) / scale - 0.5;
+                    if (x < 2 && y < 1) continue;  // beside the hole
+                    const std::size_t pixel = planes.index(px, py);
+                    const PackedColour c = planes.colours[pixel];
+                    const glm::dvec3 off =
+                        glm::dvec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U) - step.colour_at(x, y);
+                    missing += !(planes.z[pixel] > 0);
+                    others += glm::length(off) > 3;
+                }
+            EXPECT_EQ(missing, 0U) << painter->name() << " " << side;
+            EXPECT_EQ(others, 0U) << painter->name() << " " << side;
+            EXPECT_EQ(planes.z[planes.index(2 * scale - 1, scale)], 0.0F) << "a hole is none any more";
+        }
     }
 }
 

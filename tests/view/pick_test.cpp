@@ -81,6 +81,33 @@ TEST(SurfacePick, IsWhatIsDrawn) {
     }
 }
 
+/// Also on walls, which the clip's own view shows: there a rounding of a place is some depth.
+TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
+    for (const char* scene : {"globe", "cliffs"}) {
+        const auto shown = shown_scene(scene, 120, 80);
+        const HeightField field = shown->field();
+        const ViewCamera camera = own_view(shown->scene, 480, 320, 1);
+        const ViewSurface surface = make_view_surface(field, {});
+        const PicturePlanes planes = *make_cpu_painter()->paint(surface, camera);
+        int walls = 0;
+        for (int y = 4; y + 4 < camera.height; ++y)
+            for (int x = 4; x + 4 < camera.width; ++x) {
+                const auto z = [&](int i, int j) {
+                    return static_cast<double>(planes.z[planes.index(i, j)]);
+                };
+                const auto found = pick(field, camera, x + 0.5, y + 0.5);
+                ASSERT_EQ(found && found->drawn, z(x, y) > 0) << scene << " " << x << ", " << y;
+                if (!found || !found->drawn) continue;
+                const double steep =
+                    std::max(std::fabs(z(x + 1, y) - z(x - 1, y)), std::fabs(z(x, y + 1) - z(x, y - 1)));
+                walls += steep > 0.06 * z(x, y);
+                ASSERT_NEAR(1 / found->depth, z(x, y), 1e-5 * z(x, y) + 0.05 * steep)
+                    << scene << " " << x << ", " << y;
+            }
+        EXPECT_GT(walls, 500) << scene;
+    }
+}
+
 TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
     const auto shown = shown_scene("globe", 120, 80);
     const HeightField field = shown->field();
@@ -109,7 +136,7 @@ TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
     EXPECT_GT(inside, 100);
 }
 
-TEST(SurfacePick, AWallCountsWhereNothingElseIsMet) {
+TEST(SurfacePick, AWallIsDrawnInTheClipsOwnViewAndAHoleInNone) {
     auto shown = shown_scene("plane", 60, 40);
     std::vector<double> depths(60 * 40);
     for (std::size_t k = 0; k < depths.size(); ++k)
@@ -128,7 +155,9 @@ TEST(SurfacePick, AWallCountsWhereNothingElseIsMet) {
     EXPECT_TRUE(ground->from_front);
     const auto wall = pick(field, camera, 395 + 4, 205);  // between columns 39 and 40
     ASSERT_TRUE(wall);
-    EXPECT_FALSE(wall->drawn);
+    EXPECT_TRUE(wall->drawn) << "the clip's own view shows walls";
+    EXPECT_GT(wall->depth, ground->depth + 10);
+    EXPECT_LT(wall->depth, near->depth - 10);
     EXPECT_FALSE(pick(field, camera, -50, 205)) << "beside the picture";
     // From the right, the wall between near and ground hides nothing that is drawn.
     const ViewCamera aside = view_from(*shown, field, "orbit:az=-60,el=0");

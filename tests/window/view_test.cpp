@@ -34,14 +34,16 @@ TEST(WindowView, IsTheClipsOwnUntilTurnedAndAgainAtHome) {
 }
 
 TEST(WindowView, FirstTouchOfTheOrbitDoesNotJump) {
-    const Scene scene = globe_scene();
+    Scene scene = globe_scene();
+    scene.camera.cx -= 8;  // as of recordings, whose axis is not in the picture's middle
+    scene.camera.cy += 6;
     WindowView view(scene, {3, -5, -600});
     const auto own = view.camera(720, 480).project({10, 20, -580});
     view.turn(0, 0);
     const auto orbit = view.camera(720, 480).project({10, 20, -580});
     ASSERT_TRUE(own && orbit);
-    EXPECT_NEAR(own->x, orbit->x, 1.0);
-    EXPECT_NEAR(own->y, orbit->y, 1.0);
+    EXPECT_NEAR(own->x, orbit->x, 1e-6);
+    EXPECT_NEAR(own->y, orbit->y, 1e-6);
 }
 
 TEST(WindowView, PanGoesWithThePointer) {
@@ -65,8 +67,8 @@ TEST(WindowView, LookingAtAPlacePutsItInTheMiddleAndKeepsTheDistance) {
     const ViewCamera camera = view.camera(720, 480);
     const auto seen = camera.project(place);
     ASSERT_TRUE(seen);
-    EXPECT_NEAR(seen->x, 360, 1e-6);
-    EXPECT_NEAR(seen->y, 240, 1e-6);
+    EXPECT_NEAR(seen->x, scene.camera.cx + 0.5, 1e-6);
+    EXPECT_NEAR(seen->y, scene.camera.cy + 0.5, 1e-6);
     EXPECT_NEAR(glm::length(camera.eye - place), before, 1e-6);
 }
 
