@@ -263,10 +263,14 @@ Result<void> ClipFileReader::start() {
 Result<void> ClipFileReader::open_tracks() {
     const auto found = container_->tracks(*demuxer_, scene_);
     if (!found) return found.error();
+    const auto halves = std::count_if(found->begin(), found->end(),
+                                      [](const ClipTrack& track) { return track.low_stream.has_value(); });
+    const std::size_t tracks = found->size() + static_cast<std::size_t>(halves);
     for (const ClipTrack& track : *found) {
         const PlaneRole role = track.role;
         const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
-            auto decoder = TrackDecoder::open(*demuxer_->container().streams[stream], role, file_);
+            auto decoder =
+                TrackDecoder::open(*demuxer_->container().streams[stream], role, file_, tracks);
             if (!decoder) return decoder.error();
             demuxer_->select(stream);
             return std::make_unique<TrackThread>(std::move(*decoder), stream, std::move(fit));

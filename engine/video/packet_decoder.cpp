@@ -13,9 +13,11 @@ namespace {
 /// From this many pixels on a picture is worth waking threads for.
 constexpr std::int64_t pixels_for_threads = 100'000;
 
-int decoding_threads(const AVCodecParameters& stored) {
+/// More threads than cores only take turns, and whoever draws waits for them.
+int decoding_threads(const AVCodecParameters& stored, std::size_t tracks) {
     if (std::int64_t{stored.width} * stored.height < pixels_for_threads) return 1;
-    return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
+    const std::size_t cores = std::thread::hardware_concurrency();
+    return static_cast<int>(std::clamp<std::size_t>(cores / tracks, 1, 4));
 }
 
 class FfmpegDecoder final : public PacketDecoder {
@@ -104,7 +106,7 @@ Error damaged_header(const std::string& where, const std::string& what) {
 }  // namespace
 
 Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& stream, const std::string& where,
-                                                           std::int64_t most_pixels) {
+                                                           std::int64_t most_pixels, std::size_t tracks) {
     const AVCodecParameters& stored = *stream.codecpar;
     if (const auto version = rank_zstd_version(stored)) {
         if (stored.width <= 0 || stored.height <= 0 ||
@@ -122,7 +124,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     int status = avcodec_parameters_to_context(codec.get(), &stored);
     // Slices of a picture side by side; frames side by side would come late.
     codec->thread_type = FF_THREAD_SLICE;
-    codec->thread_count = decoding_threads(stored);
+    codec->thread_count = decoding_threads(stored, tracks);
     codec->pkt_timebase = stream.time_base;
     codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
     codec->max_pixels = most_pixels;

@@ -14,9 +14,10 @@ namespace touchable {
 class PacketDecoder {
 public:
     /// For a stream whose codec `is_read`. Messages begin with `where`. Of larger pictures nothing is
-    /// decoded.
+    /// decoded. Where several `tracks` are decoded side by side, each has its share of the cores.
     static Result<std::unique_ptr<PacketDecoder>> open(const AVStream& stream, const std::string& where,
-                                                       std::int64_t most_pixels = largest_picture);
+                                                       std::int64_t most_pixels = largest_picture,
+                                                       std::size_t tracks = 1);
     static constexpr std::int64_t largest_picture = std::int64_t{16384} * 16384;  ///< pixels
     virtual ~PacketDecoder() = default;
 

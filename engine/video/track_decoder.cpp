@@ -44,7 +44,8 @@ Error undecodable(const std::string& where, int status) {
 
 }  // namespace
 
-Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file) {
+Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file,
+                                        std::size_t tracks) {
     TrackDecoder track;
     track.role_ = role;
     track.file_ = file;
@@ -54,7 +55,7 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     if (!is_read(*stream.codecpar))
         return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
                            codecs_that_are_read());
-    auto decoder = PacketDecoder::open(stream, where);
+    auto decoder = PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks);
     if (!decoder) return decoder.error();
     track.decoder_ = std::move(*decoder);
     track.codec_ = stream.codecpar->codec_id;

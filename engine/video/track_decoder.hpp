@@ -25,8 +25,9 @@ public:
         Plane plane;  ///< as stored; colour and haptic as 8-bit RGB or as grey; none if left out
     };
 
-    /// `file` names the clip in messages.
-    static Result<TrackDecoder> open(const AVStream& stream, PlaneRole role, const std::string& file);
+    /// `file` names the clip in messages; so many `tracks` are decoded side by side.
+    static Result<TrackDecoder> open(const AVStream& stream, PlaneRole role, const std::string& file,
+                                     std::size_t tracks = 1);
 
     /// Codec, and once the first picture is out, its size and format.
     const TrackInfo& info() const { return info_; }
