@@ -99,10 +99,11 @@ std::vector<GpuTime> GpuSubmission::times() const {
     return device_->read(*times_);
 }
 
-Result<GpuCommands> GpuCommands::begin(std::shared_ptr<GpuDevice> device, const std::string& label) {
+Result<GpuCommands> GpuCommands::begin(std::shared_ptr<GpuDevice> device, const std::string& label,
+                                       GpuTiming timing) {
     auto recording = device->take_recording();
     if (!recording.ok()) return recording.error();
-    if (auto begun = (*recording)->begin(); !begun.ok()) return begun.error();
+    if (auto begun = (*recording)->begin(timing); !begun.ok()) return begun.error();
     device->vulkan()->name_object(VK_OBJECT_TYPE_COMMAND_BUFFER,
                                   reinterpret_cast<std::uint64_t>((*recording)->commands), label);
     return GpuCommands(std::move(device), std::move(*recording));

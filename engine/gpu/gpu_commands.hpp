@@ -51,6 +51,10 @@ struct GpuGroups {
 /// is seen, and when a submission has completed the CPU sees what it wrote.
 enum class GpuStage { compute, transfer, indirect, graphics };
 
+/// Whether marks are timed. On a GPU that is software each timestamp ends what was drawn together, and its
+/// threads wait for each other.
+enum class GpuTiming { by_marks, none };
+
 /// Milliseconds on the device between a mark and the one before it (the first: since `begin`).
 struct GpuTime {
     std::string label;
@@ -65,7 +69,7 @@ public:
     Result<void> wait() const { return device_->wait(value_); }
     /// Of a picture that a person waits for.
     Result<void> wait_for_picture() const { return device_->wait(value_, GpuDevice::longest_picture); }
-    /// By mark, in order; empty before it is done.
+    /// By mark, in order; empty before it is done, and without timing.
     std::vector<GpuTime> times() const;
 
 private:
@@ -89,7 +93,8 @@ private:
 class GpuCommands {
 public:
     /// Fails (ErrorKind::gpu) on a lost device. The label is for debuggers.
-    static Result<GpuCommands> begin(std::shared_ptr<GpuDevice> device, const std::string& label);
+    static Result<GpuCommands> begin(std::shared_ptr<GpuDevice> device, const std::string& label,
+                                     GpuTiming timing = GpuTiming::by_marks);
     GpuCommands(GpuCommands&&) noexcept;
     ~GpuCommands();  ///< what was not submitted is forgotten
 

@@ -60,8 +60,9 @@ GpuRecording::~GpuRecording() {
     if (pool) vkDestroyCommandPool(vulkan->device, pool, nullptr);  // and its command buffer
 }
 
-Result<void> GpuRecording::begin() {
+Result<void> GpuRecording::begin(GpuTiming timing) {
     release();
+    is_timed = stamps && timing == GpuTiming::by_marks;
     times = std::make_shared<std::vector<GpuTime>>();
     VkResult result = vkResetCommandPool(vulkan->device, pool, 0);
     if (result != VK_SUCCESS) return vulkan->failed("vkResetCommandPool", result);
@@ -73,13 +74,13 @@ Result<void> GpuRecording::begin() {
     record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                    VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
-    if (stamps) vkCmdResetQueryPool(commands, stamps, 0, max_marks + 1);
+    if (is_timed) vkCmdResetQueryPool(commands, stamps, 0, max_marks + 1);
     stamp();
     return {};
 }
 
 void GpuRecording::stamp() {
-    if (stamps) vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps, stamp_count++);
+    if (is_timed) vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps, stamp_count++);
 }
 
 Result<void> GpuRecording::end() {
@@ -91,7 +92,7 @@ Result<void> GpuRecording::end() {
 }
 
 void GpuRecording::read_times() {
-    if (labels.empty() || !stamps) return;
+    if (labels.empty() || !is_timed) return;
     std::array<std::uint64_t, max_marks + 1> ticks{};
     const VkResult result =
         vkGetQueryPoolResults(vulkan->device, stamps, 0, stamp_count, stamp_count * sizeof(ticks[0]),

@@ -24,8 +24,8 @@ struct GpuRecording {
     ~GpuRecording();
 
     /// Begins anew, after all that was submitted before and seeing what it wrote. Not while in flight.
-    Result<void> begin();
-    void stamp();        ///< one more timestamp; nothing where the queue has none
+    Result<void> begin(GpuTiming timing);
+    void stamp();        ///< one more timestamp; nothing where the queue has none, or none is wanted
     Result<void> end();  ///< what it writes is seen by the CPU once it has completed
     void read_times();   ///< fills `times`; once completed
     void release();      ///< lets go of what it used
@@ -35,6 +35,7 @@ struct GpuRecording {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkQueryPool stamps = VK_NULL_HANDLE;
     std::uint32_t stamp_count = 0;
+    bool is_timed = false;
     std::uint64_t value = 0;          ///< on the timeline; 0 before it is submitted
     std::vector<std::string> labels;  ///< of the marks: stamps 1, 2...
     std::vector<std::shared_ptr<const void>> kept;

@@ -144,7 +144,7 @@ Result<void> ImGuiVulkan::start() {
 }
 
 Result<void> ImGuiVulkan::upload_fonts() {
-    auto commands = GpuCommands::begin(device_, "fonts");
+    auto commands = GpuCommands::begin(device_, "fonts", GpuTiming::none);
     if (!commands.ok()) return commands.error();
     ImGui_ImplVulkan_CreateFontsTexture(commands->handle());
     const auto submission = std::move(*commands).submit();
@@ -195,7 +195,7 @@ Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canva
     const std::size_t pixels = std::size_t{extent.width} * extent.height;
     auto buffer = GpuBuffer::create(*device, "picture read back", pixels * 4, GpuMemory::readback);
     if (!buffer.ok()) return buffer.error();
-    auto commands = GpuCommands::begin(device, "read back");
+    auto commands = GpuCommands::begin(device, "read back", GpuTiming::none);
     if (!commands.ok()) return commands.error();
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
@@ -265,7 +265,7 @@ public:
     bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
 
     Result<void> begin() override {
-        auto commands = GpuCommands::begin(device_, "window");
+        auto commands = GpuCommands::begin(device_, "window", GpuTiming::none);
         if (!commands.ok()) return commands.error();
         commands_.emplace(std::move(*commands));
         return {};
@@ -277,7 +277,8 @@ public:
             by_cpu_->show(field, pair, colour, lighting);
             return {};
         }
-        auto commands = GpuCommands::begin(device_, "surface");
+        if (drawing_->thins_vertices()) return drawing_->show_by_cpu(field, pair, colour, lighting, step);
+        auto commands = GpuCommands::begin(device_, "surface", GpuTiming::none);
         if (!commands.ok()) return commands.error();
         if (auto shown = drawing_->show(*commands, field, pair, colour, lighting, step); !shown.ok())
             return shown;

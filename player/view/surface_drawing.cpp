@@ -86,24 +86,11 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
 
 Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                   const PlaneView& colour, Lighting lighting, int step) {
-    is_shown_ = has_tiles_ = has_edges_ = false;
-    drawn_.reset();
-    are_values_ = lighting == Lighting::plain && !colour.empty();
-    if (auto fits = check_colour(colour, field.width(), field.height()); !fits.ok()) return fits;
+    if (by_cpu_) return show_by_cpu(field, pair, colour, lighting, step);
+    if (auto begun = begin_surface(field, colour, lighting); !begun.ok()) return begun;
     // Whoever read the last surface, in the same commands, has done so.
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
         commands.barrier(reader, GpuStage::compute);
-    if (by_cpu_) {
-        const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
-        if (is_part) decimation_->make(field, pair, colour, step);
-        if (auto made = is_part ? make_by_cpu(decimation_->field(), decimation_->pair(),
-                                              decimation_->colour(), lighting, step)
-                                : make_by_cpu(field, pair, colour, lighting, 1);
-            !made.ok())
-            return made;
-        is_shown_ = true;
-        return {};
-    }
     if (auto made = lattices_.record(commands, field, pair, lattice_); !made.ok()) return made;
     if (auto made = lattices_.reserve_colours(lattice_); !made.ok()) return made;
     if (auto lit = lighting_.record(commands, field, lattice_, colour, lighting); !lit.ok()) return lit;
@@ -112,7 +99,30 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
     return {};
 }
 
+/// Nothing is shown until it is made.
+Result<void> SurfaceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
+                                           Lighting lighting) {
+    is_shown_ = has_tiles_ = has_edges_ = false;
+    drawn_.reset();
+    are_values_ = lighting == Lighting::plain && !colour.empty();
+    return check_colour(colour, field.width(), field.height());
+}
+
 /// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
+Result<void> SurfaceDrawing::show_by_cpu(const HeightField& field, const FramePair& pair,
+                                         const PlaneView& colour, Lighting lighting, int step) {
+    if (auto begun = begin_surface(field, colour, lighting); !begun.ok()) return begun;
+    const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
+    if (is_part) decimation_->make(field, pair, colour, step);
+    if (auto made = is_part ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(),
+                                          lighting, step)
+                            : make_by_cpu(field, pair, colour, lighting, 1);
+        !made.ok())
+        return made;
+    is_shown_ = true;
+    return {};
+}
+
 Result<void> SurfaceDrawing::make_by_cpu(const HeightField& field, const FramePair& pair,
                                          const PlaneView& colour, Lighting lighting, int step) {
     if (auto made = lattices_.renew(field, lattice_); !made.ok()) return made;

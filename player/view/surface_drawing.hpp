@@ -46,6 +46,9 @@ public:
     /// read.
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                       const PlaneView& colour, Lighting lighting, int step = 1);
+    /// The same where the CPU draws, which needs no commands.
+    Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                             Lighting lighting, int step);
 
     /// The CPU of a software device draws the surface at once, from what `show` left. Records the drawing of
     /// surface, background and fingers (before the first `show` of these two) into `target`
@@ -59,6 +62,7 @@ public:
 private:
     SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
 
+    Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting);
     Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                              Lighting lighting, int step);
     Result<void> reserve(const ViewCamera& camera);
