@@ -18,9 +18,9 @@ constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0,
 /// Whether something is drawn before it.
 bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen, const HeightField& field,
                const ViewCamera& camera) {
-    const auto met = pick(field, camera, screen.x, screen.y);
-    if (!met || !met->drawn) return false;
-    return glm::distance(met->point, camera.eye) < glm::distance(place, camera.eye) - 2.5 * radius;
+    const double before = glm::distance(place, camera.eye) - 2.5 * radius;
+    const auto met = pick(field, camera, screen.x, screen.y, before);
+    return met && met->drawn;
 }
 
 ImVec2 point(const glm::dvec2& at) {

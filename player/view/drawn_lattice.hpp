@@ -46,7 +46,7 @@ private:
         bool is_moved = false;
         glm::dvec3 place{0.0};
     };
-    static constexpr int side = 64;  ///< of the lattice's part that is kept: a way goes through it once
+    static constexpr int side = 32;  ///< of the lattice's part that is kept: a way goes through it once
     static std::size_t slot(int x, int y) {
         return static_cast<std::size_t>(y % side) * side + static_cast<std::size_t>(x % side);
     }

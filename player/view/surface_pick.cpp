@@ -33,18 +33,21 @@ void keep_positive(double from, double change, double& t0, double& t1) {
         t1 = -1;
 }
 
-/// A range is up to so many times as long as a planar depth.
-double longest_ray(const HeightField& field) {
+/// Depths as they are coded are up to so many times as long as planar ones, within a part of the picture.
+double longest_ray(const HeightField& field, double left, double top, double right, double bottom) {
+    if (field.scene().depth.semantics == DepthSemantics::planar) return 1;
     const Camera& camera = field.scene().camera;
-    const double width = field.width() - 1, height = field.height() - 1;
-    return std::max({camera.ray_length(0, 0), camera.ray_length(width, 0), camera.ray_length(0, height),
-                     camera.ray_length(width, height)});
+    return std::max({camera.ray_length(left, top), camera.ray_length(right, top),
+                     camera.ray_length(left, bottom), camera.ray_length(right, bottom)});
+}
+double longest_ray(const HeightField& field) {
+    return longest_ray(field, 0, 0, field.width() - 1, field.height() - 1);
 }
 
 /// How near what is drawn over a cell may be.
 class NearestDrawn {
 public:
-    explicit NearestDrawn(const HeightField& field) : field_(field), longest_(longest_ray(field)) {}
+    explicit NearestDrawn(const HeightField& field) : field_(field) {}
     /// No q is greater there: of the tiles around the cell's own too, whose edges may reach it, and as far as
     /// an edge goes on (shaders/edge_rule.h).
     double greatest_q(int i, int j) {
@@ -57,18 +60,20 @@ public:
         for (int row = std::max(y - 1, 0); row <= std::min(y + 1, tiles.tiles_y - 1); ++row)
             for (int column = std::max(x - 1, 0); column <= std::min(x + 1, tiles.tiles_x - 1); ++column)
                 nearest = std::min(nearest, field_.nearest_depth(column, row));
-        q_ = nearest > 0 ? static_cast<double>(CUT_RULE_RATIO) * longest_ / nearest : never;
+        constexpr int side = TileGrid::cells;
+        const double longest =
+            longest_ray(field_, side * (x - 1), side * (y - 1), side * (x + 2), side * (y + 2));
+        q_ = nearest > 0 ? static_cast<double>(CUT_RULE_RATIO) * longest / nearest : never;
         return q_;
     }
 
 private:
     const HeightField& field_;
-    const double longest_;
     int x_ = -1, y_ = -1;  // the tile that q_ is of
     double q_ = never;
 };
 
-std::optional<LatticeWay> way_of(const ViewRay& ray, double near, const HeightField& field) {
+std::optional<LatticeWay> way_of(const ViewRay& ray, double near, double farthest, const HeightField& field) {
     const Camera& camera = field.scene().camera;
     const double width = field.width() - 1, height = field.height() - 1;
     // Planar depth k, and x and y times that, along the ray: linear in t.
@@ -78,7 +83,7 @@ std::optional<LatticeWay> way_of(const ViewRay& ray, double near, const HeightFi
     const glm::dvec3 from = lattice(ray.eye), change = lattice(ray.direction);
     const double least = 0.5 * field.nearest_depth_anywhere() / longest_ray(field),
                  most = 1.001 * field.scene().depth.far;
-    double t0 = near, t1 = never;
+    double t0 = near, t1 = farthest;
     keep_positive(from.z - least, change.z, t0, t1);
     keep_positive(most - from.z, -change.z, t0, t1);
     keep_positive(from.x, change.x, t0, t1);
@@ -245,12 +250,13 @@ ViewRay ray_of(const ViewCamera& camera, double x, double y) {
     return {camera.eye, glm::normalize(camera.unproject(x, y, 0.5) - camera.eye)};
 }
 
-std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y) {
+std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
+                                double farthest) {
     if (field.width() < 2 || field.height() < 2) return std::nullopt;
     const ViewRay ray = ray_of(camera, x, y);
     // The near plane is across the middle of sight; unproject(.., 1) lies on it.
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
-    const auto way = way_of(ray, near, field);
+    const auto way = way_of(ray, near, farthest, field);
     if (!way) return std::nullopt;
     DrawnLattice lattice(field, !is_own_view(camera));
     NearestDrawn nearest(field);

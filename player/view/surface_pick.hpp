@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 
 #include "haptics_cpu/height_field.hpp"
@@ -32,8 +33,10 @@ struct SurfacePick {
 /// The first triangle of `field` on the line of sight that painters draw, from either side; where there is
 /// none, the first that they do not. Nothing where no triangle is met. It looks at every lattice line between
 /// the eye and there (the solver's cast would stop at walls, and does not see backs): microseconds for the
-/// clip's own view, fractions of a millisecond from the side.
-std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y);
+/// clip's own view, fractions of a millisecond from the side. Nothing is looked for beyond `farthest` from
+/// the eye, scene units.
+std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
+                                double farthest = std::numeric_limits<double>::infinity());
 
 /// The surface that is felt along a straight way, as the clip's camera sees it: from there nothing of it is
 /// hidden. Depths are planar, scene units.
