@@ -23,7 +23,8 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     in_time_ += in_time;
     drawing_ += drawing;
     ++pictures_;
-    if (due_ < few) return;
+    // That too many are late is known before all are due.
+    if (due_ < few && static_cast<double>(due_ - in_time_) <= (1 - tolerated) * few) return;
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
     const bool is_late =
         drawing_each > cause && static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);

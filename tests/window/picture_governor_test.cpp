@@ -116,6 +116,15 @@ TEST(PictureGovernor, HeedsEveryTenthPictureThatIsLate) {
     EXPECT_LT(governor.share(), 1);
 }
 
+TEST(PictureGovernor, IsAtItsLowestWithinAFewPicturesWhereAllAreLate) {
+    PictureGovernor governor(LessOf::vertices);
+    for (int k = 0; k < 2; ++k) governor.add(k / 30.0, 1, 0, 1.5, true);
+    EXPECT_EQ(governor.step(), 2);
+    PictureGovernor smaller;
+    for (int k = 0; k < 4; ++k) smaller.add(k / 30.0, 1, 0, 1.5, true);
+    EXPECT_EQ(smaller.share(), 0.5);
+}
+
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
     FramesShown shown;
     const auto at = [](std::uint64_t epoch, std::int64_t number) {
