@@ -108,6 +108,26 @@ TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
     }
 }
 
+TEST(SurfacePick, LooksNoFartherThanItIsTold) {
+    const auto shown = shown_scene("globe", 120, 80);
+    const HeightField field = shown->field();
+    const ViewCamera camera = view_from(*shown, field, "orbit:az=-75,el=-30,zoom=2");
+    int met = 0;
+    for (int y = 5; y < camera.height; y += 10)
+        for (int x = 5; x < camera.width; x += 10) {
+            const auto found = pick(field, camera, x, y);
+            if (!found || !found->drawn) continue;
+            ++met;
+            const double distance = glm::length(found->point - camera.eye);
+            const auto nearer = pick(field, camera, x, y, 0.999 * distance),
+                       farther = pick(field, camera, x, y, 1.001 * distance);
+            EXPECT_FALSE(nearer && nearer->drawn) << x << ", " << y;
+            ASSERT_TRUE(farther && farther->drawn) << x << ", " << y;
+            EXPECT_LT(glm::length(farther->point - found->point), 1e-9 * distance);
+        }
+    EXPECT_GT(met, 30);
+}
+
 TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
     const auto shown = shown_scene("globe", 120, 80);
     const HeightField field = shown->field();
