@@ -23,14 +23,14 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     in_time_ += in_time;
     drawing_ += drawing;
     ++pictures_;
-    // That too many are late is known before all are due.
-    if (due_ < few && static_cast<double>(due_ - in_time_) <= (1 - tolerated) * few) return;
+    // That too many are late is known before all are due; what less has saved is not.
+    const bool is_lowest = level_ + 1 == levels_.size(), is_judged = before_ > 0 && is_lowest;
+    if (due_ < few && (is_judged || static_cast<double>(due_ - in_time_) <= (1 - tolerated) * few)) return;
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
     const bool is_late =
         drawing_each > cause && static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);
     due_ = in_time_ = pictures_ = 0;
     drawing_ = 0;
-    const bool is_lowest = level_ + 1 == levels_.size();
     if (before_ > 0 && (is_lowest || !is_late)) {
         // Judged at the end of the way down: a step of it may save too little to be seen in the time, as long
         // as decoding wants what it leaves.
