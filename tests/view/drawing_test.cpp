@@ -418,6 +418,36 @@ TEST_F(Drawing, RepeatsItself) {
     }
 }
 
+/// As where something fails after it, or a window's picture is not finished.
+TEST_F(Drawing, MakesAgainWhatWasRecordedAndForgotten) {
+    const auto shown = shown_scene("cliffs", 150, 100);
+    const HeightField field = shown->field();
+    const PlaneView colour = shown->raw_prev.colour;
+    const ViewCamera camera =
+        make_view(*parse_viewpoint("orbit:az=25,el=10"), shown->scene, subject_of(field).middle, 300, 200);
+    const GpuImage target = target_of(300, 200);
+    for (const char* painter : gpu_painters) {
+        const auto unbroken = must(SurfaceDrawing::create(gpu, painter)),
+                   drawing = must(SurfaceDrawing::create(gpu, painter));
+        const Image background = picture_of(*unbroken, camera, {}, {}, target);
+        show(*unbroken, field, shown->pair(), colour);
+        const Image expected = picture_of(*unbroken, camera, {}, {}, target);
+        EXPECT_GT(different(background, expected, 3), 5000U);
+
+        const auto forget = [&](const auto& record) {
+            auto commands = must(GpuCommands::begin(gpu, "forgotten"));
+            must(record(commands));
+        };
+        forget([&](GpuCommands& commands) {
+            return drawing->show(commands, field, shown->pair(), colour, Lighting::lit);
+        });
+        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, background.samples) << painter;
+        show(*drawing, field, shown->pair(), colour);
+        forget([&](GpuCommands& commands) { return drawing->draw(commands, camera, {}, {}, target); });
+        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, expected.samples) << painter;
+    }
+}
+
 TEST_F(Drawing, GoesOnWithSurfacesAndPicturesOfOtherSizes) {
     const auto large = shown_scene("globe", 150, 100), small = shown_scene("step", 60, 40);
     for (const char* painter : gpu_painters) {
