@@ -162,7 +162,6 @@ private:
     bool study_has_page() const;
     bool study_clip_is_there() const;
     void go_on_in_study();
-    void go_on_to_next_of_study();
     void take_of_study_hand();
     bool take_of_study(const InputEvent& event);
     void take_of_study(const WindowCommand& command);
