@@ -173,6 +173,9 @@ private:
     void note_files();
     void note_screenshots();
     KeptSettings to_keep() const;
+    Result<PlayFigures> end(Result<void> ended);
+    void note_last_failure();
+    Result<void> finish_screenshots(bool is_kept, Result<void> kept);
     Error interruption() const;
     void say(std::string words, Tone tone = Tone::remark);
     /// What was refused, or went wrong.
