@@ -102,6 +102,9 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
     picture.scene.filter = {};
     if (has_working_codes(picture.scene))
         if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
+    if (c.bits == 8 && c.width == 1920)
+        if (auto done = measure_lazy_terraces(c.width, c.height, quick, figures); !done.ok())
+            return wrong(c, done.error().message);
     if (c.holes_pct > 0)
         if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
     if (auto raced = race_with_temporal(c, picture, std::max(frames / 5, 3), kernels, figures); !raced.ok())

@@ -92,8 +92,10 @@ Result<void> check_forces(FedRun& lazy, FedRun& whole) {
     return Error{ErrorKind::check, "no finger touches: there is nothing to time"};
 }
 
-Result<void> measure_added(const Scene& scene, const RawFrame& raw, const TouchCase& c, int ticks,
-                           int repeats, Figures& figures) {
+/// `which`: the end of the figures' names.
+Result<double> measure_added(const Scene& scene, const RawFrame& raw, const TouchCase& c, bool quick,
+                             const std::string& which, Figures& figures) {
+    const int ticks = quick ? 2000 : 10000, repeats = quick ? 3 : 5;
     TouchSettings settings;
     settings.metres_per_scene_unit = scene.device_metres_per_unit.value();
     const auto solver = TouchSolver::create(scene, settings);
@@ -102,42 +104,67 @@ Result<void> measure_added(const Scene& scene, const RawFrame& raw, const TouchC
     FedRun lazy(scene, raw, make_lazy_builder(scene), true, *solver, goals, c.fingers);
     FedRun whole(scene, raw, make_cpu_builder(scene), false, *solver, goals, c.fingers);
     for (FedRun* run : {&lazy, &whole})
-        if (auto filled = run->fill(); !filled.ok()) return filled;
-    if (auto same = check_forces(lazy, whole); !same.ok()) return same;
+        if (auto filled = run->fill(); !filled.ok()) return filled.error();
+    if (auto same = check_forces(lazy, whole); !same.ok()) return same.error();
     const TickTimes lazy_times = time_hot(lazy, repeats), whole_times = time_hot(whole, repeats);
     const double added = lazy_times.mean_us - whole_times.mean_us;
-    const std::string which = std::to_string(c.fingers) + "f_m" + std::to_string(c.median);
     figures.push_back({"lazy_us_per_tick_" + which, added, "us"});
     figures.push_back({"lazy_tick_us_p99_" + which, lazy_times.quantile_us(0.99), "us"});
     figures.push_back({"whole_tick_us_p99_" + which, whole_times.quantile_us(0.99), "us"});
-    if (c.fingers == 5 && c.median == 5) figures.push_back({"lazy_us_per_tick_5f", added, "us"});
-    return {};
+    return added;
+}
+
+/// A picture of `bumps`, with what the stroke over it needs.
+struct Bumps {
+    std::unique_ptr<AnalyticScene> content;
+    RawFrame raw;
+    Scene scene;
+    TouchCase c;
+};
+Result<Bumps> bumps_of(int width, int height, int bits) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    options.bits = bits;
+    auto content = make_scene("bumps", options);
+    if (!content.ok()) return content.error();
+    Bumps bumps{std::move(*content), {}, {}, {}};
+    bumps.raw = bumps.content->frame(0);
+    bumps.scene = bumps.content->scene();
+    bumps.scene.default_properties = timing_grip;
+    bumps.c.scene = "bumps";
+    bumps.c.width = width;
+    bumps.c.height = height;
+    return bumps;
 }
 
 }  // namespace
 
 Result<void> measure_lazy(int width, int height, bool quick, Figures& figures) {
-    SceneOptions options;
-    options.width = width;
-    options.height = height;
-    options.bits = 16;
-    auto content = make_scene("bumps", options);
-    if (!content.ok()) return content.error();
-    const RawFrame raw = (*content)->frame(0);
-    Scene scene = (*content)->scene();
-    scene.default_properties = timing_grip;
-    TouchCase c;
-    c.scene = "bumps";
-    c.width = width;
-    c.height = height;
+    auto bumps = bumps_of(width, height, 16);
+    if (!bumps.ok()) return bumps.error();
+    auto& [content, raw, scene, c] = *bumps;
     for (const int median : {0, 3, 5})
         for (const int fingers : {1, 5, 10}) {
             c.median = scene.filter.median = median;
             c.fingers = fingers;
-            if (auto done = measure_added(scene, raw, c, quick ? 2000 : 10000, quick ? 3 : 5, figures);
-                !done.ok())
-                return done;
+            const std::string which = std::to_string(fingers) + "f_m" + std::to_string(median);
+            const auto added = measure_added(scene, raw, c, quick, which, figures);
+            if (!added.ok()) return added.error();
+            if (fingers == 5 && median == 5) figures.push_back({"lazy_us_per_tick_5f", *added, "us"});
         }
+    return {};
+}
+
+Result<void> measure_lazy_terraces(int width, int height, bool quick, Figures& figures) {
+    auto bumps = bumps_of(width, height, 8);
+    if (!bumps.ok()) return bumps.error();
+    auto& [content, raw, scene, c] = *bumps;
+    for (int reach = least_terrace_reach; reach <= most_terrace_reach; reach *= 2) {
+        scene.filter = {.terraces = TerraceRemoval::on, .terrace_reach = reach};
+        const auto added = measure_added(scene, raw, c, quick, "1f_t" + std::to_string(reach), figures);
+        if (!added.ok()) return added.error();
+    }
     return {};
 }
 

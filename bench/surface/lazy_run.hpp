@@ -9,4 +9,7 @@ namespace touchable {
 /// less that of ticks over frames that somebody else has built. An error where any force differs.
 Result<void> measure_lazy(int width, int height, bool quick, Figures& figures);
 
+/// Likewise of 8 bits whose terraces are removed, one finger, without a median, by reach (16 to 128).
+Result<void> measure_lazy_terraces(int width, int height, bool quick, Figures& figures);
+
 }  // namespace touchable

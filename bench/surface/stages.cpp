@@ -53,10 +53,14 @@ Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int f
     return {};
 }
 
-Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int frames,
-                              const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+namespace {
+
+/// Of the farther reaches names have theirs: "terraces128".
+Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Picture& picture, int frames,
+                                     const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
     Scene scene = picture.scene;
-    scene.filter = {.terraces = TerraceRemoval::on};
+    scene.filter = {.terraces = TerraceRemoval::on, .terrace_reach = reach};
+    const std::string name = "terraces" + (reach > least_terrace_reach ? std::to_string(reach) : "");
     const auto cpu = make_cpu_builder(scene);
     auto vulkan = make_vulkan_builder(scene, kernels, plan_for(kernels->device()->facts()));
     if (!vulkan.ok()) return vulkan.error();
@@ -67,13 +71,23 @@ Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int 
         return wrong(c, "codes without terraces differ from the CPU builder's");
     const auto times = time_frames(**vulkan, picture.raw, frame, frames);
     if (!times.ok()) return times.error();
-    add_times(figures, "terraces", *times);
+    add_times(figures, name, *times);
     for (const GpuTime& stage : (*vulkan)->stages())
         if (std::string_view(stage.label) == "terraces")
-            figures.push_back({"terraces_kernels_ms", stage.ms, "ms"});
+            figures.push_back({name + "_kernels_ms", stage.ms, "ms"});
     const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
     if (!cpu_times.ok()) return cpu_times.error();
-    add_times(figures, "cpu_builder_terraces", *cpu_times);
+    add_times(figures, "cpu_builder_" + name, *cpu_times);
+    return {};
+}
+
+}  // namespace
+
+Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int frames,
+                              const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    for (int reach = least_terrace_reach; reach <= most_terrace_reach; reach *= 2)
+        if (auto done = measure_terraces_within(reach, c, picture, frames, kernels, figures); !done.ok())
+            return done;
     return {};
 }
 

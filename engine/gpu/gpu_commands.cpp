@@ -110,7 +110,9 @@ Result<GpuCommands> GpuCommands::begin(std::shared_ptr<GpuDevice> device, const 
 }
 
 GpuCommands::GpuCommands(std::shared_ptr<GpuDevice> device, std::unique_ptr<GpuRecording> recording)
-    : device_(std::move(device)), recording_(std::move(recording)) {}
+    : device_(std::move(device)),
+      recording_(std::move(recording)),
+      submitted_(std::make_shared<bool>(false)) {}
 GpuCommands::GpuCommands(GpuCommands&&) noexcept = default;
 
 GpuCommands::~GpuCommands() {
@@ -244,6 +246,7 @@ Result<GpuSubmission> GpuCommands::submit() && {
     std::shared_ptr<const std::vector<GpuTime>> times = recording_->times;
     const auto value = device_->submit(std::move(recording_));
     if (!value.ok()) return value.error();
+    *submitted_ = true;
     return GpuSubmission(device_, *value, std::move(times));
 }
 

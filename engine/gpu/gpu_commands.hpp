@@ -137,6 +137,9 @@ public:
     VkCommandBuffer handle() const;
     void keep(std::shared_ptr<const void> resource);
 
+    /// Becomes true when these are submitted, and outlives them (GpuMade).
+    std::shared_ptr<const bool> submitted() const { return submitted_; }
+
     /// Gives the work to the queue and does not wait for it.
     Result<GpuSubmission> submit() &&;
     /// Gives the work to the queue and waits until it is done, as `wait` does; nobody learns what its marks
@@ -156,6 +159,7 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::unique_ptr<GpuRecording> recording_;
+    std::shared_ptr<bool> submitted_;
     std::optional<Error> fault_;
 };
 

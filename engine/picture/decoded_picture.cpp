@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "engine/picture/rgb_rows.hpp"
+#include "engine/picture/packed_rgb.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/picture/rgb_rows.hpp"
+#include "engine/picture/packed_rgb.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

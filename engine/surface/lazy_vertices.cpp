@@ -201,8 +201,9 @@ void LazyVertices::restart() {
     restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
     for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
     if (!terraces_) return;
-    blocks_x_ = (frame_.width + terrace_block - 1) / terrace_block;
-    const int blocks_y = (frame_.height + terrace_block - 1) / terrace_block;
+    block_ = terrace_block(terraces_->reach);
+    blocks_x_ = (frame_.width + block_ - 1) / block_;
+    const int blocks_y = (frame_.height + block_ - 1) / block_;
     restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
     const std::size_t pixels = frame_.index(0, frame_.height);
     if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
@@ -251,7 +252,7 @@ std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
 }
 
 std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
-    const int bx = x / terrace_block, by = y / terrace_block;
+    const int bx = x / block_, by = y / block_;
     auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
                              static_cast<std::size_t>(bx)];
     // Two readers who level a block at once write the same.
@@ -285,10 +286,10 @@ template <int reach>
         for (int x = patch.left(); x <= patch.right(); ++x)
             if (const auto code = filtered_code(x, y)) patch.set(x, y, *code, *terraces_);
     patch.level(*terraces_);
-    const int right = std::min((bx + 1) * terrace_block, frame_.width);
-    const int bottom = std::min((by + 1) * terrace_block, frame_.height);
-    for (int y = by * terrace_block; y < bottom; ++y)
-        for (int x = bx * terrace_block; x < right; ++x)
+    const int right = std::min((bx + 1) * block_, frame_.width);
+    const int bottom = std::min((by + 1) * block_, frame_.height);
+    for (int y = by * block_; y < bottom; ++y)
+        for (int x = bx * block_; x < right; ++x)
             finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y) : no_code,
                                              std::memory_order_relaxed);
 }

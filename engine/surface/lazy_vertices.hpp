@@ -12,8 +12,8 @@
 namespace touchable {
 
 /// Filters a pixel of `frame.raw.depth` when it is asked for: the same depth and validity as a filtered
-/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of 16x16 pixels, each
-/// when one of it is asked for first. Any number of readers.
+/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of pixels
+/// (terrace_block), each when one of it is asked for first. Any number of readers.
 class LazyVertices final : public VertexSource {
 public:
     /// `frame` must outlive it. None of the filters may remember frames before.
@@ -51,7 +51,7 @@ private:
     static constexpr int recent_side = 32;
     mutable std::array<std::atomic<std::uint64_t>, recent_side * recent_side> recent_{};
     // With terrace removal: which blocks are done, and the codes of those.
-    int blocks_x_ = 0;
+    int block_ = 0, blocks_x_ = 0;
     mutable std::vector<std::atomic<bool>> blocks_;
     mutable std::vector<std::atomic<std::uint16_t>> finer_;
 };

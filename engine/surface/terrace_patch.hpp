@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "engine/scene/terraces.hpp"
@@ -8,14 +9,19 @@
 
 namespace touchable {
 
-inline constexpr int terrace_block = 16;
+/// The side of the blocks from which terraces are removed at a time. What is around a block costs as it does
+/// itself, so blocks grow with the reach. At half of it the few pixels below a finger, which lie in a block
+/// or two each way, cost the least.
+constexpr int terrace_block(int reach) {
+    return std::max(least_terrace_reach, reach / 2);
+}
 
-/// Terrace removal of a block of 16x16 pixels, with all the pixels that it depends on, on the stack.
-/// `reach`: the filter's; of the farthest a patch takes 1.2 MB.
+/// Terrace removal of a block of pixels, with all the pixels that it depends on, on the stack. `reach`: the
+/// filter's; of the farthest a patch takes 1.6 MB.
 template <int reach>
 class TerracePatch {
 public:
-    static constexpr int block = terrace_block;
+    static constexpr int block = terrace_block(reach);
 
     /// Block (bx, by) of a picture; its pixels and those of the patch are named as the picture's.
     TerracePatch(int width, int height, int bx, int by);

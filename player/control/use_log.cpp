@@ -6,17 +6,13 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <condition_variable>
 #include <cstdio>
 #include <cstring>
-#include <deque>
 #include <mutex>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "engine/printable.hpp"
-#include "engine/start_thread.hpp"
 #include "player/control/universal_time.hpp"
 
 namespace touchable {
@@ -70,18 +66,20 @@ struct UseLog::Rows {
     Rows(const Rows&) = delete;
     Rows& operator=(const Rows&) = delete;
 
-    void write_all();
+    void add(const std::string& row) {
+        if (const int why = write(out, row))
+            miss(std::string("rows of the log of use are lost: ") + std::strerror(why));
+    }
+    void miss(const std::string& why) {
+        const std::lock_guard lock(mutex);
+        if (!missing) missing = input_error(file.string() + ": " + why);
+    }
 
-    static constexpr std::size_t most_waiting = 1000;
     const std::filesystem::path file;
     const int out;
     const WriteRow write;
     std::mutex mutex;
-    std::condition_variable changed;
-    // Guarded by it.
-    std::deque<std::string> waiting;
-    std::optional<Error> missing;
-    bool is_ending = false, has_ended = false;
+    std::optional<Error> missing;  // guarded by it
 };
 
 int UseLog::write_row(int out, const std::string& row) {
@@ -98,27 +96,17 @@ Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, 
     if (const auto why = why_no_log(out))
         return input_error(file.string() + ": " + *why +
                            "; right would be a new file, or a log of use to go on with");
-    std::thread thread;
-    auto begun = start_thread(thread, "use-log", "that writes the log of use", [rows] { rows->write_all(); });
-    if (!begun.ok()) return begun.error();
-    thread.detach();  // `finish` waits for its end, but not for ever
-    return std::unique_ptr<UseLog>(new UseLog(rows));
+    auto disk = DiskWork::start("use-log", "that writes the log of use");
+    if (!disk.ok()) return disk.error();
+    return std::unique_ptr<UseLog>(new UseLog(rows, std::move(*disk)));
 }
 
 Result<void> UseLog::finish(std::chrono::milliseconds longest) {
-    is_finished_ = true;
-    Rows& rows = *rows_;
-    std::unique_lock lock(rows.mutex);
-    rows.is_ending = true;
-    rows.changed.notify_all();
-    if (!rows.changed.wait_for(lock, longest, [&rows] { return rows.has_ended; }))
-        return input_error(rows.file.string() +
+    if (!disk_->finish(longest))
+        return input_error(rows_->file.string() +
                            ": its disk does not answer; the last rows of the log of use may be lost");
-    return rows.missing ? Result<void>(*rows.missing) : Result<void>();
-}
-
-UseLog::~UseLog() {
-    if (!is_finished_) (void)finish();
+    const auto lost = missing();
+    return lost ? Result<void>(*lost) : Result<void>();
 }
 
 void UseLog::visit(Time came, double seconds) {
@@ -137,33 +125,10 @@ std::optional<Error> UseLog::missing() const {
 }
 
 void UseLog::add(Time time, const std::string& rest) {
-    Rows& rows = *rows_;
-    {
-        const std::lock_guard lock(rows.mutex);
-        if (rows.waiting.size() < Rows::most_waiting)
-            rows.waiting.push_back(in_universal_time(time) + ',' + rest + '\n');
-        else if (!rows.missing)
-            rows.missing = input_error(rows.file.string() +
-                                       ": its disk does not answer; rows of the log of use are lost");
-    }
-    rows.changed.notify_all();
-}
-
-void UseLog::Rows::write_all() {
-    std::unique_lock lock(mutex);
-    for (;;) {
-        changed.wait(lock, [this] { return is_ending || !waiting.empty(); });
-        if (waiting.empty()) break;
-        const std::string row = std::move(waiting.front());
-        waiting.pop_front();
-        lock.unlock();
-        const int why = write(out, row);
-        lock.lock();
-        if (why != 0 && !missing)
-            missing = input_error(file.string() + ": rows of the log of use are lost: " + std::strerror(why));
-    }
-    has_ended = true;
-    changed.notify_all();
+    constexpr std::size_t most_waiting = 1000;
+    if (disk_->waiting() >= most_waiting)
+        return rows_->miss("its disk does not answer; rows of the log of use are lost");
+    disk_->give([rows = rows_, row = in_universal_time(time) + ',' + rest + '\n'] { rows->add(row); });
 }
 
 }  // namespace touchable

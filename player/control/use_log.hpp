@@ -9,6 +9,7 @@
 #include <string>
 
 #include "engine/result.hpp"
+#include "player/control/disk_work.hpp"
 
 namespace touchable {
 
@@ -33,8 +34,6 @@ public:
     static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file, WriteRow write);
     /// Once, the last call: writes what waits, for that long at most. An error where rows are missing.
     Result<void> finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
-    /// Likewise, where nobody did.
-    ~UseLog();
     UseLog(const UseLog&) = delete;
     UseLog& operator=(const UseLog&) = delete;
 
@@ -49,13 +48,14 @@ public:
     std::optional<Error> missing() const;
 
 private:
-    /// What the thread that writes works on: it keeps it where its disk hangs and nobody waits any more.
+    /// What the thread that writes works on.
     struct Rows;
-    explicit UseLog(std::shared_ptr<Rows> rows) : rows_(std::move(rows)) {}
+    UseLog(std::shared_ptr<Rows> rows, std::unique_ptr<DiskWork> disk)
+        : rows_(std::move(rows)), disk_(std::move(disk)) {}
     void add(Time time, const std::string& rest);
 
     const std::shared_ptr<Rows> rows_;
-    bool is_finished_ = false;  // or waited for long enough
+    const std::unique_ptr<DiskWork> disk_;
     std::int64_t visitors_ = 0;
 };
 

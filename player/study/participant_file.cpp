@@ -83,7 +83,8 @@ Result<ParticipantFile> ParticipantFile::create(const fs::path& folder, const st
         std::error_code ignored;
         const bool is_taken =
             fs::exists(file.named(finished), ignored) || fs::exists(file.named(left), ignored);
-        file.add(header);
+        file.waiting_ = header;
+        file.write();
         if (!is_taken && !file.fault_) return file;
         const auto fault = file.fault_;
         (void)unlink(name.c_str());
@@ -96,6 +97,16 @@ Result<ParticipantFile> ParticipantFile::create(const fs::path& folder, const st
 void ParticipantFile::add(const std::string& row) {
     waiting_ += row;
     write();
+    sync();
+}
+
+void ParticipantFile::secure() {
+    sync();
+    sync_folder(folder_);
+}
+
+void ParticipantFile::sync() {
+    if (!fault_ && fdatasync(out_) != 0) fault_ = failed(errno);
 }
 
 /// All that waits, or nothing of it.
@@ -118,8 +129,8 @@ void ParticipantFile::write() {
 
 Result<void> ParticipantFile::finish(End end) {
     write();
+    sync();
     if (fault_) return *fault_;
-    if (fsync(out_) != 0) return *(fault_ = failed(errno));
     const fs::path last = named(end == End::finished ? finished : left);
     if (const int why = move_to_free_name(named(partial), last); why != 0)
         return *(fault_ = input_error(named(partial).string() + ": stays partial: " +

@@ -11,8 +11,9 @@ namespace touchable {
 
 /// The results of one participant, a table (CSV) in the folder of the study: participant-007.partial.csv
 /// while it grows, participant-007.csv once it is whole, participant-007.left.csv where the participant went
-/// away. Each row is in the file before the next thing happens, so that a program that is killed costs the
-/// row that it was at. Nothing is ever written over.
+/// away. Each row is safe on the disk before the next one, so that a program that is killed, or a machine
+/// that is switched off, costs the row that it was at. Nothing is ever written over. All calls wait for the
+/// disk.
 class ParticipantFile {
 public:
     /// Of the next participant: one more than the largest number in the folder, whatever became of that one.
@@ -23,6 +24,8 @@ public:
     ParticipantFile& operator=(ParticipantFile&&) = delete;
 
     std::size_t number() const { return number_; }
+    /// Safe on the disk as it is, with its name: until then a machine that is switched off may lose it.
+    void secure();
     /// A row, whole, and what still waits. Where there is no room it waits for the next one, and `fault`
     /// says so.
     void add(const std::string& row);
@@ -38,6 +41,7 @@ private:
     ParticipantFile(std::filesystem::path folder, std::size_t number, int out);
     std::filesystem::path named(const char* ending) const;
     void write();
+    void sync();
     Error failed(int why) const;
 
     std::filesystem::path folder_;

@@ -32,7 +32,8 @@ std::string as_field(std::string words) {
 }  // namespace
 
 Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, std::filesystem::path folder,
-                                                 std::string language, std::string hand) {
+                                                 std::string language, std::string hand,
+                                                 std::unique_ptr<DiskWork> disk) {
     std::error_code failed;
     std::filesystem::create_directory(folder, failed);
     std::error_code unknown;
@@ -41,9 +42,16 @@ Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, std::filesystem::p
                            (failed ? ": " + failed.message() : std::string()) + "; right would be a folder");
     if (auto there = NewFile(folder / "participant-000.csv", Existing::keep).check(); !there.ok())
         return there.error();
-    return std::unique_ptr<StudyRun>(
-        new StudyRun(std::move(study), std::move(folder), std::move(language), as_field(std::move(hand))));
+    return std::unique_ptr<StudyRun>(new StudyRun(std::move(study), std::move(folder), std::move(language),
+                                                  as_field(std::move(hand)), std::move(disk)));
 }
+
+StudyRun::StudyRun(Study study, std::filesystem::path folder, std::string language, std::string hand,
+                   std::unique_ptr<DiskWork> disk)
+    : study_(std::move(study)),
+      language_(std::move(language)),
+      hand_(std::move(hand)),
+      results_(std::move(folder), header, std::move(disk)) {}
 
 double StudyRun::share_done() const {
     if (screens_.empty()) return 0;
@@ -81,19 +89,20 @@ void StudyRun::choose_by(int by) {
 
 bool StudyRun::may_go_on(double now_s) const {
     if (now_s < began_s_ + least_s) return false;
-    if (!screen()) return true;
+    if (!screen()) return !is_beginning_;
     return (chosen_ || !screen()->question) && now_s >= began_s_ + screen()->step->least_s;
 }
 
 void StudyRun::go_on(double now_s, Time time) {
     if (!may_go_on(now_s)) return;
     if (!screen()) {
-        begin(now_s);
+        is_beginning_ = true;
+        results_.begin();
         return;
     }
     add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
     if (at_ + 1 == screens_.size()) {
-        file_->add(row(in_words(",,end,,finished,%.2f,,,,", now_s - came_s_), time));
+        results_.add(row(in_words(",,end,,finished,%.2f,,,,", now_s - came_s_), time));
         return finish(ParticipantFile::End::finished, now_s);
     }
     ++at_;
@@ -101,6 +110,9 @@ void StudyRun::go_on(double now_s, Time time) {
 }
 
 void StudyRun::pass(double now_s, Time time) {
+    passed_s_ = now_s;
+    if (results_.wait(std::chrono::milliseconds(0))) answered_s_ = now_s;
+    begin_if_answered(now_s);
     if (!screen() || !screen()->step->most_s) return;
     if (now_s >= began_s_ + std::max(*screen()->step->most_s, least_s)) go_on(now_s, time);
 }
@@ -111,18 +123,12 @@ void StudyRun::wait(double now_s) {
     if (screen()->is_touch()) meter_->begin(screen()->force());
 }
 
-/// Where the results of the one before could not be kept, that comes first.
-void StudyRun::begin(double now_s) {
-    no_file_.reset();
-    if (ended_) finish(*ended_, now_s);
-    if (ended_) return;
-    auto file = ParticipantFile::create(folder_, header);
-    if (!file.ok()) {
-        no_file_ = file.error();
-        return;
-    }
-    file_.emplace(std::move(*file));
-    screens_ = screens_of(study_, file_->number());
+void StudyRun::begin_if_answered(double now_s) {
+    if (!is_beginning_ || results_.is_beginning()) return;
+    is_beginning_ = false;
+    const auto number = results_.number();
+    if (!number) return;
+    screens_ = screens_of(study_, *number);
     at_ = 0;
     came_s_ = now_s;
     begin_screen(now_s);
@@ -139,7 +145,7 @@ void StudyRun::begin_screen(double now_s) {
 std::string StudyRun::row(const std::string& rest, Time time) const {
     std::string row;
     for (const std::string& field :
-         {study_.name, std::to_string(file_->number()), language_, hand_, in_universal_time(time)})
+         {study_.name, std::to_string(*results_.number()), language_, hand_, in_universal_time(time)})
         row += field + ',';
     return row + rest + '\n';
 }
@@ -160,25 +166,20 @@ void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
         rest += ',';
         rest += field;
     }
-    file_->add(row(rest, time));
+    results_.add(row(rest, time));
 }
 
 void StudyRun::leave(double now_s, Time time) {
     if (!screen()) return;
     const bool is_done = at_ + 1 == screens_.size() && screen()->step->kind == StudyStep::Kind::text;
     add_row(now_s, time, "");
-    file_->add(row(in_words(",,end,,%s,%.2f,,,,", is_done ? "finished" : "left", now_s - came_s_), time));
+    results_.add(row(in_words(",,end,,%s,%.2f,,,,", is_done ? "finished" : "left", now_s - came_s_), time));
     finish(is_done ? ParticipantFile::End::finished : ParticipantFile::End::left, now_s);
 }
 
-/// The start screen is next, whatever became of the file.
+/// The start screen is next, whatever becomes of the file.
 void StudyRun::finish(ParticipantFile::End end, double now_s) {
-    const Result<void> done = file_->finish(end);
-    ended_.reset();
-    if (done.ok())
-        file_.reset();
-    else
-        ended_ = end;
+    results_.end(end);
     screens_.clear();
     at_ = 0;
     chosen_.reset();
@@ -187,19 +188,23 @@ void StudyRun::finish(ParticipantFile::End end, double now_s) {
 }
 
 /// A participant who is at it stays in a partial file: it goes as far as it went.
-Result<void> StudyRun::end(double now_s, Time time) {
+Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds longest) {
+    using Clock = std::chrono::steady_clock;
+    const auto until = Clock::now() + longest;
+    // Whoever has begun just now has begun.
+    if (is_beginning_ && results_.wait(longest)) begin_if_answered(now_s);
     if (screen()) {
         add_row(now_s, time, "");
-        file_->add(row(in_words(",,end,,ended,%.2f,,,,", now_s - came_s_), time));
+        results_.add(row(in_words(",,end,,ended,%.2f,,,,", now_s - came_s_), time));
         screens_.clear();
-    } else if (ended_) {
-        finish(*ended_, now_s);
     }
-    return fault() ? Result<void>(*fault()) : Result<void>();
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    return results_.finish(std::max(left, std::chrono::milliseconds(0)));
 }
 
 std::optional<Error> StudyRun::fault() const {
-    return file_ && file_->fault() ? file_->fault() : no_file_;
+    if (passed_s_ > answered_s_ + patience_s) return results_.no_answer();
+    return results_.fault();
 }
 
 }  // namespace touchable

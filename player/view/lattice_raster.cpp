@@ -9,6 +9,7 @@
 
 #include "engine/vectors.hpp"
 #include "player/view/decimation.hpp"
+#include "player/view/row_projection.hpp"
 #include "player/view/triangle_fill.hpp"
 #include "player/view/triangle_lanes.hpp"
 #include "player/view/view_rows.hpp"
@@ -31,13 +32,14 @@ constexpr int most_pixels = 4;
 
 }  // namespace
 
-/// Rows of the picture that one thread draws: all of the lattice that is seen there.
+/// Rows of the picture that one thread draws: all cells of the lattice that are seen there, row by row.
 class LatticeRaster::Band {
 public:
     Band(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, const RowBand& band,
          int pitch, std::uint64_t* pixels)
         : lattice_(lattice),
           edges_(edges),
+          projection_(lattice, edges, camera),
           view_(rows_of(camera)),
           q_(lattice.q.mapped<float>().data()),
           colours_(lattice.colours.mapped<PackedColour>().data()),
@@ -53,10 +55,10 @@ public:
         const auto all = [&](auto kind) __attribute__((always_inline)) {
             // Of 512 bits at once compilers make little that is good.
             constexpr int n = std::min<int>(sizeof(typename decltype(kind)::Lanes) / sizeof(float), 8);
-            project<n>(0, rows.lower);
+            projection_.project<n>(0, rows.lower);
             for (int y = 0; y + 1 < lattice_.height; ++y) {
                 std::swap(rows.upper, rows.lower);
-                project<n>(y + 1, rows.lower);
+                projection_.project<n>(y + 1, rows.lower);
                 if (!meets(rows)) continue;
                 for (int x = 0; x + 1 < lattice_.width; x += n) draw_cells<n>(rows, x, y);
             }
@@ -65,103 +67,11 @@ public:
     }
 
 private:
-    /// To the screen. Beyond the width follow vertices without a surface.
-    template <int n>
-    [[gnu::always_inline]] void project(int y, Row& row) {
-        using F = Floats<n>;
-        using I = Ints<n>;
-        const auto count = static_cast<std::size_t>(lattice_.width);
-        const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(y) * lattice_.pitch;
-        row.resize((count + n) / n * n + n);
-        std::memcpy(row.q.data(), q_ + start, count * sizeof(float));
-        std::fill(row.q.begin() + static_cast<std::ptrdiff_t>(count), row.q.end(), 0.0F);
-        std::memcpy(row.colours.data(), colours_ + start, count * sizeof(PackedColour));
-        const F at = F{} + static_cast<float>(y);
-        I least_y = I{} + std::numeric_limits<std::int32_t>::max(), most_y = ~least_y, in_front = ~I{};
-        F column = lane_numbers<n>();
-        for (std::size_t i = 0; i < count; i += n, column += static_cast<float>(n)) {
-            const F q = load<F>(&row.q[i]);
-            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
-            const I screen_y = subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(height_)),
-                    is_in_front = w - z >= 0.0F, colour = load<I>(&row.colours[i]);
-            store(subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(width_)), &row.x[i]);
-            store(screen_y, &row.y[i]);
-            store(is_in_front, &row.in_front[i]);
-            store(z / w, &row.z[i]);
-            store(share, &row.share[i]);
-            store(__builtin_convertvector(colour & 255, F) * share, &row.red[i]);
-            store(__builtin_convertvector(colour >> 8 & 255, F) * share, &row.green[i]);
-            store(__builtin_convertvector(colour >> 16 & 255, F) * share, &row.blue[i]);
-            const I is_there = q > 0.0F;
-            least_y = (is_there & (screen_y < least_y)) ? screen_y : least_y;
-            most_y = (is_there & (screen_y > most_y)) ? screen_y : most_y;
-            in_front &= is_in_front | ~is_there;
-        }
-        row.least_y = row.most_y = 0;
-        row.is_in_front = or_of(~in_front) == 0;
-        for (int k = 0; k < n; ++k) {
-            row.least_y = k == 0 ? least_y[k] : std::min(row.least_y, least_y[k]);
-            row.most_y = k == 0 ? most_y[k] : std::max(row.most_y, most_y[k]);
-        }
-        move_edges<n>(y, row);
-    }
-
-    /// Vertices that are not drawn at their pixel to where they are, n at a time; q stays, by which triangles
-    /// are cut.
-    template <int n>
-    [[gnu::always_inline]] void move_edges(int y, Row& row) const {
-        using F = Floats<n>;
-        using I = Ints<n>;
-        const std::span<const SurfaceEdges::Vertex> edges = edges_.row(y);
-        for (std::size_t first = 0; first < edges.size(); first += n) {
-            const std::size_t count = std::min<std::size_t>(n, edges.size() - first);
-            F column{}, at{}, q{}, light{};
-            I colour{};
-            for (std::size_t k = 0; k < n; ++k) {
-                const SurfaceEdges::Vertex& edge = edges[first + std::min(k, count - 1)];
-                column[k] = edge.at_x;
-                at[k] = edge.at_y;
-                q[k] = edge.q;
-                light[k] = edge.light;
-                colour[k] = static_cast<std::int32_t>(row.colours[static_cast<std::size_t>(edge.x)]);
-            }
-            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
-            const I screen_x = subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(width_)),
-                    screen_y = subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(height_)),
-                    in_front = w - z >= 0.0F;
-            const F nearness = z / w, red = __builtin_convertvector(colour & 255, F) * light * share,
-                    green = __builtin_convertvector(colour >> 8 & 255, F) * light * share,
-                    blue = __builtin_convertvector(colour >> 16 & 255, F) * light * share;
-            for (std::size_t k = 0; k < count; ++k) {
-                const auto i = static_cast<std::size_t>(edges[first + k].x);
-                row.x[i] = screen_x[k];
-                row.y[i] = screen_y[k];
-                row.in_front[i] = in_front[k];
-                row.z[i] = nearness[k];
-                row.share[i] = share[k];
-                row.red[i] = red[k];
-                row.green[i] = green[k];
-                row.blue[i] = blue[k];
-                row.least_y = std::min(row.least_y, screen_y[k]);
-                row.most_y = std::max(row.most_y, screen_y[k]);
-                row.is_in_front = row.is_in_front && in_front[k] != 0;
-            }
-        }
-    }
-
     /// Whether a row of cells can be seen in these rows of the picture.
     bool meets(const Rows& rows) const {
         if (!rows.upper.is_in_front || !rows.lower.is_in_front) return true;
         return first_pixel(std::min(rows.upper.least_y, rows.lower.least_y)) <= last_ &&
                last_pixel(std::max(rows.upper.most_y, rows.lower.most_y)) >= first_;
-    }
-
-    template <int n>
-    [[gnu::always_inline]] static Corners<n> corners(const Row& row, int x) {
-        using F = Floats<n>;
-        using I = Ints<n>;
-        return {load<I>(&row.x[x]),   load<I>(&row.y[x]),     load<F>(&row.z[x]),   load<F>(&row.share[x]),
-                load<F>(&row.red[x]), load<F>(&row.green[x]), load<F>(&row.blue[x])};
     }
 
     template <int n>
@@ -197,13 +107,14 @@ private:
     [[gnu::always_inline]] void draw_cells(const Rows& rows, int x, int y) {
         using F = Floats<n>;
         using I = Ints<n>;
-        const Row &up = rows.upper, &low = rows.lower;
+        const LatticeRow &up = rows.upper, &low = rows.lower;
         const F q00 = load<F>(&up.q[x]), q10 = load<F>(&up.q[x + 1]), q01 = load<F>(&low.q[x]),
                 q11 = load<F>(&low.q[x + 1]);
         const I no_right = cut(q00, q10, q11, cut_ratio_), no_left = cut(q00, q11, q01, cut_ratio_);
         I is_drawn = ~(no_right & no_left);
         if (or_of(is_drawn) == 0) return;
-        Cells<n> cells{corners<n>(up, x), corners<n>(up, x + 1), corners<n>(low, x + 1), corners<n>(low, x)};
+        Cells<n> cells{corners_of<n>(up, x), corners_of<n>(up, x + 1), corners_of<n>(low, x + 1),
+                       corners_of<n>(low, x)};
         cells.top_right.x = no_right ? cells.top_left.x : cells.top_right.x;  // without area: not drawn
         cells.top_right.y = no_right ? cells.top_left.y : cells.top_right.y;
         cells.bottom_left.x = no_left ? cells.top_left.x : cells.bottom_left.x;
@@ -374,6 +285,7 @@ private:
 
     const GpuLattice& lattice_;
     const SurfaceEdges& edges_;
+    const RowProjection projection_;
     const ViewRows view_;
     const float* const q_;
     const PackedColour* const colours_;
@@ -381,12 +293,6 @@ private:
     const float cut_ratio_;  // in the clip's own view holes alone are cut
     std::uint64_t* const pixels_;
 };
-
-void LatticeRaster::Row::resize(std::size_t vertices) {
-    for (auto* each : {&x, &y, &in_front}) each->resize(vertices);
-    for (auto* each : {&q, &z, &share, &red, &green, &blue}) each->resize(vertices);
-    colours.resize(vertices);
-}
 
 LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), rows_(static_cast<std::size_t>(threads)) {}

@@ -7,6 +7,7 @@
 #include "engine/row_bands.hpp"
 #include "engine/vector_unit.hpp"
 #include "player/view/gpu_lattice.hpp"
+#include "player/view/lattice_row.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/surface_edges.hpp"
 #include "player/view/view_camera.hpp"
@@ -29,19 +30,9 @@ public:
 
 private:
     class Band;
-    /// A row of vertices on the screen. Colours are times share, 1 / w.
-    struct Row {
-        void resize(std::size_t vertices);
-        std::vector<std::int32_t> x, y;      ///< subpixels
-        std::vector<std::int32_t> in_front;  ///< -1 where it is not before the near plane, otherwise 0
-        std::vector<float> q, z, share, red, green, blue;
-        std::vector<PackedColour> colours;
-        std::int32_t least_y = 0, most_y = 0;  ///< of what is there
-        bool is_in_front = false;              ///< all of it
-    };
     /// Of a thread.
     struct Rows {
-        Row upper, lower;
+        LatticeRow upper, lower;
     };
 
     VectorUnit unit_;

@@ -95,15 +95,14 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
     if (auto made = lattices_.reserve_colours(lattice_); !made.ok()) return made;
     if (auto lit = lighting_.record(commands, field, lattice_, colour, lighting); !lit.ok()) return lit;
     commands.mark("light");
-    is_shown_ = true;
+    shown_.by(commands);
     return {};
 }
 
 /// Nothing is shown until it is made.
 Result<void> SurfaceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
                                            Lighting lighting) {
-    is_shown_ = has_tiles_ = has_edges_ = false;
-    drawn_.reset();
+    for (GpuMade* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
     are_values_ = lighting == Lighting::plain && !colour.empty();
     return check_colour(colour, field.width(), field.height());
 }
@@ -119,7 +118,7 @@ Result<void> SurfaceDrawing::show_by_cpu(const HeightField& field, const FramePa
                             : make_by_cpu(field, pair, colour, lighting, 1);
         !made.ok())
         return made;
-    is_shown_ = true;
+    shown_.by_cpu();
     return {};
 }
 
@@ -189,35 +188,36 @@ Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
 
 /// Of a surface, once.
 Result<void> SurfaceDrawing::list_tiles(GpuCommands& commands) {
-    if (has_tiles_) return {};
+    if (listed_.is_there_for(commands)) return {};
     if (auto tiles = lattices_.record_tiles(commands, lattice_); !tiles.ok()) return tiles;
-    has_tiles_ = true;
+    listed_.by(commands);
     return {};
 }
 
-bool SurfaceDrawing::is_drawn(const ViewCamera& camera) const {
-    return drawn_ == camera.clip_from_lattice && drawn_width_ == camera.width &&
-           drawn_height_ == camera.height;
+bool SurfaceDrawing::is_drawn(const GpuCommands& commands, const ViewCamera& camera) const {
+    return drawn_.is_there_for(commands) && drawn_from_ == camera.clip_from_lattice &&
+           drawn_width_ == camera.width && drawn_height_ == camera.height;
 }
 
 /// Colours and z of the surface, if they are not of this surface from here already.
 Result<void> SurfaceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
-    if (is_drawn(camera)) return {};
+    if (is_drawn(commands, camera)) return {};
     drawn_.reset();
     if (by_cpu_) {
-        if (auto drawn = draw_by_cpu(camera); !drawn.ok()) return drawn;
+        if (auto drawn = draw_by_cpu(commands, camera); !drawn.ok()) return drawn;
     } else {
         if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
         if (auto rastered = record_raster(commands, camera); !rastered.ok()) return rastered;
     }
-    drawn_ = camera.clip_from_lattice;
+    drawn_.by(commands);
+    drawn_from_ = camera.clip_from_lattice;
     drawn_width_ = camera.width;
     drawn_height_ = camera.height;
     return {};
 }
 
 /// Into memory that nobody reads any more: pictures that were recorded before keep theirs.
-Result<void> SurfaceDrawing::draw_by_cpu(const ViewCamera& camera) {
+Result<void> SurfaceDrawing::draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
     const int pitch = SurfaceRaster::resolve_pitch(camera.width);
     const std::size_t bytes = 4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
     for (auto& [buffer, name] :
@@ -233,29 +233,29 @@ Result<void> SurfaceDrawing::draw_by_cpu(const ViewCamera& camera) {
     if (OwnViewPicture::draws(seen))
         own_view_.draw(lattice_, seen, background, pitch, colours, z);
     else
-        turned_view_->draw(lattice_, edges_of(seen), seen, background, pitch, colours, z);
+        turned_view_->draw(lattice_, edges_of(commands, seen), seen, background, pitch, colours, z);
     return {};
 }
 
 /// Of the surface as a camera is shown it; found once for each.
-const SurfaceEdges& SurfaceDrawing::edges_of(const ViewCamera& camera) {
+const SurfaceEdges& SurfaceDrawing::edges_of(const GpuCommands& commands, const ViewCamera& camera) {
     if (is_own_view(camera)) {
         edges_->clear();
-        has_edges_ = false;
-    } else if (!has_edges_) {
+        edged_.reset();
+    } else if (!edged_.is_there_for(commands)) {
         edges_->find(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height, lattice_.pitch,
                      cut_ratio(lattice_.step), are_values_);
-        has_edges_ = true;
+        edged_.by(commands);
     }
     return *edges_;
 }
 
 /// Likewise, on the device.
 Result<void> SurfaceDrawing::record_edges(GpuCommands& commands, const ViewCamera& camera) {
-    if (has_edges_ || is_own_view(camera)) return {};
+    if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
     if (auto found = lattices_.record_edges(commands, camera, are_values_, lattice_); !found.ok())
         return found;
-    has_edges_ = true;
+    edged_.by(commands);
     return {};
 }
 
@@ -297,7 +297,7 @@ Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamer
                                           std::span<const FingerMark> fingers, const MarkSizes& sizes,
                                           const GpuImage& target) {
     if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
-    if (!is_shown_) return {};
+    if (!shown_.is_there_for(commands)) return {};
     const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
                            camera.height, SurfaceRaster::resolve_pitch(camera.width)};
     return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
@@ -306,7 +306,8 @@ Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamer
 /// Background, and the surface if there is one.
 Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
                                          const GpuImage& target) {
-    if (is_shown_) {
+    const bool is_shown = shown_.is_there_for(commands);
+    if (is_shown) {
         if (auto listed = list_tiles(commands); !listed.ok()) return listed;
         if (auto found = record_edges(commands, camera); !found.ok()) return found;
     }
@@ -317,7 +318,7 @@ Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera
     begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
     background_.bind(commands, {rows_});
     vkCmdDraw(commands.handle(), 3, 1, 0, 0);
-    if (is_shown_) mesh_->draw(commands, lattice_, camera);
+    if (is_shown) mesh_->draw(commands, lattice_, camera);
     end_drawing(commands);
     return {};
 }
@@ -329,7 +330,7 @@ Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camer
         target.extent().height != static_cast<std::uint32_t>(camera.height))
         return Error{ErrorKind::internal, "a picture is not of its camera's size"};
     if (auto reserved = reserve(camera); !reserved.ok()) return reserved;
-    if (is_shown_ && raster_) {
+    if (raster_ && shown_.is_there_for(commands)) {
         if (auto drawn = draw_surface(commands, camera); !drawn.ok()) return drawn;
         record_copies(commands, camera, target);
     } else if (auto drawn = record_mesh(commands, camera, target); !drawn.ok()) {

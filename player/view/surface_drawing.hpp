@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "engine/gpu/gpu_made.hpp"
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/decimation.hpp"
 #include "player/view/dent_drawing.hpp"
@@ -24,7 +25,8 @@ namespace touchable {
 /// memory that stays: what a window shows. The same picture as `make_picture`'s of one sample a pixel, but
 /// that fingers have smooth edges.
 ///
-/// Recorded calls are to be submitted in the order in which they were recorded. Not for two threads at once.
+/// Recorded calls are to be submitted in the order in which they were recorded; what is forgotten instead is
+/// made again when it is needed. Not for two threads at once.
 class SurfaceDrawing {
 public:
     /// painter: "raster", "mesh" or "auto", as in make_painter. Fails (ErrorKind::gpu) where the device can
@@ -51,7 +53,7 @@ public:
                              Lighting lighting, int step);
 
     /// The CPU of a software device draws the surface at once, from what `show` left. Records the drawing of
-    /// surface, background and fingers (before the first `show` of these two) into `target`
+    /// surface, background and fingers (without a `show` that was submitted, of these two) into `target`
     /// (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size), all of which is written, and which is left in
     /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
     /// record_transition does. Fails (ErrorKind::gpu) where the picture is too large for the painter on this
@@ -67,9 +69,9 @@ private:
                              Lighting lighting, int step);
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
-    Result<void> draw_by_cpu(const ViewCamera& camera);
-    bool is_drawn(const ViewCamera& camera) const;
-    const SurfaceEdges& edges_of(const ViewCamera& camera);
+    Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera);
+    bool is_drawn(const GpuCommands& commands, const ViewCamera& camera) const;
+    const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera);
     Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera);
     Result<void> list_tiles(GpuCommands& commands);
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
@@ -96,14 +98,15 @@ private:
     GraphicsProgram background_;
 
     GpuLattice lattice_;
-    bool is_shown_ = false;
-    bool has_tiles_ = false;           // of that surface
-    bool has_edges_ = false;           // likewise
-    bool are_values_ = false;          // its colours, of a scale
-    GpuBuffer pixels_, large_;         // of the raster
-    GpuBuffer colours_, z_values_;     // the surface and its background, as they are copied into images
-    UploadPool pictures_;              // of these, where the CPU writes them
-    std::optional<glm::dmat4> drawn_;  // clip_from_lattice that they are of
+    GpuMade shown_;                 // the surface
+    GpuMade listed_;                // its tiles
+    GpuMade edged_;                 // its edges
+    bool are_values_ = false;       // its colours, of a scale
+    GpuBuffer pixels_, large_;      // of the raster
+    GpuBuffer colours_, z_values_;  // the surface and its background, as they are copied into images
+    UploadPool pictures_;           // of these, where the CPU writes them
+    GpuMade drawn_;                 // these
+    glm::dmat4 drawn_from_{};       // clip_from_lattice that they are of
     int drawn_width_ = 0, drawn_height_ = 0;
     GpuBuffer rows_;  // colours of the background
     int rows_height_ = 0;

@@ -162,7 +162,6 @@ private:
     bool study_has_page() const;
     bool study_clip_is_there() const;
     void go_on_in_study();
-    void go_on_to_next_of_study();
     void take_of_study_hand();
     bool take_of_study(const InputEvent& event);
     void take_of_study(const WindowCommand& command);
@@ -174,6 +173,9 @@ private:
     void note_files();
     void note_screenshots();
     KeptSettings to_keep() const;
+    Result<PlayFigures> end(Result<void> ended);
+    void note_last_failure();
+    Result<void> finish_screenshots(bool is_kept, Result<void> kept);
     Error interruption() const;
     void say(std::string words, Tone tone = Tone::remark);
     /// What was refused, or went wrong.

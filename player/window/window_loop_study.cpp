@@ -49,8 +49,11 @@ Result<void> WindowLoop::open_study() {
     if (!options_.study) return {};
     const KioskOptions& kiosk = *options_.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
+    auto disk = DiskWork::start("study", "that writes a study's results");
+    if (!disk.ok()) return disk.error();
     auto run = StudyRun::open(options_.study->study, options_.study->results, kiosk.texts.language,
-                              options_.hand ? options_.hand->name() : (by_touch ? "touch-screen" : "mouse"));
+                              options_.hand ? options_.hand->name() : (by_touch ? "touch-screen" : "mouse"),
+                              std::move(*disk));
     if (!run.ok()) return run.error();
     study_ = std::move(*run);
     options_.meter = study_->meter();
@@ -97,14 +100,6 @@ void WindowLoop::go_on_in_study() {
         control->allow_force(study_->gives_force() && !has_page);
 }
 
-/// A hand has no force while the answer is written: its disk may be slow.
-void WindowLoop::go_on_to_next_of_study() {
-    const double now = now_s();
-    HandControl* const control = clip_ ? clip_->control() : nullptr;
-    if (control && study_->may_go_on(now)) control->allow_force(false);
-    study_->go_on(now, by_the_clock());
-}
-
 /// The first button says "continue" to a page. The second one goes through a question's answers; in a touch
 /// it stops forces, and where there are none says "continue".
 void WindowLoop::take_of_study_hand() {
@@ -114,7 +109,7 @@ void WindowLoop::take_of_study_hand() {
     const bool first = control->take_presses(0) > 0, second = control->take_presses(1) > 0;
     const bool has_page = study_has_page();
     if (second && has_page) study_->choose_by(1);
-    if ((first && has_page) || (second && !has_page && !had_force)) go_on_to_next_of_study();
+    if ((first && has_page) || (second && !has_page && !had_force)) study_->go_on(now_s(), by_the_clock());
     if (!first && !second) return;
     kiosk_->came(now_s());
     last_event_ = Clock::now();
@@ -130,7 +125,7 @@ bool WindowLoop::take_of_study(const InputEvent& event) {
     if (has_page && (event.word == "left" || event.word == "up")) study_->choose_by(-1);
     if (has_page && (event.word == "right" || event.word == "down")) study_->choose_by(1);
     if (!event.repeated && (event.word == "enter" || (has_page && event.word == "space")))
-        go_on_to_next_of_study();
+        study_->go_on(now_s(), by_the_clock());
     last_event_ = Clock::now();
     if (has_page) return true;
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
@@ -146,7 +141,7 @@ void WindowLoop::take_of_study(const WindowCommand& command) {
     if (command.verb == WindowVerb::answer)
         study_->choose(static_cast<std::size_t>(command.number) - 1);
     else
-        go_on_to_next_of_study();
+        study_->go_on(now_s(), by_the_clock());
 }
 
 /// Somebody who went away has left, and the start screen is back.

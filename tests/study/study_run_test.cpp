@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <fstream>
+#include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "device/hand_control.hpp"
@@ -12,6 +15,8 @@
 
 namespace touchable::test {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr const char* header =
     "study,participant,language,hand,time,condition,place,step,question,answer,seconds,contact_s,touches,"
@@ -30,11 +35,17 @@ class Participant : public testing::Test {
 protected:
     void SetUp() override { open(); }
     void open() {
-        auto study = parse_study(small_study, "small.json");
-        ASSERT_TRUE(study.ok()) << study.error().message;
-        auto run = StudyRun::open(std::move(*study), folder_ / "results", "de", "mouse");
+        auto run = open_in(folder_ / "results");
         ASSERT_TRUE(run.ok()) << run.error().message;
         run_ = std::move(*run);
+    }
+    Result<std::unique_ptr<StudyRun>> open_in(const std::filesystem::path& results) {
+        auto study = parse_study(small_study, "small.json");
+        EXPECT_TRUE(study.ok()) << study.error().message;
+        auto disk = DiskWork::start("study", "that writes results");
+        EXPECT_TRUE(disk.ok());
+        disk_ = disk->get();
+        return StudyRun::open(std::move(*study), results, "de", "mouse", std::move(*disk));
     }
     /// 2026-11-24 10:00:00 and so many seconds, universal time.
     StudyRun::Time time() const { return StudyRun::Time(std::chrono::milliseconds(1795514400000 + ms_)); }
@@ -43,7 +54,19 @@ protected:
         ms_ += ms;
         run_->pass(now_s(), time());
     }
-    void go_on() { run_->go_on(now_s(), time()); }
+    /// And what is written then.
+    void go_on() {
+        run_->go_on(now_s(), time());
+        settle();
+    }
+    void leave() {
+        run_->leave(now_s(), time());
+        settle();
+    }
+    void settle() {
+        ASSERT_TRUE(run_->wait_for_disk(60s));
+        run_->pass(now_s(), time());
+    }
     /// A finger feels so many newtons for so many ticks, after a tick in the air. Half of it reaches a hand.
     void touch(double newtons, int ticks) {
         std::array<Contact, 2> contacts{};
@@ -83,6 +106,7 @@ protected:
 
     const TemporaryFolder folder_;
     std::unique_ptr<StudyRun> run_;
+    DiskWork* disk_ = nullptr;  // its own
     int ms_ = 0;
 };
 
@@ -162,13 +186,13 @@ TEST_F(Participant, WhoGoesAwayHasLeftUnlessAllIsAnswered) {
     wait(3000);
     go_on();
     wait(1000);
-    run_->leave(now_s(), time());
+    leave();
     EXPECT_FALSE(run_->screen());
     EXPECT_EQ(files(), Names{"participant-001.left.csv"});
     const std::string left = text_of("participant-001.left.csv");
     EXPECT_NE(left.find(",on,1,globe,,,1.00,"), std::string::npos) << left;
     EXPECT_NE(left.find(",end,,left,4.00,"), std::string::npos) << left;
-    run_->leave(now_s(), time());
+    leave();
     EXPECT_EQ(files().size(), 1U) << "nobody is there";
     wait(1000);
     go_on();
@@ -182,7 +206,7 @@ TEST_F(Participant, WhoGoesAwayHasLeftUnlessAllIsAnswered) {
         go_on();
     }
     ASSERT_EQ(run_->screen()->step->id, "thanks");
-    run_->leave(now_s(), time());
+    leave();
     EXPECT_EQ(files(), (Names{"participant-001.left.csv", "participant-002.csv"}));
 }
 
@@ -206,7 +230,7 @@ TEST_F(Participant, OfAProgramThatIsEndedStaysPartial) {
     wait(1000);
     go_on();
     wait(3000);
-    EXPECT_TRUE(run_->end(now_s(), time()).ok());
+    EXPECT_TRUE(run_->end(now_s(), time(), 60s).ok());
     EXPECT_EQ(files(), Names{"participant-001.partial.csv"});
     EXPECT_NE(text_of("participant-001.partial.csv").find(",end,,ended,3.00,"), std::string::npos);
 }
@@ -217,20 +241,20 @@ TEST_F(Participant, IsNeverWrittenOverAnother) {
     go_on();
     std::ofstream(folder_ / "results/participant-001.csv") << "mine\n";
     wait(1000);
-    run_->leave(now_s(), time());
+    leave();
     EXPECT_FALSE(run_->fault()) << "it is another name";
     open();
     wait(1000);
     go_on();
     std::ofstream(folder_ / "results/participant-002.left.csv") << "mine, too\n";
     wait(1000);
-    run_->leave(now_s(), time());
+    leave();
     ASSERT_TRUE(run_->fault());
     EXPECT_NE(run_->fault()->message.find("participant-002.left.csv"), std::string::npos);
     EXPECT_EQ(text_of("participant-001.csv"), "mine\n");
     EXPECT_EQ(text_of("participant-002.left.csv"), "mine, too\n");
     EXPECT_NE(text_of("participant-002.partial.csv").find(",end,,left,"), std::string::npos);
-    EXPECT_FALSE(run_->end(now_s(), time()).ok());
+    EXPECT_FALSE(run_->end(now_s(), time(), 60s).ok());
 }
 
 TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
@@ -246,8 +270,46 @@ TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
     EXPECT_TRUE(run_->screen());
     EXPECT_FALSE(run_->fault());
     std::ofstream(folder_ / "file") << "x";
-    auto study = parse_study(small_study, "small.json");
-    EXPECT_FALSE(StudyRun::open(std::move(*study), folder_ / "file", "de", "mouse").ok());
+    EXPECT_FALSE(open_in(folder_ / "file").ok());
+}
+
+/// A disk that hangs: who is at it goes on, and nobody else begins.
+TEST_F(Participant, WaitsForNoDisk) {
+    const auto hang = [&](std::promise<void>& answer) {
+        disk_->give([answers = answer.get_future().share()] { answers.wait(); });
+    };
+    std::promise<void> first, second;
+    hang(first);
+    wait(1000);
+    run_->go_on(now_s(), time());
+    wait(1000);
+    EXPECT_FALSE(run_->screen()) << "there is no file yet";
+    EXPECT_FALSE(run_->may_go_on(now_s())) << "once is enough";
+    EXPECT_FALSE(run_->fault());
+    wait(5000);
+    ASSERT_TRUE(run_->fault());
+    EXPECT_NE(run_->fault()->message.find("results: its disk does not answer"), std::string::npos);
+    first.set_value();
+    settle();
+    EXPECT_FALSE(run_->fault());
+    ASSERT_TRUE(run_->screen());
+    EXPECT_EQ(files(), Names{"participant-001.partial.csv"});
+
+    hang(second);
+    wait(3000);
+    run_->go_on(now_s(), time());
+    EXPECT_EQ(run_->screen()->step->id, "globe");
+    wait(1000);
+    const auto ended = run_->end(now_s(), time(), 20ms);
+    ASSERT_FALSE(ended.ok());
+    EXPECT_NE(ended.error().message.find("does not answer"), std::string::npos);
+    EXPECT_EQ(text_of("participant-001.partial.csv"), header);
+    second.set_value();
+    const auto has_all = [&] {
+        return text_of("participant-001.partial.csv").find(",ended,4.00,") != std::string::npos;
+    };
+    for (int k = 0; k < 20'000 && !has_all(); ++k) std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(has_all()) << "it was only slow";
 }
 
 /// Whoever asks, by a key or the device's own button.

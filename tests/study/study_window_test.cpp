@@ -16,6 +16,7 @@
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -23,6 +24,7 @@ namespace {
 // In a window of 640x400: the button of a page, that of a touch, and the fourth and second of five answers.
 constexpr const char *page_button = "540 353", *strip_button = "590 372", *fourth = "404 175",
                      *second = "235 175";
+constexpr PicturePart force_bar{14, 14, 90, 120};
 
 using Row = std::map<std::string, std::string>;
 
@@ -132,17 +134,6 @@ void kill_once(std::vector<std::string> words, const std::function<bool()>& is_e
     EXPECT_TRUE(WIFSIGNALED(status)) << "it had ended by itself";
 }
 
-/// What differs of two pictures where the bar of forces is.
-int differences_of_bar(const Image& a, const Image& b) {
-    int count = 0;
-    for (int y = 14; y < 120; ++y)
-        for (int x = 14; x < 90; ++x) {
-            const auto at = static_cast<std::size_t>((y * a.width + x) * 3);
-            count += std::abs(a.samples[at] - b.samples[at]) > 24;
-        }
-    return count;
-}
-
 TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
     write_whole_study();
     painter_ = "raster";  // so that what is written is in the pictures
@@ -194,7 +185,7 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
     }
     const auto on = read_image(folder_ / "on.png"), off = read_image(folder_ / "off.png");
     ASSERT_TRUE(on.ok() && off.ok());
-    EXPECT_GT(differences_of_bar(*on, *off), 200) << "a force is shown, or none is";
+    EXPECT_GT(differences(*on, *off, force_bar), 200) << "a force is shown, or none is";
     EXPECT_TRUE(std::filesystem::exists(folder_ / "start.png"));
 }
 

@@ -9,10 +9,8 @@
 
 #include "player/overlay/scene_picture.hpp"
 #include "player/view/cpu_drawing.hpp"
-#include "player/view/own_view_picture.hpp"
 #include "player/view/surface_drawing.hpp"
 #include "player/view/upload_pool.hpp"
-#include "player/view/view_rows.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -257,135 +255,6 @@ TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
     }
 }
 
-TEST_F(Drawing, OwnViewIsTheSameByAllVectors) {
-    const auto shown = shown_scene("globe", 203, 133);
-    const HeightField field = shown->field();
-    const ViewCamera camera =
-        make_view(*parse_viewpoint("own"), shown->scene, subject_of(field).middle, 301, 200);
-    ASSERT_TRUE(OwnViewPicture::draws(camera));
-    GpuLattices lattices(gpu);
-    const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown->raw_prev.colour)));
-    const std::vector<PackedColour> background(200, 7);
-    std::vector<PackedColour> first;
-    std::vector<float> first_z;
-    for (const VectorUnit unit : usable_vector_units()) {
-        std::vector<PackedColour> colours(304 * 200);
-        std::vector<float> z(colours.size());
-        OwnViewPicture(unit).draw(lattice, camera, background, 304, colours, z);
-        if (first.empty()) {
-            first = colours;
-            first_z = z;
-        }
-        EXPECT_EQ(colours, first);
-        EXPECT_EQ(z, first_z);
-    }
-    EXPECT_GT(std::count(first.begin(), first.end(), 7U), 1000);
-    EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
-}
-
-TEST_F(Drawing, OwnViewIsTheCpuPaintersAcrossDepthSteps) {
-    for (const char* scene : {"globe", "cliffs", "noise"}) {
-        const auto shown = shown_scene(scene, 203, 133);
-        const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
-        GpuLattices lattices(gpu);
-        const GpuLattice lattice = must(lattices.lattice_of(surface));
-        const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
-        ASSERT_TRUE(OwnViewPicture::draws(camera));
-        const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
-        std::vector<PackedColour> colours(304 * 200);
-        std::vector<float> z(colours.size());
-        OwnViewPicture().draw(lattice, camera, std::vector<PackedColour>(200, 7), 304, colours, z);
-        std::size_t drawn = 0, others = 0;
-        for (int y = 0; y < 200; ++y)
-            for (int x = 0; x < 301; ++x) {
-                const std::size_t at = static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
-                const std::size_t pixel = expected.index(x, y);
-                drawn += z[at] > 0;
-                others += (z[at] > 0) != (expected.z[pixel] > 0);
-                if (!(z[at] > 0) || !(expected.z[pixel] > 0)) continue;
-                others += std::fabs(z[at] - expected.z[pixel]) > 1e-4F * z[at];
-                for (const unsigned shift : {0U, 8U, 16U})
-                    others += std::abs(static_cast<int>(colours[at] >> shift & 255U) -
-                                       static_cast<int>(expected.colours[pixel] >> shift & 255U)) > 1;
-            }
-        EXPECT_EQ(others, 0U) << scene;
-        EXPECT_GT(drawn, 10'000U) << scene;
-    }
-}
-
-/// From the side, from behind, from so near that cells are large and reach before the eye.
-TEST_F(Drawing, AnyViewIsTheCpuPaintersToTheBit) {
-    for (const char* scene : {"globe", "cliffs", "noise"}) {
-        const auto shown = shown_scene(scene, 203, 133);
-        const HeightField field = shown->field();
-        const Subject subject = subject_of(field);
-        const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
-        GpuLattices lattices(gpu);
-        const GpuLattice lattice = must(lattices.lattice_of(surface));
-        for (const char* words :
-             {"own", "orbit:az=7,el=3", "orbit:az=70,el=5", "orbit:az=-60,el=30,zoom=2", "orbit:az=180,el=0",
-              "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
-            const ViewCamera camera =
-                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
-            const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
-            SurfaceEdges edges(1);
-            if (!is_own_view(camera))
-                edges.find(surface.q.data(), surface.width, surface.height, surface.width);
-            const std::vector<PackedColour> background(200, 7);
-            std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
-            for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
-            for (const auto& [threads, unit] : ways) {
-                std::vector<PackedColour> colours(304 * 200);
-                std::vector<float> z(colours.size(), 9);
-                LatticeRaster(threads, unit).draw(lattice, edges, camera, background, 304, colours, z);
-                std::size_t others = 0;
-                for (int y = 0; y < 200; ++y)
-                    for (int x = 0; x < 301; ++x) {
-                        const std::size_t at =
-                            static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
-                        const std::size_t pixel = expected.index(x, y);
-                        const bool is_empty = !(expected.z[pixel] > 0);
-                        others += z[at] != expected.z[pixel] ||
-                                  colours[at] != (is_empty ? 7U : expected.colours[pixel]);
-                    }
-                EXPECT_EQ(others, 0U) << scene << ", " << words << ", by " << threads;
-            }
-            EXPECT_GT(std::count_if(expected.z.begin(), expected.z.end(), [](float z) { return z > 0; }), 50)
-                << scene << ", " << words;
-        }
-    }
-}
-
-/// What a wider lattice left beyond the width of the next is not drawn.
-TEST_F(Drawing, AnyViewIsTheSameAfterAWiderLattice) {
-    GpuLattices lattices(gpu);
-    const auto wide = shown_scene("globe", 230, 133), narrow = shown_scene("globe", 203, 133);
-    const std::vector<PackedColour> background(200, 7);
-    struct Picture {
-        std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
-        std::vector<float> z = std::vector<float>(304 * 200);
-    };
-    const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
-        const HeightField field = shown.field();
-        const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene,
-                                            subject_of(field).middle, 301, 200);
-        const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
-        SurfaceEdges edges(1);
-        edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
-        Picture picture;
-        raster.draw(lattice, edges, camera, background, 304, picture.colours, picture.z);
-        return picture;
-    };
-    for (const VectorUnit unit : usable_vector_units()) {
-        LatticeRaster fresh(1, unit), used(1, unit);
-        const Picture wanted = draw(fresh, *narrow);
-        draw(used, *wide);
-        const Picture is = draw(used, *narrow);
-        EXPECT_EQ(is.z, wanted.z);
-        EXPECT_EQ(is.colours, wanted.colours);
-    }
-}
-
 TEST_F(Drawing, RepeatsItself) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();
@@ -415,6 +284,36 @@ TEST_F(Drawing, RepeatsItself) {
         // A finger that goes leaves nothing behind.
         const ViewSurface surface = make_view_surface(shown->field(0.5), shown->raw_prev.colour);
         EXPECT_LE(different(bare, cpu_picture(surface, camera, {}, {}), 3), 40U) << painter;
+    }
+}
+
+/// As where something fails after it, or a window's picture is not finished.
+TEST_F(Drawing, MakesAgainWhatWasRecordedAndForgotten) {
+    const auto shown = shown_scene("cliffs", 150, 100);
+    const HeightField field = shown->field();
+    const PlaneView colour = shown->raw_prev.colour;
+    const ViewCamera camera =
+        make_view(*parse_viewpoint("orbit:az=25,el=10"), shown->scene, subject_of(field).middle, 300, 200);
+    const GpuImage target = target_of(300, 200);
+    for (const char* painter : gpu_painters) {
+        const auto unbroken = must(SurfaceDrawing::create(gpu, painter)),
+                   drawing = must(SurfaceDrawing::create(gpu, painter));
+        const Image background = picture_of(*unbroken, camera, {}, {}, target);
+        show(*unbroken, field, shown->pair(), colour);
+        const Image expected = picture_of(*unbroken, camera, {}, {}, target);
+        EXPECT_GT(different(background, expected, 3), 5000U);
+
+        const auto forget = [&](const auto& record) {
+            auto commands = must(GpuCommands::begin(gpu, "forgotten"));
+            must(record(commands));
+        };
+        forget([&](GpuCommands& commands) {
+            return drawing->show(commands, field, shown->pair(), colour, Lighting::lit);
+        });
+        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, background.samples) << painter;
+        show(*drawing, field, shown->pair(), colour);
+        forget([&](GpuCommands& commands) { return drawing->draw(commands, camera, {}, {}, target); });
+        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, expected.samples) << painter;
     }
 }
 

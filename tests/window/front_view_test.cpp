@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -24,22 +24,14 @@ constexpr double radius = 21.6;
 /// 0.6 N/mm, `deeper` mm from where it rests at first, 4 mm before it.
 Image picture_of(const std::string& deeper, const std::vector<std::string>& more = {}) {
     static const TemporaryFolder folder;
-    const std::string clip = (folder / "plane.mkv").string(), script = (folder / "script").string(),
-                      shot = (folder / "shot.png").string();
+    const std::string clip = (folder / "plane.mkv").string();
     if (!std::filesystem::exists(clip)) {
         const auto made = run_touchable({"make", "plane", clip, "--tilt", "0", "--frames", "1"});
         EXPECT_EQ(made.code, 0) << made.err;
     }
-    std::ofstream(script) << "0 move 640 360\n0.1 deeper " + deeper + "\n";
-    std::vector<std::string> words{"play",     clip,   "--headless", "--size",     "1280x720",
-                                   "--script", script, "--painter",  "raster",     "--screenshot",
-                                   shot,       "--at", "3.6",        "--overwrite"};
+    std::vector<std::string> words{clip, "--painter", "raster"};
     words.insert(words.end(), more.begin(), more.end());
-    const auto played = run_touchable(words);
-    EXPECT_EQ(played.code, 0) << played.err;
-    const auto image = read_image(shot);
-    EXPECT_TRUE(image.ok());
-    return image.ok() ? *image : Image{width, height, 1, 3, std::vector<std::uint8_t>(width * height * 3)};
+    return played_by(words, "0 move 640 360\n0.1 deeper " + deeper + "\n", "3.6", "1280x720").image;
 }
 
 /// Of a place beside the finger's middle, y downward.

@@ -12,6 +12,7 @@
 #include "player/audio/spoken_sound.hpp"
 #include "tests/player/program.hpp"
 #include "tests/video/sounding_clip.hpp"
+#include "tests/window/scripted_window.hpp"
 #include "tests/window/two_surfaces.hpp"
 
 namespace touchable::test {
@@ -30,19 +31,15 @@ protected:
     Outcome play(const std::string& labels, const std::vector<std::string>& more = {},
                  const std::string& script = "0 move 160 110\n0.1 press left\n", const char* at_s = "2") {
         std::ofstream(folder_ / "labels.json") << "{\"touchable_labels\": 1, \"labels\": [" << labels << "]}";
-        std::ofstream(folder_ / "script") << script;
         std::filesystem::remove(folder_ / "heard.wav");
         std::filesystem::remove(folder_ / "shot.png");
-        std::vector<std::string> words{"play",         clip_,
-                                       "--kiosk",      "--headless",
-                                       "--size",       "320x240",
-                                       "--sound",      (folder_ / "heard.wav").string(),
+        std::vector<std::string> words{clip_,          "--kiosk",
+                                       "--sound",      "heard.wav",
                                        "--labels",     (folder_ / "labels.json").string(),
-                                       "--script",     (folder_ / "script").string(),
-                                       "--screenshot", (folder_ / "shot.png").string(),
+                                       "--screenshot", "shot.png",
                                        "--at",         at_s};
         words.insert(words.end(), more.begin(), more.end());
-        return run_touchable(words);
+        return run_scripted(words, script, folder_.path());
     }
     /// How much of the label's tone is in a stretch of what was heard, seconds: its amplitude.
     double tone_between(double from_s, double to_s) const {

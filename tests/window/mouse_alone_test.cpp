@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -80,15 +79,9 @@ protected:
     }
     /// What the program says in the end.
     std::string play(const std::vector<std::string>& clips, const std::string& script) {
-        std::ofstream(folder_ / "script") << script;
         const auto [width, height] = GetParam();
-        std::vector<std::string> words{"play"};
-        words.insert(words.end(), clips.begin(), clips.end());
-        for (const std::string& word :
-             {std::string("--headless"), std::string("--script"), std::string("script"),
-              std::string("--size"), std::to_string(width) + "x" + std::to_string(height)})
-            words.push_back(word);
-        const auto played = run_in_folder(words, folder_.path());
+        const auto played =
+            run_scripted(clips, script, folder_.path(), std::to_string(width) + "x" + std::to_string(height));
         EXPECT_EQ(played.code, 0) << played.err;
         return played.out;
     }
@@ -96,18 +89,11 @@ protected:
     double differs(const std::string& name, const std::string& other, int x0, int y0, int x1, int y1) {
         const auto a = read_image(folder_ / name), b = read_image(folder_ / other);
         EXPECT_TRUE(a.ok() && b.ok()) << name << ", " << other;
-        if (!a.ok() || !b.ok() || a->width != b->width || a->height != b->height) return -1;
-        int count = 0, all = 0;
-        for (int y = a->height * y0 / 1000; y < a->height * y1 / 1000; ++y)
-            for (int x = a->width * x0 / 1000; x < a->width * x1 / 1000; ++x) {
-                const auto k = static_cast<std::size_t>((y * a->width + x) * 3);
-                const auto channel = [&](std::size_t c) {
-                    return std::abs(a->samples[k + c] - b->samples[k + c]) > 24;
-                };
-                ++all;
-                count += channel(0) || channel(1) || channel(2);
-            }
-        return static_cast<double>(count) / all;
+        if (!a.ok() || !b.ok()) return -1;
+        const PicturePart part{a->width * x0 / 1000, a->height * y0 / 1000, a->width * x1 / 1000,
+                               a->height * y1 / 1000};
+        const double all = (part.x1 - part.x0) * (part.y1 - part.y0);
+        return differences(*a, *b, part) / all;
     }
     double middle_differs(const std::string& name, const std::string& other) {
         return differs(name, other, 300, 300, 700, 700);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -10,6 +9,7 @@
 
 #include "player/control/window_command.hpp"
 #include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -89,10 +89,8 @@ TEST(RandomInput, EndsWellAndNoForceIsAboveTheLimit) {
     const std::string clip = (folder / "globe.mkv").string(), record = (folder / "hand.touch").string();
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "30"}).code, 0);
     const double seconds = seconds_of_input();
-    std::ofstream(folder / "script") << RandomScript(20).of(seconds);
-    const auto played = run_touchable({"play", clip, "--headless", "--size", "640x400", "--script",
-                                       (folder / "script").string(), "--seconds",
-                                       std::to_string(seconds + 0.2), "--record", record});
+    const auto played = run_scripted({clip, "--seconds", std::to_string(seconds + 0.2), "--record", record},
+                                     RandomScript(20).of(seconds), folder.path(), "640x400");
     ASSERT_EQ(played.code, 0) << played.err;
     const auto again = run_touchable({"touch", "--replay", record, "--json", "-"});
     ASSERT_EQ(again.code, 0) << again.err;

@@ -17,6 +17,7 @@
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/view/shown.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -173,17 +174,16 @@ TEST(Sound, OfTheWindowIsKept) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
-    std::ofstream(folder / "script") << "0 move 160 130\n0.2 press left\n";
-    const std::vector<std::string> words{"play",    clip,       "--headless",
-                                         "--size",  "320x240",  "--seconds",
-                                         "0.6",     "--script", (folder / "script").string(),
-                                         "--sound", wav};
-    const auto played = run_touchable(words);
+    const auto play = [&] {
+        return run_scripted({clip, "--seconds", "0.6", "--sound", wav}, "0 move 160 130\n0.2 press left\n",
+                            folder.path());
+    };
+    const auto played = play();
     ASSERT_EQ(played.code, 0) << played.err;
     const Wav heard(wav);
     EXPECT_GT(heard.milliseconds(), 400U);
     EXPECT_GT(heard.loudness(0, heard.milliseconds()), 0.001);
-    const auto again = run_touchable(words);
+    const auto again = play();
     EXPECT_EQ(again.code, 2);
     EXPECT_NE(again.err.find("--overwrite"), std::string::npos) << again.err;
 }
@@ -193,10 +193,8 @@ TEST(Sound, OfAKioskIsThereAgainForWhoeverPresses) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
-    std::ofstream(folder / "script") << "0 move 160 130\n0 key f\n0.3 press left\n";
-    const auto played =
-        run_touchable({"play", clip, "--kiosk", "--headless", "--size", "320x240", "--seconds", "1.5",
-                       "--script", (folder / "script").string(), "--sound", wav});
+    const auto played = run_scripted({clip, "--kiosk", "--seconds", "1.5", "--sound", wav},
+                                     "0 move 160 130\n0 key f\n0.3 press left\n", folder.path());
     ASSERT_EQ(played.code, 0) << played.err;
     const Wav heard(wav);
     EXPECT_GT(heard.loudness(0, heard.milliseconds()), 0.001);

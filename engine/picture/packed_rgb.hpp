@@ -6,7 +6,7 @@
 
 #include "engine/vector_unit.hpp"
 
-// RGB of 8 bits, three bytes a pixel, made by the CPU's vectors.
+// Packed RGB: 8 bits, three bytes a pixel, made by the CPU's vectors.
 
 namespace touchable {
 

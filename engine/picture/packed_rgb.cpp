@@ -1,4 +1,4 @@
-#include "engine/picture/rgb_rows.hpp"
+#include "engine/picture/packed_rgb.hpp"
 
 #include <algorithm>
 #include <cstring>

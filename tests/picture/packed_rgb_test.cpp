@@ -1,5 +1,5 @@
 // Against swscale's plain C, which the conversion was before, and against pixels moved one by one.
-#include "engine/picture/rgb_rows.hpp"
+#include "engine/picture/packed_rgb.hpp"
 
 #include <gtest/gtest.h>
 
@@ -107,7 +107,7 @@ std::vector<Look> yuv_looks() {
     return looks;
 }
 
-TEST(RgbRows, OfYuv420AreToTheBitWhatSwscaleMakes) {
+TEST(PackedRgb, OfYuv420AreToTheBitWhatSwscaleMakes) {
     unsigned seed = 0;
     for (const Look& look : yuv_looks()) {
         const FramePtr frame = noise(look, ++seed);
@@ -181,7 +181,7 @@ TEST(RgbConverter, MovesBytesOfEveryOrderOfChannels) {
         }
 }
 
-TEST(RgbRows, OfEveryUnitAreTheSame) {
+TEST(PackedRgb, OfEveryUnitAreTheSame) {
     const FramePtr frame = noise({521, 2, AV_PIX_FMT_BGR0}, 3);
     const std::uint8_t* const row = frame->data[0];
     const int width = frame->width;
