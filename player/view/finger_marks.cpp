@@ -73,7 +73,7 @@ void shape_arrow(const glm::dvec3& from, const glm::dvec3& arrow, double radius,
     const double distance = glm::length(sight);
     const double nearer = std::clamp(glm::distance(eye, to) / distance, 0.05, 1.0);
     const double aside = glm::length(glm::cross(arrow, sight)) / (glm::length(arrow) * distance);
-    const double shaft = 0.34 * radius * glm::mix(0.55, 1.0, std::min(2 * aside, 1.0));
+    const double shaft = 0.34 * radius * glm::mix(0.55, 1.0, std::min(aside / 0.42, 1.0));
     add_arrow(solids, from, to, shaft, nearer * shaft, {arrow_light(light), 1});
 }
 
