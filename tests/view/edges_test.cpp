@@ -196,8 +196,8 @@ TEST(SurfaceEdges, AreDarkWhereTheyAreSteep) {
     EXPECT_LT(last, 0.25F);
 }
 
-/// A ball before something far, whose edge falls away: each vertex by itself would be as deep, and as dark, as
-/// the edge's step is that it is in.
+/// A ball before something far, whose edge falls away: each vertex by itself would be as deep, and as dark,
+/// as the edge's step is that it is in.
 TEST(SurfaceEdges, OfABallHaveNeitherTeethNorStreaks) {
     const double focal = 400, middle = 80, across = 60 / focal;
     const Drawn drawn(160, 160, [&](int x, int y) {
