@@ -7,7 +7,8 @@
 //
 // A move goes out into the gap only, along a column or a row, by less than a pixel. Then no triangle turns
 // over: where a and b are neighbours of one surface, neither moves towards the other. In a corner that the
-// surface has around a gap a vertex moves aslant, to the middle of its two neighbours that the gap is beside.
+// surface has around a gap a vertex moves aslant, to the middle of its two neighbours that the gap is beside,
+// and is drawn as they are, in the mean: otherwise each step of an edge would be a tooth.
 //
 // q at an edge is that of the surface within: a camera mixes there what is before and behind, and a surface
 // that curves away ends in steps as high as it is steep. q of a plane is linear in x and y. So it goes on
@@ -15,7 +16,7 @@
 //
 // What falls away steeply at an edge is a streak from aside, of colours that a camera saw at a grazing angle
 // or mixed. It goes dark, the more the steeper it is: from a quarter to three quarters of what cut_rule.h
-// lets be.
+// lets be. That too is told from the edge's course: from pixel to pixel it differs as the edge's steps do.
 #ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
 #define TOUCHABLE_SHADERS_EDGE_RULE_H
 
@@ -97,10 +98,10 @@ EDGE_FUNCTION bool edge_goes_on(EDGE_LATTICE lattice, EDGE_CHANGED(ivec2) at, iv
     return edge_has_gap(lattice, next, next + out_);
 }
 
-/// q of the surface within, as it goes on to a vertex at its edge, and how much it changes from one to the
-/// next outwards; false where the surface is too narrow to tell.
+/// q of the surface within, as it goes on to a vertex at its edge, how much it changes from one to the next
+/// outwards, and how much from there to the vertex's own; false where the surface is too narrow to tell.
 EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(float) q,
-                              EDGE_CHANGED(float) change) {
+                              EDGE_CHANGED(float) change, EDGE_CHANGED(float) last) {
     const ivec2 within = at - out_, farther = within - out_;
     if (!edge_is_there(lattice, farther) || !edge_joins(lattice, at, within) ||
         !edge_joins(lattice, within, farther))
@@ -109,52 +110,27 @@ EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     EDGE_PRECISE float step = here - edge_q(lattice, farther);
     EDGE_PRECISE float sum = q + (here + step);
     EDGE_PRECISE float changes = change + step;
+    EDGE_PRECISE float lasts = last + (edge_q(lattice, at) - here);
     q = sum;
     change = changes;
+    last = lasts;
     return true;
 }
 
-/// The move of a vertex with a gap on one side, `out_`; gives how far its edge was followed.
-EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
-    const float shares[EDGE_REACH + 1] = {1.0f, 1.0f / 3.0f, 1.0f / 5.0f, 1.0f / 7.0f, 1.0f / 9.0f};
-    const ivec2 along = ivec2(out_.y, out_.x);
-    ivec2 left = at, right = at;
-    float q = 0.0f, change = 0.0f;
-    int reach = 0, beyond = 0;
-    const bool is_wide = edge_slope(lattice, at, out_, q, change);
-    while (reach < EDGE_REACH) {
-        if (!edge_goes_on(lattice, left, -along, out_) || !edge_goes_on(lattice, right, along, out_)) break;
-        float sum = q, changes = change;
-        if (is_wide && (!edge_slope(lattice, left, out_, sum, changes) ||
-                        !edge_slope(lattice, right, out_, sum, changes)))
-            break;
-        q = sum;
-        change = changes;
-        const ivec2 both = (left - at) + (right - at);
-        beyond += both.x * out_.x + both.y * out_.y;
-        ++reach;
+/// How much is left of the colour at an edge where q is `here`, and `steepest` apart from pixel to pixel.
+EDGE_FUNCTION int edge_shade_of(EDGE_LATTICE lattice, float here, float steepest) {
+    // In steps of a quarter of what may be, no division: the same on every machine.
+    EDGE_PRECISE float quarter = (0.25f * (lattice.ratio - 1.0f)) * here;
+    EDGE_PRECISE float step = quarter * (2.0f / float(EDGE_UNIT - EDGE_DARKEST));
+    int shade = EDGE_UNIT;
+    for (int half_of = 32; half_of > 0; half_of /= 2) {
+        EDGE_PRECISE float reached = quarter + float(EDGE_UNIT - shade + half_of) * step;
+        if (shade - half_of >= EDGE_DARKEST && steepest >= reached) shade -= half_of;
     }
-    // The mean, rounded down, of what is made positive for that; half a pixel farther.
-    const int count = 2 * reach + 1;
-    int steps = (EDGE_UNIT * (beyond + EDGE_REACH * count)) / count - EDGE_UNIT * EDGE_REACH + EDGE_UNIT / 2;
-    steps = steps < 0 ? 0 : (steps > EDGE_MOST ? EDGE_MOST : steps);
-    move.by = steps * out_;
-    move.q = edge_q(lattice, at);
-    if (!is_wide) return reach;
-    const float within = edge_q(lattice, at - out_);
-    EDGE_PRECISE float mean = q * shares[reach];
-    EDGE_PRECISE float slope = change * shares[reach];
-    EDGE_PRECISE float here = mean + 0.5f * slope;
-    // No farther from what is within than half of what neighbours of one surface may be: steeper ones would
-    // end in long tongues.
-    EDGE_PRECISE float apart = (0.5f * (lattice.ratio - 1.0f)) * within;
-    EDGE_PRECISE float least = within - apart;
-    EDGE_PRECISE float most = within + apart;
-    move.q = here < least ? least : (here > most ? most : here);
-    return reach;
+    return shade;
 }
 
-/// How much is left of the colour of a vertex at an edge.
+/// Of a vertex beside a gap, by itself.
 EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
     const float here = edge_q(lattice, at);
     float steepest = 0.0f;
@@ -165,15 +141,67 @@ EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
         const float apart = here < there ? there - here : here - there;
         steepest = apart > steepest ? apart : steepest;
     }
-    // In steps of a quarter of what may be, no division: the same on every machine.
-    EDGE_PRECISE float quarter = (0.25f * (lattice.ratio - 1.0f)) * here;
-    EDGE_PRECISE float step = quarter * (2.0f / float(EDGE_UNIT - EDGE_DARKEST));
-    int shade = EDGE_UNIT;
-    for (int half_of = 32; half_of > 0; half_of /= 2) {
-        EDGE_PRECISE float reached = quarter + float(EDGE_UNIT - shade + half_of) * step;
-        if (shade - half_of >= EDGE_DARKEST && steepest >= reached) shade -= half_of;
+    return edge_shade_of(lattice, here, steepest);
+}
+
+/// The move of a vertex with a gap on one side, `out_`; gives how far its edge was followed.
+EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
+    const float shares[EDGE_REACH + 1] = {1.0f, 1.0f / 3.0f, 1.0f / 5.0f, 1.0f / 7.0f, 1.0f / 9.0f};
+    const ivec2 along = ivec2(out_.y, out_.x);
+    ivec2 left = at, right = at;
+    float q = 0.0f, change = 0.0f, last = 0.0f;
+    int reach = 0, beyond = 0;
+    const bool is_wide = edge_slope(lattice, at, out_, q, change, last);
+    while (reach < EDGE_REACH) {
+        if (!edge_goes_on(lattice, left, -along, out_) || !edge_goes_on(lattice, right, along, out_)) break;
+        float sum = q, changes = change, lasts = last;
+        if (is_wide && (!edge_slope(lattice, left, out_, sum, changes, lasts) ||
+                        !edge_slope(lattice, right, out_, sum, changes, lasts)))
+            break;
+        q = sum;
+        change = changes;
+        last = lasts;
+        const ivec2 both = (left - at) + (right - at);
+        beyond += both.x * out_.x + both.y * out_.y;
+        ++reach;
     }
-    return shade;
+    // The mean, rounded down, of what is made positive for that; half a pixel farther.
+    const int count = 2 * reach + 1;
+    int steps = (EDGE_UNIT * (beyond + EDGE_REACH * count)) / count - EDGE_UNIT * EDGE_REACH + EDGE_UNIT / 2;
+    steps = steps < 0 ? 0 : (steps > EDGE_MOST ? EDGE_MOST : steps);
+    move.by = steps * out_;
+    move.q = edge_q(lattice, at);
+    if (!is_wide) {
+        move.shade = edge_shade(lattice, at);
+        return reach;
+    }
+    const float within = edge_q(lattice, at - out_);
+    EDGE_PRECISE float mean = q * shares[reach];
+    EDGE_PRECISE float slope = change * shares[reach];
+    EDGE_PRECISE float here = mean + 0.5f * slope;
+    // No farther from what is within than half of what neighbours of one surface may be: steeper ones would
+    // end in long tongues.
+    EDGE_PRECISE float apart = (0.5f * (lattice.ratio - 1.0f)) * within;
+    EDGE_PRECISE float least = within - apart;
+    EDGE_PRECISE float most = within + apart;
+    move.q = here < least ? least : (here > most ? most : here);
+    EDGE_PRECISE float apart_last = last * shares[reach];
+    move.shade = edge_shade_of(lattice, within, apart_last < 0.0f ? -apart_last : apart_last);
+    return reach;
+}
+
+/// How a vertex is drawn that has a gap towards `out_`, of its move there and how far its edge was followed: by
+/// the side along which that is farther.
+EDGE_FUNCTION EdgeMove edge_farther(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EdgeMove move, int reach) {
+    const ivec2 side = ivec2(out_.y, out_.x);
+    const bool gap_after = edge_has_gap(lattice, at, at + side),
+               gap_before = edge_has_gap(lattice, at, at - side);
+    if (gap_after == gap_before) return move;
+    EdgeMove other = move;
+    const int other_reach = edge_across(lattice, at, gap_after ? side : -side, other);
+    const bool is_farther = out_.y != 0 ? reach >= other_reach : reach > other_reach;
+    if (is_farther && !edge_has_gap(lattice, at, at - out_)) return move;
+    return other;
 }
 
 /// Where a vertex is drawn. `lattice` has two columns and two rows at least.
@@ -188,14 +216,16 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
                gap_left = edge_has_gap(lattice, at, at - right),
                gap_down = edge_has_gap(lattice, at, at + down), gap_up = edge_has_gap(lattice, at, at - down);
     const bool across = gap_right != gap_left, upright = gap_down != gap_up;
-    if (gap_right || gap_left || gap_down || gap_up) move.shade = edge_shade(lattice, at);
     if (across || upright) {
         EdgeMove level = move, steep = move;
         const int level_reach = across ? edge_across(lattice, at, gap_right ? right : -right, level) : -1;
         const int steep_reach = upright ? edge_across(lattice, at, gap_down ? down : -down, steep) : -1;
         return steep_reach >= level_reach ? steep : level;
     }
-    if (gap_right || gap_down) return move;  // on either side
+    if (gap_right || gap_down) {  // on either side
+        move.shade = edge_shade(lattice, at);
+        return move;
+    }
     const ivec2 aslant = ivec2(1, 1);
     const bool gap_after = edge_has_gap(lattice, at, at + aslant),
                gap_before = edge_has_gap(lattice, at, at - aslant);
@@ -205,13 +235,16 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
     if (edge_joins(lattice, beyond, one) || edge_joins(lattice, beyond, other)) return move;
     // In the middle of where the two that the gap lies between would go.
     EdgeMove level = move, steep = move;
-    edge_across(lattice, one, ivec2(0, out_.y), level);
-    edge_across(lattice, other, ivec2(out_.x, 0), steep);
+    const ivec2 out_one = ivec2(0, out_.y), out_other = ivec2(out_.x, 0);
+    const int reach_one = edge_across(lattice, one, out_one, level),
+              reach_other = edge_across(lattice, other, out_other, steep);
     const int steps = (2 * EDGE_UNIT + out_.y * level.by.y + out_.x * steep.by.x) / 4;
     move.by = steps * out_;
-    EDGE_PRECISE float sum = level.q + steep.q;
+    const EdgeMove drawn_one = edge_farther(lattice, one, out_one, level, reach_one),
+                   drawn_other = edge_farther(lattice, other, out_other, steep, reach_other);
+    EDGE_PRECISE float sum = drawn_one.q + drawn_other.q;
     move.q = 0.5f * sum;
-    move.shade = edge_shade(lattice, at);
+    move.shade = (drawn_one.shade + drawn_other.shade) / 2;
     return move;
 }
 

@@ -23,7 +23,6 @@ void main() {
     const uint ring = uint(gl_VertexIndex) / MARKS_RING_CORNERS, side = uint(gl_VertexIndex) % MARKS_RING_CORNERS;
     to_eye = normalize(push.eye.xyz - solid.foot.xyz);
     light = solid.light;
-    const float half_pixel = 0.5f * length(push.eye.xyz - solid.foot.xyz) / push.eye.w;
 
     const vec3 along = solid.along.xyz;
     const vec3 other = abs(along.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
@@ -33,6 +32,8 @@ void main() {
 
     normal = normalize(solid.ends.z * along + solid.ends.w * away);
     const float height = ring == 0u ? solid.ends.x : solid.ends.y;
+    const vec3 middle = solid.foot.xyz + height * along;
+    const float half_pixel = 0.5f * length(push.eye.xyz - middle) / push.eye.w;
     const float radius = (ring == 0u ? solid.foot.w : solid.along.w) + half_pixel * solid.ends.w;
-    gl_Position = push.clip_from_world * vec4(solid.foot.xyz + height * along + radius * away, 1.0f);
+    gl_Position = push.clip_from_world * vec4(middle + radius * away, 1.0f);
 }

@@ -354,7 +354,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
     words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
     add_number_option(sub, "--scale", o.scale,
-                      "how large words and bars are, 0.8 to 4, instead of the display's own scale", 0.8, 4);
+                      "how large words and bars are, 0.8 to 4, instead of what display and window ask for",
+                      0.8, 4);
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
     sub.add_option(
            "--painter", o.painter,

@@ -110,8 +110,11 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
         const double above = is_above ? finger.under->height / sizes.finger_radius : 0;
         halo.ring = halo.radius * ring_radii(above, halo.newtons, sizes.limit_newtons);
         halo.share = std::min(halo.newtons / sizes.limit_newtons, 1.0);
-        const glm::dvec3 tip = finger.proxy + finger.force * sizes.length_per_newton;
+        const glm::dvec3 arrow = finger.force * sizes.length_per_newton, tip = finger.proxy + arrow;
+        const glm::dvec3 sight = camera.eye - finger.proxy;
         halo.towards_eye = glm::distance(tip, camera.eye) < distance;
+        if (halo.newtons > 0)
+            halo.aside = glm::length(glm::cross(arrow, sight)) / (glm::length(arrow) * distance);
         if (const auto end = camera.project(tip)) halo.arrow = glm::dvec2(*end) - halo.at;
         halos.push_back(halo);
     }
@@ -121,8 +124,12 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     constexpr double least_newtons = 0.05;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    std::vector<LabelBox> taken;  // by rings, and by labels
-    for (const FingerHalo& halo : halos) taken.push_back({halo.at - halo.ring, halo.at + halo.ring});
+    std::vector<LabelBox> taken;  // by rings, by the heads of arrows, and by labels
+    for (const FingerHalo& halo : halos) {
+        const glm::dvec2 tip = halo.at + halo.arrow;
+        taken.push_back({halo.at - halo.ring, halo.at + halo.ring});
+        taken.push_back({tip - halo.radius, tip + halo.radius});
+    }
     for (const FingerHalo& halo : halos) {
         const bool pushes = halo.touching && halo.newtons > least_newtons;
         const bool end_on = glm::length(halo.arrow) < 1.9 * halo.radius;
@@ -134,9 +141,8 @@ void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
         if (!pushes) continue;
         draw(halo.share, 5.6F, dark_ink);
         draw(halo.share, 3.6F, light_ink);
-        if (!end_on) continue;
-        draw_end_on(list, halo, scale);
-        draw_newtons(list, halo, taken, scale);
+        if (end_on) draw_end_on(list, halo, scale);
+        if (end_on || halo.aside < 0.5) draw_newtons(list, halo, taken, scale);
     }
 }
 

@@ -19,6 +19,7 @@ struct FingerHalo {
     double ring = 0;        ///< of the ring, pixels: `ring_radii` of them
     double share = 0;       ///< of the largest force, 0 to 1: so much of a turn is drawn strongly
     glm::dvec2 arrow{0.0};  ///< from the finger to the tip of its force's arrow, pixels
+    double aside = 0;       ///< of the arrow: the sine of its angle to the line of sight
     double newtons = 0;
     bool touching = false;
     bool towards_eye = false;  ///< the arrow
@@ -44,8 +45,8 @@ std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const gl
                                       std::span<const LabelBox> taken);
 
 /// Below all panels, between ImGuiLayer's `begin` and `draw`. A force whose arrow is seen end on is told by a
-/// point in a circle, as the tip of an arrow that comes, or a cross, as the feathers of one that goes, and by
-/// its newtons, where there is room.
+/// point in a circle, as the tip of an arrow that comes, or a cross, as the feathers of one that goes. Beside
+/// it, and beside one that is seen less than half as long as it is, stand its newtons, where there is room.
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale);
 
 }  // namespace touchable

@@ -171,28 +171,36 @@ float draw_place(const PanelFacts& facts, float width, float height, float scale
     const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
     // What lies behind the bar, or the panel, nobody looks at; and a button's explanation has the room.
     if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return bottom;
-    const ImGuiStyle& style = ImGui::GetStyle();
-    const float room = height / 5 + style.ItemSpacing.y - 2 * style.WindowPadding.y;
-    const auto fit = static_cast<std::size_t>(std::max(room / ImGui::GetTextLineHeightWithSpacing(), 1.0F));
-    words = words.first(std::min(words.size(), fit));
-    const auto widest = [&words] {
-        float wide = 0;
-        for (const std::string& line : words) wide = std::max(wide, ImGui::CalcTextSize(line.c_str()).x);
-        return wide;
+    // As large as there is room for, but legible; lines that then do not fit are left out.
+    constexpr float smallest = 12.0F / 15;
+    const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+    const float font = ImGui::GetFontSize(), gap = 2 * scale, room = height / 5 - 2 * padding.y;
+    const float wide_room = width / 2 - 2 * padding.x;
+    const auto tall = [&](float share) {
+        return static_cast<float>(words.size()) * (share * font + gap) - gap;
     };
-    if (widest() > 0.5F * width) words = words.first(1);
-    const float wide = widest();
-    const float tall = static_cast<float>(words.size()) * ImGui::GetTextLineHeightWithSpacing() -
-                       style.ItemSpacing.y + 2 * style.WindowPadding.y;
+    while (words.size() > 1 && tall(smallest) > room) words = words.first(words.size() - 1);
+    const auto wide = [](const std::string& line) { return ImGui::CalcTextSize(line.c_str()).x; };
+    const auto is_wide = [&](const std::string& line) { return smallest * wide(line) > wide_room; };
+    const auto fitting = std::find_if(words.begin() + 1, words.end(), is_wide) - words.begin();
+    words = words.first(static_cast<std::size_t>(fitting));
+    float widest = 0;
+    for (const std::string& line : words) widest = std::max(widest, wide(line));
+    const float share =
+        std::clamp(std::min((room - tall(0)) / (tall(1) - tall(0)), wide_room / widest), smallest, 1.0F);
+    const float whole = tall(share) + 2 * padding.y;
     begin_box("place", {.x = m,
                         .y = bottom,
                         .pivot_y = 1,
-                        .width = wide + 2 * style.WindowPadding.x,
-                        .height = tall,
+                        .width = share * widest + 2 * padding.x,
+                        .height = whole,
                         .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::SetWindowFontScale(share);
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(gap, gap));
     for (const std::string& line : words) ImGui::TextUnformatted(line.c_str());
+    ImGui::PopStyleVar();
     ImGui::End();
-    return bottom - tall - m;
+    return bottom - whole - m;
 }
 
 void begin_help(const PanelFacts& facts, float width, float height, float scale) {

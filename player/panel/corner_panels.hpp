@@ -23,9 +23,9 @@ void begin_box(const char* name, const FixedBox& box);
 /// A bar for each finger, as high as its force, with lines at round newtons and a mark at the largest that
 /// there may be. Upper left.
 void draw_force(const PanelFacts& facts, float height, float scale);
-/// What is under the pointer, but for what the bar or the panel covers. Lower left; as many lines as take a
-/// fifth of the window's height at most, and where they are too wide for it the first alone, which leaves the
-/// picture free. Gives where something may end that lies above it.
+/// What is under the pointer, but for what the bar or the panel covers. Lower left; a fifth of the window's
+/// height and half of its width at most, which leaves the picture free: smaller words, and then fewer lines,
+/// where it is small. Gives where something may end that lies above it.
 float draw_place(const PanelFacts& facts, float width, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);

@@ -54,8 +54,8 @@ std::string font_file(const char* family) {
 /// The current ImGui context's fonts, colours and distances; `scale` as in ScreenSize. Words are set in the
 /// system's own sans-serif typeface where it has one.
 void apply_theme(double scale, const std::string& kiosk_words) {
-    ImGui::StyleColorsDark();
     ImGuiStyle& style = ImGui::GetStyle();
+    style = ImGuiStyle();
     colour(style);
     style.WindowRounding = 8;
     style.FrameRounding = style.GrabRounding = style.PopupRounding = 5;
@@ -66,6 +66,7 @@ void apply_theme(double scale, const std::string& kiosk_words) {
     style.GrabMinSize = 12;
     style.ScaleAllSizes(static_cast<float>(scale));
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+    fonts.Clear();
     // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign.
     const std::string file = font_file("sans");
     ImFont* font = nullptr;
@@ -149,13 +150,19 @@ void tell(ImGuiIO& io, const InputEvent& event) {
 
 }  // namespace
 
-ImGuiLayer::ImGuiLayer(double scale, const std::string& words) : context_(ImGui::CreateContext()) {
+ImGuiLayer::ImGuiLayer(double scale, const std::string& words)
+    : context_(ImGui::CreateContext()), words_(words), scale_(scale) {
     ImGui::SetCurrentContext(context_);
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     map_keys(io);
     apply_theme(scale, words);
+}
+
+void ImGuiLayer::set_scale(double scale) {
+    scale_ = scale;
+    apply_theme(scale, words_);
 }
 
 ImGuiLayer::~ImGuiLayer() {

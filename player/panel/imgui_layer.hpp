@@ -19,6 +19,9 @@ public:
     ImGuiLayer(const ImGuiLayer&) = delete;
     ImGuiLayer& operator=(const ImGuiLayer&) = delete;
 
+    double scale() const { return scale_; }
+    /// Between pictures. Whoever draws them needs the letters anew.
+    void set_scale(double scale);
     /// Begins a picture of so many pixels, `seconds` after the one before; from here to `end` ImGui's calls
     /// make it.
     void begin(int width, int height, double seconds, std::span<const InputEvent> events);
@@ -28,6 +31,8 @@ public:
 
 private:
     ImGuiContext* context_;
+    std::string words_;
+    double scale_;
     // What came after a button that was let go in the picture it was pressed in.
     std::vector<InputEvent> later_;
 };

@@ -46,8 +46,10 @@ void darken(ImDrawList& list, float opacity, float width, float height, float at
                                  black(0.62F * opacity), black(0.85F * opacity), black(0.85F * opacity));
 }
 
+/// As the window is large, as far as the letters are not blurred by it.
 float large_size(float width, float height) {
-    return std::clamp(std::min(height * 0.085F, width * 0.075F), 22.0F, 96.0F);
+    const float most = 1.75F * ImGui::GetIO().Fonts->Fonts.back()->FontSize;
+    return std::clamp(std::min(height * 0.085F, width * 0.075F), 22.0F, std::max(most, 22.0F));
 }
 
 /// A line and a smaller one under it, whose top is at that share of the height.

@@ -16,6 +16,7 @@ class WindowPanel {
 public:
     /// `scale` as in ScreenSize.
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
+    void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
     bool bar_shown = true;  ///< where nothing else wants it
 

@@ -12,6 +12,7 @@ public:
     bool can_stretch() const override { return false; }
     bool thins_vertices() const override { return false; }
 
+    Result<void> take_letters() override { return {}; }
     Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting, int) override {

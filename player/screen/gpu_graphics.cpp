@@ -252,10 +252,7 @@ public:
             if (!drawing.ok()) return drawing.error();
             drawing_ = std::move(*drawing);
         }
-        auto imgui = ImGuiVulkan::create(device_);
-        if (!imgui.ok()) return imgui.error();
-        imgui_ = std::move(*imgui);
-        return {};
+        return take_letters();
     }
 
     std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
@@ -263,6 +260,14 @@ public:
     bool is_lost() const override { return device_->lost(); }
     bool can_stretch() const override { return true; }
     bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
+
+    Result<void> take_letters() override {
+        imgui_.reset();  // there is one at a time
+        auto imgui = ImGuiVulkan::create(device_);
+        if (!imgui.ok()) return imgui.error();
+        imgui_ = std::move(*imgui);
+        return {};
+    }
 
     Result<void> begin() override {
         auto commands = GpuCommands::begin(device_, "window", GpuTiming::none);

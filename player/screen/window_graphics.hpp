@@ -27,6 +27,8 @@ public:
     /// Whether `show` heeds its step.
     virtual bool thins_vertices() const = 0;
 
+    /// After ImGuiLayer::set_scale.
+    virtual Result<void> take_letters() = 0;
     virtual Result<void> begin() = 0;
     /// As SurfaceDrawing::show.
     virtual Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,

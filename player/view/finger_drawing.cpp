@@ -236,7 +236,7 @@ Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const Finger
                                    const MarkSizes& sizes, const ViewCamera& camera, const GpuImage& colour,
                                    const GpuImage& z) {
     if (fingers.empty()) return {};
-    shape_fingers(fingers, sizes, shapes_);
+    shape_fingers(fingers, sizes, camera.eye, shapes_);
     sort_solids();
     Parts parts;
     const auto records = upload(camera, parts);

@@ -65,6 +65,18 @@ glm::vec3 arrow_light(const glm::vec3& light) {
     return glm::mix(vivid, glm::vec3(1.0F), 0.15F);
 }
 
+/// Its tip is no wider on the screen than its foot, however near the eye it comes, and an arrow that is seen
+/// end on is thinner: it would hide the finger, and its head the shaft.
+void shape_arrow(const glm::dvec3& from, const glm::dvec3& arrow, double radius, const glm::dvec3& eye,
+                 const glm::vec3& light, std::vector<Solid>& solids) {
+    const glm::dvec3 sight = eye - from, to = from + arrow;
+    const double distance = glm::length(sight);
+    const double nearer = std::clamp(glm::distance(eye, to) / distance, 0.05, 1.0);
+    const double aside = glm::length(glm::cross(arrow, sight)) / (glm::length(arrow) * distance);
+    const double shaft = 0.34 * radius * glm::mix(0.55, 1.0, std::min(aside / 0.42, 1.0));
+    add_arrow(solids, from, to, shaft, nearer * shaft, {arrow_light(light), 1});
+}
+
 }  // namespace
 
 PackedColour finger_colour(std::size_t finger) {
@@ -88,7 +100,8 @@ BallShadow shadow_of(const FingerMark& finger, double radius) {
             static_cast<float>(0.75 / (1 + 1.2 * radii))};
 }
 
-void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes) {
+void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const glm::dvec3& eye,
+                   FingerShapes& shapes) {
     shapes.shadows.clear();
     shapes.threads.clear();
     shapes.solids.clear();
@@ -109,7 +122,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
         const double length = glm::length(arrow);
         if (!(length > 0)) continue;
         const glm::dvec3 from = finger.proxy + arrow * (0.95 * radius / length);
-        add_arrow(shapes.solids, from, from + arrow, 0.34 * radius, {arrow_light(light), 1});
+        shape_arrow(from, arrow, radius, eye, light, shapes.solids);
     }
     for (std::size_t k = 0; k < fingers.size(); ++k)
         if (fingers[k].shown && fingers[k].touching)
@@ -123,7 +136,7 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
     shape_dents(fingers, sizes, dents);
     draw_dents(dents, camera, picture);
     FingerShapes shapes;
-    shape_fingers(fingers, sizes, shapes);
+    shape_fingers(fingers, sizes, camera.eye, shapes);
     for (const BallShadow& shadow : shapes.shadows) draw_shadow(shadow, camera, picture);
     draw_thread(shapes.threads, camera, picture);
     for (const auto* solids : {&shapes.solids, &shapes.veils})

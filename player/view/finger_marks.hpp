@@ -70,8 +70,10 @@ struct FingerShapes {
 
 /// Every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a rod
 /// between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
+/// As seen from `eye`: how thick an arrow is depends on it, but neither its direction nor its length.
 /// `shapes` is written anew.
-void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes);
+void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const glm::dvec3& eye,
+                   FingerShapes& shapes);
 
 /// Draws them, and first the dents that they make (SurfaceDent).
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,

@@ -79,14 +79,16 @@ void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec
         {from, (to - from) / length, {0, radius_from, 0, 1}, {length, radius_to, 0, 1}, false, material});
 }
 
-void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-               const SolidMaterial& material) {
+void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
+               double radius_to, const SolidMaterial& material) {
     const double length = glm::length(to - from);
     if (!(length > 0)) return;
-    const double head = std::min(7.0 * shaft_radius, 0.6 * length), neck = length - head;
+    const double head = std::min(7.0 * radius_to, 0.6 * length), neck = length - head;
+    const double neck_radius = glm::mix(radius_from, radius_to, neck / length);
     const double head_radius = head * (2.6 / 7.0), slope = head_radius / head;
-    const Ring parts[][2] = {{{0, shaft_radius, 0, 1}, {neck, shaft_radius, 0, 1}},  // shaft
-                             {{neck, 0, -1, 0}, {neck, head_radius, -1, 0}},         // collar
+    const double taper = (radius_from - radius_to) / length;
+    const Ring parts[][2] = {{{0, radius_from, taper, 1}, {neck, neck_radius, taper, 1}},  // shaft
+                             {{neck, 0, -1, 0}, {neck, head_radius, -1, 0}},               // collar
                              {{neck, head_radius, slope, 1}, {length, 0, slope, 1}}};
     for (const auto& [lower, upper] : parts)
         solids.push_back({from, (to - from) / length, lower, upper, false, material});

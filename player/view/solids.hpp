@@ -38,9 +38,10 @@ void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radiu
 void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
              double radius_to, const SolidMaterial& material);
 
-/// Shaft and head from `from` to `to`; the head is shorter where the arrow is.
-void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-               const SolidMaterial& material);
+/// Shaft and head from `from` to `to`, a radius of the shaft at either end; the head is shorter where the
+/// arrow is.
+void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
+               double radius_to, const SolidMaterial& material);
 
 /// Smoothly lit; opaque solids hide and are hidden by z.
 void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& picture);

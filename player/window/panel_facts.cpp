@@ -36,7 +36,8 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     if (values.valid) {
         const bool is_range = scene.depth.semantics == DepthSemantics::range;
         lines.push_back("z " + metres_in_words(values.z, scene) +
-                        (is_range ? ", ray " + metres_in_words(values.depth, scene) : ""));
+                        (is_range ? ", ray " + metres_in_words(values.depth, scene) : "") +
+                        (values.height_mm != 0 ? words_of(", height %.2f mm", values.height_mm) : ""));
     }
     if (!met->drawn) {
         lines.insert(lines.end(), {values.valid ? "an edge:" : "no depth here:", "nothing to touch"});
@@ -47,7 +48,6 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     lines.push_back(words_of("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
                              values.properties.dynamic_friction));
-    if (values.height_mm != 0) lines.push_back(words_of("height %.2f mm of the scene", values.height_mm));
     return place;
 }
 

@@ -11,6 +11,7 @@
 #include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "player/terminal/interrupt.hpp"
+#include "player/window/words_scale.hpp"
 
 namespace touchable {
 
@@ -72,9 +73,22 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
     return {};
 }
 
+double WindowLoop::scale_of_words(const ScreenSize& size) const {
+    return options_.scale.value_or(words_scale(size, kiosk_.has_value()));
+}
+
+/// In a window that has another size by now.
+Result<void> WindowLoop::fit_words(const ScreenSize& size) {
+    const double scale = scale_of_words(size);
+    if (scale == layer_->scale()) return {};
+    layer_->set_scale(scale);
+    panel_->set_scale(scale);
+    return picture_.graphics().take_letters();
+}
+
 /// What draws.
 Result<void> WindowLoop::open_parts() {
-    const double scale = options_.scale.value_or(screen_->size().scale);
+    const double scale = scale_of_words(screen_->size());
     layer_.emplace(scale, kiosk_letters());
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);

@@ -60,6 +60,8 @@ private:
     Result<void> open_graphics();
     Result<void> open_graphics_anew(const Error& error);
     Result<void> open_parts();
+    double scale_of_words(const ScreenSize& size) const;
+    Result<void> fit_words(const ScreenSize& size);
     void ask_for_first_clip();
     Result<void> turn();
     void go_on_with_clip();

@@ -49,6 +49,7 @@ Result<void> WindowLoop::draw_opening() {
         return {};
     }
     notices_.pass(time_s_);
+    if (auto fitted = fit_words(size); !fitted.ok()) return fitted;
     WindowGraphics& graphics = picture_.graphics();
     if (auto begun = graphics.begin(); !begun.ok()) return begun;
     Scene scene;

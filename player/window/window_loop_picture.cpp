@@ -106,6 +106,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
         return {};
     }
     notices_.pass(time_s_);
+    if (auto fitted = fit_words(size); !fitted.ok()) return fitted;
 
     const HeightField field(clip_->scene(), moment.held.pair);
     const ViewCamera camera = clip_->view().camera(size.width, size.height);

@@ -196,6 +196,42 @@ TEST(SurfaceEdges, AreDarkWhereTheyAreSteep) {
     EXPECT_LT(last, 0.25F);
 }
 
+/// A ball before something far, whose edge falls away: each vertex by itself would be as deep, and as dark,
+/// as the edge's step is that it is in.
+TEST(SurfaceEdges, OfABallHaveNeitherTeethNorStreaks) {
+    const double focal = 400, middle = 80, across = 60 / focal;
+    const Drawn drawn(160, 160, [&](int x, int y) {
+        const double u = (x - middle) / focal, v = (y - middle) / focal, ray = u * u + v * v + 1;
+        const double rest = 1 - ray * (1 - across * across);
+        return static_cast<float>(rest > 0 ? ray / (1 - std::sqrt(rest)) : 0.5);
+    });
+    int steps = 0, pairs = 0;
+    double deepest = 1e9, shallowest = 0;
+    for (int y = 40; y < 120; ++y)
+        for (const auto& edge : drawn.edges.row(y)) {
+            if (drawn.at(edge.x, y) < 0.75F || edge.x < 80) continue;
+            deepest = std::min(deepest, static_cast<double>(edge.q));
+            shallowest = std::max(shallowest, static_cast<double>(edge.q));
+            const int aside = edge.at_x > static_cast<float>(edge.x) ? 1 : 0,
+                      down = edge.at_y > static_cast<float>(y)   ? 1
+                             : edge.at_y < static_cast<float>(y) ? -1
+                                                                 : 0;
+            if (aside != 0 && down != 0) {
+                ++steps;
+                const auto *one = drawn.edges.at(edge.x + 1, y), *other = drawn.edges.at(edge.x, y + down);
+                ASSERT_TRUE(one != nullptr && other != nullptr);
+                EXPECT_NEAR(edge.q, (one->q + other->q) / 2, 1e-6) << edge.x << ", " << y;
+                EXPECT_NEAR(edge.light, (one->light + other->light) / 2, 0.02) << edge.x << ", " << y;
+            } else if (const auto* next = drawn.edges.at(edge.x, y + 1); next != nullptr) {
+                ++pairs;
+                EXPECT_NEAR(edge.light, next->light, 0.05) << edge.x << ", " << y;
+            }
+        }
+    EXPECT_GT(steps, 10);
+    EXPECT_GT(pairs, 40);
+    EXPECT_LT(shallowest / deepest, 1.006);
+}
+
 /// A plane aslant goes on as a plane, whatever the pixel at its edge holds.
 TEST(SurfaceEdges, GoOnAsThePlaneTheyEnd) {
     const auto plane = [](double x, double y) { return 0.02 + 6e-5 * x - 4e-5 * y; };

@@ -116,7 +116,7 @@ TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
     finger.force = {0, 3, 4};
     finger.touching = true;
     FingerShapes shapes;
-    shape_fingers({&finger, 1}, {2, 6}, shapes);
+    shape_fingers({&finger, 1}, {2, 6}, {0, 0, 0}, shapes);
     double farthest = 0;
     int parts = 0;
     for (const Solid& solid : shapes.solids) {
@@ -131,6 +131,31 @@ TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
     EXPECT_NEAR(farthest, 5 * 6 + 2, 0.2) << "5 N, 6 units each, from the rim of the finger";
 }
 
+/// Of 1 N and of 9 N that come at the eye, and of 9 N aside.
+TEST(FingerMarks, AnArrowAtTheEyeLeavesTheFingerFree) {
+    const auto widest = [](const glm::dvec3& force) {
+        FingerMark finger;
+        finger.goal = {0, 0, -102};
+        finger.proxy = {0, 0, -100};
+        finger.force = force;
+        finger.touching = true;
+        FingerShapes shapes;
+        shape_fingers({&finger, 1}, {2, 6}, {0, 0, 0}, shapes);
+        double radii = 0;  // as they are seen, at the ball's distance
+        for (const Solid& solid : shapes.solids)
+            if (!solid.is_ball)
+                for (const Ring& ring : {solid.from, solid.to}) {
+                    const glm::dvec3 at = solid.foot + ring.height * solid.along;
+                    radii = std::max(radii, ring.radius / 2 * 100 / -at.z);
+                }
+        return radii;
+    };
+    EXPECT_LT(widest({0, 0, 1}), 0.6);
+    EXPECT_LT(widest({0, 0, 9}), 0.6);
+    EXPECT_LT(widest({0, 0, 15}), 0.6) << "nearly at the eye";
+    EXPECT_NEAR(widest({0, 9, 0}), 0.884, 1e-3);
+}
+
 /// In every finger's colour, so that it is seen on dark ground.
 TEST(FingerMarks, TheArrowIsBrighterThanTheFinger) {
     for (std::size_t k = 0; k < 5; ++k) {
@@ -139,7 +164,7 @@ TEST(FingerMarks, TheArrowIsBrighterThanTheFinger) {
         fingers[k].shown = fingers[k].touching = true;
         fingers[k].force = {0, 3, 4};
         FingerShapes shapes;
-        shape_fingers(fingers, {2, 6}, shapes);
+        shape_fingers(fingers, {2, 6}, {0, 0, 0}, shapes);
         const auto most = [](const Solid& solid) {
             const glm::vec3& light = solid.material.light;
             return std::max({light.x, light.y, light.z});

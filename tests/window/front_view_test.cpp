@@ -119,6 +119,35 @@ TEST(FrontView, OneNewtonAndThreeDiffer) {
     EXPECT_NEAR(brightness_left(three, 0, 42), 1.299, 0.03);
 }
 
+/// From aside the arrow crosses it. At its limit all of the ring is white.
+TEST(FrontView, TheRingIsWholeOverTheArrow) {
+    const Image turned = picture_of("9\n0.2 max-force 1\n0.3 turn -70");
+    const auto least_at = [&](double x, double y) {
+        int least = 255;
+        for (int channel = 0; channel < 3; ++channel)
+            least = std::min(least, channel_at(turned, x, y, channel));
+        return least;
+    };
+    // Friction holds the finger beside the middle.
+    int left = 60, right = -60;
+    for (int x = -60; x <= 60; ++x) {
+        if (least_at(x, 0) < 225) continue;
+        left = std::min(left, x);
+        right = std::max(right, x);
+    }
+    const double ring = (right - left) / 2.0, middle = (right + left) / 2.0;
+    ASSERT_NEAR(ring, 1.1 * radius, 3);
+    const double beyond = middle + ring + 8;
+    EXPECT_GT(channel_at(turned, beyond, 0, 2) - channel_at(turned, beyond, 0, 0), 100) << "no arrow";
+    for (int degrees = 0; degrees < 360; degrees += 5) {
+        const double angle = degrees * std::numbers::pi / 180;
+        int most = 0;
+        for (double distance = ring - 3; distance <= ring + 3; distance += 0.5)
+            most = std::max(most, least_at(middle + distance * std::sin(angle), -distance * std::cos(angle)));
+        EXPECT_GT(most, 200) << degrees;
+    }
+}
+
 TEST(FrontView, DentIsSwitchedOffByOptionAndByCommand) {
     const Image off = picture_of("9", {"--dent", "off"}), told = picture_of("9\n0.2 dent off"),
                 again = picture_of("9\n0.2 dent off\n0.3 dent on");

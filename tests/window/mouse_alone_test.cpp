@@ -19,6 +19,11 @@ struct WindowOfSize {
     int width, height;
 };
 
+/// Of words and bars: sqrt(2), to the next quarter, where the window has twice as much room.
+double scale_of(const WindowOfSize& window) {
+    return window.width > 2000 ? 1.5 : 1;
+}
+
 /// What somebody does with a mouse, as a script, and pictures of what is seen then.
 class MouseScript {
 public:
@@ -36,7 +41,8 @@ public:
     void picture(double at_s, const std::string& name) { add(at_s, "screenshot " + name); }
     /// On the bar, so many pixels from its right end; below 0: from its left one.
     void move_to_bar(double at_s, int from_end) {
-        move_to(at_s, from_end < 0 ? -from_end : window_.width - from_end, window_.height - 36);
+        const int along = scaled(std::abs(from_end));
+        move_to(at_s, from_end < 0 ? along : window_.width - along, window_.height - scaled(36));
     }
     void click_bar(double at_s, int from_end) {
         move_to_bar(at_s, from_end);
@@ -50,6 +56,7 @@ public:
         release(at_s + 0.15);
         leave(at_s + 0.2);
     }
+    void turn(double at_s, int degrees) { add(at_s, "turn " + std::to_string(degrees)); }
     void quit(double at_s) { add(at_s, "quit"); }
     const std::string& words() const { return words_; }
 
@@ -57,6 +64,7 @@ private:
     void add(double at_s, const std::string& what) {
         words_ += std::to_string(at_s * times()) + " " + what + "\n";
     }
+    int scaled(int pixels) const { return static_cast<int>(scale_of(window_) * pixels); }
     void move_to(double at_s, int x, int y) {
         add(at_s, "move " + std::to_string(x) + " " + std::to_string(y));
     }
@@ -98,11 +106,20 @@ protected:
     double middle_differs(const std::string& name, const std::string& other) {
         return differs(name, other, 300, 300, 700, 700);
     }
+    /// Of a part whose corners are so far from the picture's right and lower side, in pixels of the words'
+    /// scale.
+    double lower_right_differs(const std::string& name, const std::string& other, int left, int top,
+                               int right, int bottom) {
+        const auto [width, height] = GetParam();
+        const auto place = [&](int pixels, int side) {
+            return 1000 - static_cast<int>(scale_of(GetParam()) * 1000 * pixels / side);
+        };
+        return differs(name, other, place(left, width), place(top, height), place(right, width),
+                       place(bottom, height));
+    }
     /// Just above the bar, on its right.
     double words_differ(const std::string& name, const std::string& other) {
-        const auto [width, height] = GetParam();
-        return differs(name, other, 1000 - 220'000 / width, 1000 - 90'000 / height, 1000,
-                       1000 - 62'000 / height);
+        return lower_right_differs(name, other, 220, 90, 0, 62);
     }
 
     const TemporaryFolder folder_;
@@ -179,10 +196,7 @@ TEST_P(MouseAlone, ReadsTheLegendWhileAButtonIsExplained) {
     script.picture(1, "explained.png");
     script.quit(1.1);
     play({"globe.mkv"}, "0 overlay depth\n" + script.words());
-    const auto [width, height] = GetParam();
-    EXPECT_GT(differs("explained.png", "away.png", 1000 - 200'000 / width, 1000 - 140'000 / height,
-                      1000 - 20'000 / width, 1000 - 104'000 / height),
-              0.2);
+    EXPECT_GT(lower_right_differs("explained.png", "away.png", 200, 140, 20, 104), 0.2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
@@ -230,6 +244,22 @@ TEST_P(MouseInANarrowWindow, ThePixelsWordsLeaveThePictureFree) {
     EXPECT_LT(differs("said.png", "away.png", left, 470, right, 1000 - 148'000 / height), 0.001);
     EXPECT_GT(differs("said.png", "away.png", left, 1000 - 100'000 / height, right, bottom), 0.1);
     EXPECT_LT(differs("on-help.png", "away.png", left, 470, right, bottom), 0.001);
+}
+
+/// The house is among what is needed most: whoever has no keys comes back by it.
+TEST_P(MouseInANarrowWindow, FindsTheWayBackToTheClipsOwnView) {
+    MouseScript script(GetParam());
+    script.leave(0.1);
+    script.picture(0.5, "own.png");
+    script.turn(0.6, 30);
+    script.picture(0.9, "turned.png");
+    script.click_bar(1, GetParam().width < 400 ? 77 : 158);
+    script.leave(1.2);
+    script.picture(1.5, "back.png");
+    script.quit(1.6);
+    play({"globe.mkv"}, script.words());
+    EXPECT_GT(middle_differs("turned.png", "own.png"), 0.1);
+    EXPECT_LT(middle_differs("back.png", "own.png"), 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Narrow, MouseInANarrowWindow,
