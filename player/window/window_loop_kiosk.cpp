@@ -67,7 +67,7 @@ std::string WindowLoop::kiosk_letters() const {
     std::string letters = texts.all();
     for (const TouchLabel& label : options_.kiosk->labels.labels)
         if (const std::string* const caption = said_in(label.captions, texts.language)) letters += *caption;
-    if (study_) letters += study_->study().all_words(texts.language);
+    if (study_) letters += study_->study().all_words(texts.language) + "(0123456789)";  // seconds
     return letters;
 }
 

@@ -122,7 +122,7 @@ TEST_F(KioskBarTest, GoesWhereNothingMovesAndMayBeLeftOut) {
 /// How often a finger comes to the surface.
 int touches_by(const std::string& script) {
     const TemporaryFolder folder;
-    std::ofstream(folder / "script") << script << "4.6 quit\n";
+    std::ofstream(folder / "script") << script << "5.4 quit\n";
     PlayOptions options;
     options.session.clip.file = made_clip("bumps", 1);
     options.session.builder.name = "cpu";
@@ -147,7 +147,7 @@ TEST_F(KioskBarTest, APressOnAButtonTouchesNothingAndWhereItIsGoneTheSurfaceIsTo
     const std::string deep = "0.3 move " + button + "\n0.4 wheel 9\n0.5 wheel 9\n";
     EXPECT_EQ(touches_by(deep + click(0.6, button)), 0);
     EXPECT_GE(touches_by("0.2 move 160 60\n0.4 press left\n1 release left\n"), 1);
-    EXPECT_GE(touches_by("0.1 move 2 2\n4.2 touch 1 " + button + "\n4.5 touch-end 1\n"), 1);
+    EXPECT_GE(touches_by("0.1 move 2 2\n4.7 touch 1 " + button + "\n5 touch-end 1\n"), 1);
 }
 
 }  // namespace

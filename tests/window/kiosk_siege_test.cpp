@@ -125,7 +125,7 @@ public:
         }
         // Fingers, and clips that are opened, go by their own time.
         std::this_thread::sleep_for(++quiet_ < nobody_s - 20 ? 5ms : 40ms);
-        if (quiet_ == nobody_s + 40) meter_.begin(StudyForce::on);
+        if (quiet_ == nobody_s + 60) meter_.begin(StudyForce::on);
         put_forward(1);
         return {};
     }
@@ -155,7 +155,7 @@ private:
 /// What the visitor finds who comes then.
 struct Found {
     Image picture;       ///< before he touches
-    double newtons = 0;  ///< that he feels
+    double newtons = 0;  ///< that he feels once the finger rests
     std::int64_t inputs = 0;
 };
 
@@ -176,8 +176,8 @@ protected:
     }
     std::filesystem::path clip(const std::string& scene) const { return folder_ / (scene + ".mkv"); }
 
-    /// He looks at a moment of the clip, so that it is always the same, with the mouse in a corner; then he
-    /// presses a finger in the middle.
+    /// He comes by a key, and looks at a moment of the clip, so that it is always the same; then he presses a
+    /// finger in the middle.
     Found found_after(double minutes, unsigned seed) {
         int turns = 0;
         Besiegers counted(minutes, seed);
@@ -191,14 +191,15 @@ protected:
             return std::make_unique<BesiegedScreen>(besiegers, *options_.meter);
         };
         const double next_s = 0.1 * (turns + nobody_s);  // of a script
-        const auto shot = folder_ / (std::to_string(minutes) + "-" + std::to_string(seed) + ".png");
-        const InputEvent to_corner{.kind = Kind::moved, .x = 315, .y = 4},
+        const auto shot = folder_ / (std::to_string(shots_++) + ".png");
+        const InputEvent some_key{.kind = Kind::key, .word = "end"},  // that does nothing
             to_middle{.kind = Kind::moved, .x = 160, .y = 90};
         options_.script = {{0, WindowCommand{.verb = WindowVerb::size}},
-                           {next_s, to_corner},
-                           {next_s, WindowCommand{WindowVerb::play_pause}},
+                           {next_s, InputEvent{.kind = Kind::left_window}},
+                           {next_s, some_key},
+                           {next_s, WindowCommand{WindowVerb::step, -1}},  // which pauses
                            {next_s, WindowCommand{WindowVerb::seek_to, 0.3}},
-                           {next_s + 1.5, to_corner},
+                           {next_s + 1.5, some_key},
                            {next_s + 3, WindowCommand{WindowVerb::screenshot, 0, shot.string()}},
                            {next_s + 3, to_middle},
                            {next_s + 4.5, InputEvent{.kind = Kind::pressed, .word = "left"}},
@@ -209,23 +210,32 @@ protected:
         EXPECT_TRUE(played.ok()) << played.error().message;
         const auto picture = read_image(shot);
         EXPECT_TRUE(picture.ok());
-        return {picture.ok() ? *picture : Image{}, options_.meter->measures().most_newtons,
+        return {picture.ok() ? *picture : Image{}, options_.meter->measures().mean_newtons,
                 besiegers.inputs()};
     }
 
     const TemporaryFolder folder_;
     PlayOptions options_;
     std::optional<WindowCommand> left_;  // as by a visitor
+    int shots_ = 0;
 };
 
-std::int64_t differing_pixels(const Image& a, const Image& b) {
-    if (a.width != b.width || a.height != b.height || a.samples.size() != b.samples.size()) return -1;
-    std::int64_t count = 0;
-    for (std::size_t k = 0; k + 2 < a.samples.size(); k += 3)
-        count += !std::equal(a.samples.begin() + static_cast<std::ptrdiff_t>(k),
-                             a.samples.begin() + static_cast<std::ptrdiff_t>(k + 3),
-                             b.samples.begin() + static_cast<std::ptrdiff_t>(k));
-    return count;
+/// Where pictures differ, and how many pixels do.
+struct Difference {
+    std::int64_t pixels = -1;  // they are not of the same size
+    int x = 0, y = 0;          // the first
+};
+Difference difference(const Image& a, const Image& b) {
+    if (a.width != b.width || a.height != b.height || a.samples.size() != b.samples.size()) return {};
+    Difference found{.pixels = 0};
+    for (int y = a.height - 1; y >= 0; --y)
+        for (int x = a.width - 1; x >= 0; --x) {
+            const auto at = static_cast<std::ptrdiff_t>(3 * (y * a.width + x));
+            const auto pixel = a.samples.begin() + at;
+            if (std::equal(pixel, pixel + 3, b.samples.begin() + at)) continue;
+            found = {found.pixels + 1, x, y};
+        }
+    return found;
 }
 
 TEST_F(KioskSiege, LeavesNothingToTheNextVisitor) {
@@ -234,22 +244,26 @@ TEST_F(KioskSiege, LeavesNothingToTheNextVisitor) {
     const double minutes = minutes_of_siege();
     for (const unsigned seed : {1U, 2U}) {
         const Found last = found_after(minutes / 2, seed);
-        const std::int64_t differing = differing_pixels(fresh.picture, last.picture);
-        EXPECT_EQ(differing, 0) << "seed " << seed;
-        EXPECT_NEAR(last.newtons, fresh.newtons, 0.01 * fresh.newtons) << "seed " << seed;
+        const Difference differing = difference(fresh.picture, last.picture);
+        EXPECT_EQ(differing.pixels, 0) << "seed " << seed << ", at " << differing.x << ", " << differing.y;
+        // Less than by a notch of the wheel; friction holds a finger where its own time has brought it.
+        EXPECT_NEAR(last.newtons, fresh.newtons, 0.05 * fresh.newtons) << "seed " << seed;
         std::cout << "seed " << seed << ": " << last.inputs << " inputs in " << minutes / 2
-                  << " min; pixels that differ: " << differing << "; " << last.newtons << " N, at first "
-                  << fresh.newtons << " N\n";
+                  << " min; pixels that differ: " << differing.pixels << "; " << last.newtons
+                  << " N, at first " << fresh.newtons << " N\n";
     }
 }
 
 /// Otherwise the test above would see nothing.
 TEST_F(KioskSiege, WouldSeeWhatAVisitorLeaves) {
-    const Image fresh = found_after(0, 1).picture;
+    const Found first = found_after(0, 1);
+    const Image& fresh = first.picture;
     left_ = WindowCommand{.verb = WindowVerb::overlay, .word = "depth"};
-    EXPECT_GT(differing_pixels(fresh, found_after(0, 1).picture), 1000);
+    EXPECT_GT(difference(fresh, found_after(0, 1).picture).pixels, 1000);
+    left_ = WindowCommand{WindowVerb::deeper, 9};
+    EXPECT_GT(found_after(0, 1).newtons, 1.1 * first.newtons);
     left_ = WindowCommand{WindowVerb::turn, 2};
-    EXPECT_GT(differing_pixels(fresh, found_after(0, 1).picture), 1000);
+    EXPECT_GT(difference(fresh, found_after(0, 1).picture).pixels, 1000);
 }
 
 }  // namespace
