@@ -64,8 +64,8 @@ Result<KioskTexts> choose_texts(const std::string& asked) {
 }
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
-    const auto text =
-        read_given_file(file, "--labels " + file.string(), "a file of labels (docs/exhibit.md)", largest_labels);
+    const auto text = read_given_file(file, "--labels " + file.string(), "a file of labels (docs/exhibit.md)",
+                                      largest_labels);
     if (!text.ok()) return text.error();
     auto labels = parse_touch_labels(*text, file.string(), file.parent_path());
     if (!labels.ok()) return labels;
@@ -101,7 +101,8 @@ Result<void> read_sounds(KioskOptions& kiosk) {
 }  // namespace
 
 std::vector<const char*> kiosk_option_names() {
-    return {"--kiosk", "--idle", "--kiosk-texts", "--labels", "--use-log", "--study", "--results"};
+    return {"--kiosk",  "--idle",    "--kiosk-texts", "--kiosk-bar",
+            "--labels", "--use-log", "--study",       "--results"};
 }
 
 void add_kiosk_options(CLI::App& sub, KioskWords& words) {
@@ -124,6 +125,11 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
            "out: this person's language (docs/exhibit.md)")
         ->needs(kiosk)
         ->type_name("LANGUAGE|FILE");
+    sub.add_option(
+           "--kiosk-bar", words.bar,
+           "whether visitors of a kiosk have a bar of large buttons: on, as where it is left out, or off")
+        ->needs(kiosk)
+        ->check(CLI::IsMember({"on", "off"}));
     add_file_option(sub, "--labels", words.labels,
                     "captions and sounds of places of the clip, which a kiosk shows and plays where a finger "
                     "rests (docs/exhibit.md)")
@@ -136,6 +142,7 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
                                        "with the program (paper-4.2), or a file (docs/usability.md)")
                             ->needs(kiosk)
                             ->excludes("--labels")
+                            ->excludes("--kiosk-bar")
                             ->excludes("--idle")
                             ->type_name("NAME|FILE");
     auto* const results = sub.add_option("--results", words.results,
@@ -163,6 +170,7 @@ Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
         kiosk.labels = std::move(*labels);
         if (auto read = read_sounds(kiosk); !read.ok()) return read.error();
     }
+    kiosk.has_bar = words.bar != "off";
     kiosk.use_log = words.use_log;
     return std::optional(std::move(kiosk));
 }

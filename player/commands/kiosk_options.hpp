@@ -15,7 +15,7 @@ namespace touchable {
 struct KioskWords {
     bool kiosk = false;
     std::vector<double> idle;
-    std::string texts;
+    std::string texts, bar;
     std::optional<std::filesystem::path> labels, use_log;
     std::string study;
     std::optional<std::filesystem::path> results;

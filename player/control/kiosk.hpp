@@ -32,6 +32,8 @@ public:
     }
     /// Whether a visit has begun and not ended.
     bool is_there() const { return is_there_; }
+    /// Whether somebody has been there since it began, or began anew.
+    bool was_visited() const { return was_visited_; }
     struct Visit {
         double came_s = 0, seconds = 0;  ///< from the first thing that somebody did to the last
     };

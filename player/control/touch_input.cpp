@@ -120,6 +120,11 @@ std::vector<InputEvent> TouchInput::cancel(PointerFingers* fingers) {
     return events;
 }
 
+bool TouchInput::any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const {
+    return std::any_of(touches_.begin(), touches_.end(),
+                       [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
+}
+
 TouchInput::Spread TouchInput::spread() const {
     Spread spread;
     for (const Touch& touch : touches_) {

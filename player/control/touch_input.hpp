@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <optional>
 #include <vector>
@@ -38,6 +39,8 @@ public:
                                  int height);
     /// Whether a finger is down.
     bool holds() const { return !touches_.empty(); }
+    /// Whether one that is over the picture, and no pointer, is down where `is_there` says.
+    bool any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const;
     /// All are lifted; what still comes of them is nobody's. Gives likewise what the pointer does.
     std::vector<InputEvent> cancel(PointerFingers* fingers);
 

@@ -6,6 +6,21 @@
 #include <glm/matrix.hpp>
 
 namespace touchable {
+namespace {
+
+/// The same pixels, and so many rows more below them.
+ViewCamera with_rows_below(ViewCamera camera, int rows) {
+    const double share = static_cast<double>(camera.height) / (camera.height + rows);
+    for (glm::dmat4* const matrix : {&camera.clip_from_world, &camera.clip_from_lattice})
+        for (int column = 0; column < 4; ++column) {
+            glm::dvec4& to = (*matrix)[column];
+            to.y = share * to.y - (1 - share) * to.w;
+        }
+    camera.height += rows;
+    return camera;
+}
+
+}  // namespace
 
 // On the clip camera's axis, so that the first turn does not jump.
 WindowView::WindowView(const Scene& scene, const glm::dvec3& middle)
@@ -17,12 +32,14 @@ WindowView::WindowView(const Scene& scene, const glm::dvec3& middle)
 ViewCamera WindowView::camera(int width, int height) const {
     Viewpoint viewpoint = orbit_;
     viewpoint.own = own_;
-    return make_view(viewpoint, scene_, centre_, width, height);
+    const int below = std::clamp(static_cast<int>(std::lround(below_ * height)), 0, std::max(height - 1, 0));
+    const ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height - below);
+    return below > 0 ? with_rows_below(camera, below) : camera;
 }
 
 double WindowView::pixels_per_vertex(int width, int height) const {
     const double whole =
-        std::min(static_cast<double>(width) / scene_.width, static_cast<double>(height) / scene_.height);
+        std::min(static_cast<double>(width) / scene_.width, (1 - below_) * height / scene_.height);
     return own_ ? whole : whole * orbit_.zoom.value_or(1);
 }
 
@@ -61,6 +78,12 @@ void WindowView::set_centre(const glm::dvec3& place) {
     if (!(place.z < 0)) return;
     orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * place.z / centre_.z, 0.1, 20.0);
     centre_ = place;
+}
+
+void WindowView::look_as(const WindowView& other) {
+    go_home();
+    own_ = other.own_;
+    orbit_ = other.orbit_;
 }
 
 void WindowView::go_home() {

@@ -14,6 +14,11 @@ public:
     WindowView(const Scene& scene, const glm::dvec3& middle);
 
     ViewCamera camera(int width, int height) const;
+    /// From now on it looks from the upper part of the picture: below is so large a share of the height for
+    /// something else.
+    void leave_below(double share) { below_ = share; }
+    /// As seen by whoever looks at `other`, of another clip: turned likewise, and as near.
+    void look_as(const WindowView& other);
     /// Whether it is the clip's own camera.
     bool own() const { return own_; }
     const Viewpoint& orbit() const { return orbit_; }
@@ -40,6 +45,7 @@ private:
     const Scene& scene_;
     glm::dvec3 home_, centre_;
     bool own_ = true;
+    double below_ = 0;
     Viewpoint orbit_{};
 };
 

@@ -74,8 +74,10 @@ std::vector<HelpRow> help_rows(const PanelFacts& facts) {
         rows = {{"Mouse", "moves the finger; hold the left button to press"},
                 {"Wheel", "presses deeper or less; so does dragging with the right button"},
                 {"Middle button", "or Ctrl and the left one; drag: turn; with Shift: move;"},
-                {"", "double click: look at that place"},
-                {"Touch screen", "each finger touches; two that move at once turn the view and zoom"}};
+                {"", "double click: look at that place"}};
+        if (facts.has_touch_screen)
+            rows.push_back(
+                {"Touch screen", "each finger touches; two that move at once turn the view and zoom"});
     }
     const auto keys = key_bindings();
     for (std::size_t k = 0; k < keys.size();) {

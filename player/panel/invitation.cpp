@@ -64,8 +64,9 @@ void draw_large(const std::string& words, const std::string& small_words, float 
     draw_centred(list, font, small, small_words, width, top + large * 1.25F, 0.85F * opacity);
 }
 
-void draw_caption(const std::string& words, float width, float height) {
-    constexpr float at = 0.86F;
+/// `room`: of the height, as of draw_kiosk_words.
+void draw_caption(const std::string& words, float width, float height, float room) {
+    const float at = 0.86F * room / height;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     darken(list, 0.8F, width, height, at);
     draw_centred(list, ImGui::GetIO().Fonts->Fonts.back(), 0.75F * large_size(width, height), words, width,
@@ -78,7 +79,7 @@ const char* invitation_words() {
     return all_words;
 }
 
-bool draw_kiosk_words(const KioskFacts& facts, bool is_stopped, float width, float height) {
+bool draw_kiosk_words(const KioskFacts& facts, bool is_stopped, float width, float height, float room) {
     const KioskTexts& texts = facts.texts;
     constexpr float at = 0.80F;
     if (facts.invited_s) {
@@ -87,9 +88,9 @@ bool draw_kiosk_words(const KioskFacts& facts, bool is_stopped, float width, flo
         return true;
     }
     if (is_stopped)
-        draw_large(texts.force_is_off, texts.again(facts.by), 1, width, height, at);
+        draw_large(texts.force_is_off, texts.again(facts.by), 1, width, height, at * room / height);
     else if (!facts.caption.empty())
-        draw_caption(facts.caption, width, height);
+        draw_caption(facts.caption, width, height, room);
     return is_stopped || !facts.caption.empty();
 }
 

@@ -31,6 +31,8 @@ struct KioskFacts {
     std::optional<double> invited_s{};    ///< since when it invites to touch, seconds; nothing: it does not
     std::string caption{};                ///< of what a finger rests on; empty: none
     bool is_turned = false;               ///< the view is not the clip's own
+    bool has_bar = true;                  ///< KioskBar, while somebody does something
+    bool is_still = false;                ///< the clip is one picture
     std::optional<OverlayScale> scale{};  ///< what colours mean, in its words; nothing: they are the clip's
 };
 
@@ -45,6 +47,7 @@ struct PanelFacts {
     bool playing = true, looping = false, at_end = false;
     std::size_t clips = 1;    ///< of the playlist
     bool is_turning = false;  ///< dragging turns the view
+    bool has_touch_screen = false;
     double speed = 1;
     std::string overlay;                  ///< of the surface's colours
     const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own

@@ -69,6 +69,11 @@ bool explain_button(const char* words) {
     return true;
 }
 
+ImFont* font_of_size(float size) {
+    ImFont* const small = ImGui::GetFont();
+    return size <= 1.15F * small->FontSize ? small : ImGui::GetIO().Fonts->Fonts.back();
+}
+
 ImU32 readable_finger_colour(std::size_t finger) {
     const ImVec4 c = ImGui::ColorConvertU32ToFloat4(finger_colour(finger) | 0xFF000000U);
     const float grey = 0.3F * c.x + 0.6F * c.y + 0.1F * c.z, lift = std::clamp(0.62F - grey, 0.0F, 0.45F);

@@ -34,6 +34,9 @@ void explain_row(const char* words);
 bool explain_button(const char* words);
 float explanation_height();
 
+/// The typeface for words of that size, pixels: of the two that there are.
+ImFont* font_of_size(float size);
+
 /// A finger's colour, light enough to be told from the panel's dark ground.
 ImU32 readable_finger_colour(std::size_t finger);
 

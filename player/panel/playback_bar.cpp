@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "player/panel/button_signs.hpp"
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/panel_rows.hpp"
 
@@ -27,34 +28,6 @@ float wide_digits(std::string words) {
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// What a button shows that is drawn: no typeface is sure to have the signs.
-enum class Sign { none, play, pause, next, previous, home };
-
-void draw_sign(Sign sign, const ImVec2& at, float side) {
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
-    // In tenths of the button.
-    const auto point = [&](float x, float y) { return ImVec2(at.x + x * side / 10, at.y + y * side / 10); };
-    switch (sign) {
-        case Sign::pause:
-            list.AddRectFilled(point(3, 2.7F), point(4.4F, 7.3F), ink);
-            return list.AddRectFilled(point(5.6F, 2.7F), point(7, 7.3F), ink);
-        case Sign::play:
-            return list.AddTriangleFilled(point(3.5F, 2.5F), point(7.5F, 5), point(3.5F, 7.5F), ink);
-        case Sign::next:
-            list.AddTriangleFilled(point(2.7F, 2.7F), point(6, 5), point(2.7F, 7.3F), ink);
-            return list.AddRectFilled(point(6.2F, 2.7F), point(7.4F, 7.3F), ink);
-        case Sign::previous:
-            list.AddTriangleFilled(point(7.3F, 2.7F), point(4, 5), point(7.3F, 7.3F), ink);
-            return list.AddRectFilled(point(2.6F, 2.7F), point(3.8F, 7.3F), ink);
-        case Sign::home:
-            list.AddTriangleFilled(point(2.4F, 5.1F), point(5, 2.5F), point(7.6F, 5.1F), ink);
-            return list.AddRectFilled(point(3.3F, 5), point(6.7F, 7.5F), ink);
-        case Sign::none:
-            return;
-    }
-}
-
 /// The least needed first, which is also the first to go where there is little room.
 enum class Need { colours, loop, speed, other_clip, settings, turn, measure, home, always };
 
@@ -64,11 +37,11 @@ struct BarButton {
     Need need;
     WindowCommand command;
     bool is_lit = false;
-    Sign sign = Sign::none;
+    ButtonSign sign = ButtonSign::none;
     float width = 0;  ///< 0: as wide as its words
 
     float wide(float side) const {
-        if (sign != Sign::none) return side;
+        if (sign != ButtonSign::none) return side;
         const float words_wide = ImGui::CalcTextSize(words.c_str(), nullptr, true).x;
         return std::max({side, width, words_wide + 2 * ImGui::GetStyle().FramePadding.x});
     }
@@ -81,7 +54,7 @@ bool draw_button(const BarButton& button, float side, std::vector<WindowCommand>
     if (button.is_lit) ImGui::PushStyleColor(ImGuiCol_Text, colours[ImGuiCol_SliderGrab]);
     if (ImGui::Button(button.words.c_str(), ImVec2(button.wide(side), side))) asked.push_back(button.command);
     if (button.is_lit) ImGui::PopStyleColor();
-    draw_sign(button.sign, at, side);
+    draw_sign(button.sign, at, side, ImGui::GetColorU32(ImGuiCol_Text));
     const bool is_explained = explain_button(button.what);
     ImGui::SameLine();
     return is_explained;
@@ -93,7 +66,7 @@ BarButton play_button(const PanelFacts& facts) {
             .what = "play, or pause (Space)",
             .need = Need::always,
             .command = {WindowVerb::play_pause},
-            .sign = plays ? Sign::pause : Sign::play};
+            .sign = plays ? ButtonSign::pause : ButtonSign::play};
 }
 
 /// Right of the seek bar.
@@ -125,7 +98,7 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
                                     .what = "back to the clip's own view (Home)",
                                     .need = Need::home,
                                     .command = {WindowVerb::home},
-                                    .sign = Sign::home},
+                                    .sign = ButtonSign::home},
                                    {.words = "measure",
                                     .what = "how far two places are apart: click both (T)",
                                     .need = Need::measure,
@@ -151,12 +124,12 @@ std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
              .what = "the clip before (PageUp)",
              .need = Need::other_clip,
              .command = {WindowVerb::previous},
-             .sign = Sign::previous},
+             .sign = ButtonSign::previous},
             {.words = "##next",
              .what = "the next clip (PageDown)",
              .need = Need::other_clip,
              .command = {WindowVerb::next},
-             .sign = Sign::next}};
+             .sign = ButtonSign::next}};
 }
 
 /// Where the clip is.

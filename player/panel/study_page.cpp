@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "player/panel/panel_rows.hpp"
+
 namespace touchable {
 namespace {
 
@@ -26,11 +28,6 @@ struct Page {
     float bottom = height - 0.06F * height - button_height;  ///< where the button begins
 };
 
-ImFont* font_of(float size) {
-    ImFont* const small = ImGui::GetFont();
-    return size <= 1.15F * small->FontSize ? small : ImGui::GetIO().Fonts->Fonts.back();
-}
-
 /// From one line of a text to the next, beside its height.
 float pause_between(float size) {
     return 0.35F * size;
@@ -47,7 +44,7 @@ std::vector<std::string> lines_of(const std::string& words) {
 ImVec2 size_of(const std::string& words, float size, float wrap) {
     ImVec2 all(0, 0);
     for (const std::string& line : lines_of(words)) {
-        const ImVec2 one = font_of(size)->CalcTextSizeA(size, 1e6F, wrap, line.c_str());
+        const ImVec2 one = font_of_size(size)->CalcTextSizeA(size, 1e6F, wrap, line.c_str());
         all = ImVec2(std::max(all.x, one.x), all.y + one.y + (all.y > 0 ? pause_between(size) : 0));
     }
     return all;
@@ -65,7 +62,7 @@ float fitting(const std::string& words, float size, float wide, float high) {
 
 void draw_words(const std::string& words, float size, ImVec2 at, float wrap, ImU32 ink) {
     for (const std::string& line : lines_of(words)) {
-        ImGui::GetWindowDrawList()->AddText(font_of(size), size, at, ink, line.c_str(), nullptr, wrap);
+        ImGui::GetWindowDrawList()->AddText(font_of_size(size), size, at, ink, line.c_str(), nullptr, wrap);
         at.y += size_of(line, size, wrap).y + pause_between(size);
     }
 }
@@ -156,12 +153,19 @@ void draw_choices(const StudyFacts& facts, const Page& page, float top, float bo
             choose(k, asked);
 }
 
+/// As wide while it says how long it waits as afterwards.
+float width_of_go_on(const StudyFacts& facts, float high, float text) {
+    return std::max(size_of(facts.go_on + " (00)", text, 0).x + 2 * text, 2.4F * high);
+}
+
 /// `right`, `bottom`: its corner there.
 void draw_go_on(const StudyFacts& facts, float right, float bottom, float high, float text,
                 std::vector<WindowCommand>& asked) {
     if (facts.go_on.empty()) return;
-    const float wide = std::max(size_of(facts.go_on, text, 0).x + 3 * text, 2.4F * high);
-    if (draw_button("go on", facts.go_on, ImVec2(right - wide, bottom - high), ImVec2(wide, high), text,
+    const float wide = width_of_go_on(facts, high, text);
+    const std::string words =
+        facts.wait_s > 0 ? facts.go_on + " (" + std::to_string(facts.wait_s) + ")" : facts.go_on;
+    if (draw_button("go on", words, ImVec2(right - wide, bottom - high), ImVec2(wide, high), text,
                     {.is_chosen = true, .is_there = facts.may_go_on}))
         asked.push_back({WindowVerb::go_on});
 }
@@ -211,19 +215,21 @@ void begin_page(const StudyFacts& facts, float width, float height, std::vector<
 /// Below the picture that is touched: what to do there, and the button.
 void begin_strip(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {
     const Page page{width, height};
-    const float text = 0.85F * page.text, gap = 0.6F * text, high = std::max(3.4F * text, 44.0F);
+    const float text = 0.85F * page.text, gap = 0.6F * text, high = study_strip_height(width, height);
     begin_window(ImVec2(0, height - high), ImVec2(width, high), 0.82F);
     const float button = high - 1.2F * gap;
     draw_go_on(facts, width - gap, height - 0.6F * gap, button, page.text, asked);
-    const float taken = facts.go_on.empty()
-                            ? 0
-                            : std::max(size_of(facts.go_on, page.text, 0).x + 3 * page.text, 2.4F * button);
+    const float taken = facts.go_on.empty() ? 0 : width_of_go_on(facts, button, page.text);
     const float wide = width - taken - 3 * gap, size = fitting(facts.words, text, wide, high - gap);
     const float needs = size_of(facts.words, size, wide).y;
     draw_words(facts.words, size, ImVec2(gap, height - high + (high - needs) / 2), wide, page_words_ink);
 }
 
 }  // namespace
+
+float study_strip_height(float width, float height) {
+    return std::max(3.4F * 0.85F * Page{width, height}.text, 44.0F);
+}
 
 void begin_study(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {
     facts.is_page ? begin_page(facts, width, height, asked) : begin_strip(facts, width, height, asked);

@@ -20,9 +20,13 @@ struct StudyFacts {
     std::optional<std::size_t> chosen{};
     std::string go_on;  ///< on the button; empty: there is none
     bool may_go_on = false;
+    int wait_s = 0;         ///< seconds until it may, which are said on the button; 0: no time is waited for
     double share_done = 0;  ///< of the study, 0 to 1
     std::string fault;      ///< that a participant is to call somebody; empty: all is well
 };
+
+/// How high the strip is, in a window of that size.
+float study_strip_height(float width, float height);
 
 /// Draws it, and takes clicks: of an answer, and of the button. In an ImGui window of its own, whose
 /// ImGui::End is the caller's. Between ImGuiLayer's `begin` and `end`; sizes in pixels.

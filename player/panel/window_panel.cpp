@@ -12,6 +12,7 @@
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
+#include "player/panel/kiosk_bar.hpp"
 #include "player/panel/measure_panel.hpp"
 #include "player/panel/panel_rows.hpp"
 
@@ -60,14 +61,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         if (!has_page && facts.kiosk->is_turned) draw_turn_back(facts.kiosk->texts.turn_back, w, asked);
         return;
     }
-    if (facts.kiosk) {
-        const bool has_words = draw_kiosk_words(*facts.kiosk, is_stopped, w, h);
-        if (facts.kiosk->invited_s) return;
-        draw_force(facts, h, scale_);
-        if (facts.kiosk->scale && !has_words) draw_overlay_scale(*facts.kiosk->scale, w - m, h - m, scale_);
-        if (facts.kiosk->is_turned) draw_turn_back(facts.kiosk->texts.turn_back, w, asked);
-        return;
-    }
+    if (facts.kiosk) return draw_kiosk(facts, w, h, asked);
     if (wants_bar(facts)) {
         bar_.draw(facts, w, h, scale_, shown, help_shown, asked);
         bar_box_ = note_box();
@@ -92,7 +86,29 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (shown) draw_side(facts, w, h, asked);
 }
 
-/// For visitors who have no keys.
+/// What is written leaves the bar its place, shown or not: nothing moves when it comes and goes.
+void WindowPanel::draw_kiosk(const PanelFacts& facts, float width, float height,
+                             std::vector<WindowCommand>& asked) {
+    const KioskFacts& kiosk = *facts.kiosk;
+    const bool is_stopped = !facts.force_on && !facts.hand;
+    const KioskBar bar(facts, width, height, scale_);
+    const float above = kiosk.has_bar ? bar.top() : height;
+    const bool has_words = draw_kiosk_words(kiosk, is_stopped, width, height, above);
+    bar_box_ = kiosk.has_bar ? Box{bar.left(), bar.top(), bar.right(), bar.bottom()} : Box{};
+    if (kiosk.invited_s) return;
+    draw_force(facts, height, scale_);
+    constexpr float widest_scale = 330;
+    const float right = width - panel_margin * scale_;
+    const bool is_beside = !kiosk.has_bar || right - widest_scale * scale_ > bar.right();
+    if (kiosk.scale && !has_words)
+        draw_overlay_scale(*kiosk.scale, right, (is_beside ? height : above) - panel_margin * scale_, scale_);
+    if (!kiosk.has_bar && kiosk.is_turned) draw_turn_back(kiosk.texts.turn_back, width, asked);
+    if (!kiosk.has_bar || !bar_shown) return;
+    bar.draw(asked);
+    boxes_.push_back(bar_box_);
+}
+
+/// For visitors who have no keys, and participants of a study.
 void WindowPanel::draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked) {
     const float m = panel_margin * scale_;
     begin_box("turn back", {.x = width - m, .y = m, .pivot_x = 1});

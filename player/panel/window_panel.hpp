@@ -36,6 +36,7 @@ private:
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     static void draw_view(float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_kiosk(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);

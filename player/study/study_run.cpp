@@ -87,10 +87,14 @@ void StudyRun::choose_by(int by) {
         choose(static_cast<std::size_t>((static_cast<int>(*chosen_) + by + count) % count));
 }
 
+double StudyRun::wait_s(double now_s) const {
+    const double all = screen() ? std::max(screen()->step->least_s, least_s) : least_s;
+    return std::max(began_s_ + all - now_s, 0.0);
+}
+
 bool StudyRun::may_go_on(double now_s) const {
-    if (now_s < began_s_ + least_s) return false;
-    if (!screen()) return !is_beginning_;
-    return (chosen_ || !screen()->question) && now_s >= began_s_ + screen()->step->least_s;
+    if (wait_s(now_s) > 0) return false;
+    return screen() ? chosen_ || !screen()->question : !is_beginning_;
 }
 
 void StudyRun::go_on(double now_s, Time time) {

@@ -57,6 +57,8 @@ public:
     void choose(std::size_t answer);
     /// The answer `by` further; the first, or last, where none was chosen.
     void choose_by(int by);
+    /// How long the screen is still to be seen, seconds, before anybody may go on; 0: that is over.
+    double wait_s(double now_s) const;
     /// Whether `go_on` would: time enough has passed, a question is answered.
     bool may_go_on(double now_s) const;
     /// The participant has done with the screen, or begins: `pass` has the first screen once there is a file.

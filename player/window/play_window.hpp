@@ -46,6 +46,7 @@ struct KioskOptions {
     KioskTimes times{};
     KioskTexts texts{};
     TouchedBy touched_by = TouchedBy::mouse;  ///< where no device is held
+    bool has_bar = true;                      ///< of large buttons; not of a study
     TouchLabels labels{};                     ///< of the first clip
     /// What is said of each label, in the language of the texts; null: nothing.
     std::vector<std::shared_ptr<const SpokenSound>> label_sounds{};

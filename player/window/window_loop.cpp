@@ -268,9 +268,12 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
         pointer_is_there_ = event.kind == Kind::moved;
     const bool is_over = !pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y);
     const bool is_of_panel = layer_->holds_pointer() || is_over;
-    // A finger under the bar is felt, though the bar has the clicks.
-    const bool leaves = layer_->holds_pointer() || (is_over && !panel_->is_bar(pointer_at_.x, pointer_at_.y));
-    if (clip_ && leaves && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    // A finger under the bar is felt, though the bar has the clicks; not in a kiosk, where some never knew
+    // that a finger is there.
+    const bool leaves =
+        layer_->holds_pointer() || (is_over && (kiosk_ || !panel_->is_bar(pointer_at_.x, pointer_at_.y)));
+    if (clip_ && leaves && (event.kind == Kind::moved || event.kind == Kind::pressed))
+        pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
     if (!is_of_panel && measure_.take(event, pointer_at_)) return;
     if (clip_ && brush_.take(event, pointer_at_, is_of_panel, size)) return;

@@ -96,6 +96,7 @@ private:
     void open_instead(Playlist list, int by);
     void go_in_list(int by);
     void go_on_in_list(const WatchedMoment* moment);
+    void go_on_with_first();
     void say_place_in_list();
     void tell_skipped(std::span<const Error> skipped);
     Result<void> keep_picture(const std::filesystem::path& name);
@@ -170,6 +171,7 @@ private:
     void watch_over_study();
     void hide_forces(std::vector<FingerMark>& marks, const HeightField& field) const;
     StudyFacts study_facts() const;
+    double study_strip(const ScreenSize& size) const;
     void note_sound();
     void note_slow_reading();
     void note_files();

@@ -214,7 +214,8 @@ void WindowLoop::turn_full_screen() {
 /// While somebody does something; but not over a finger that presses where it is.
 bool WindowLoop::bar_is_wanted() const {
     constexpr double rest_s = 4;
-    if (pointer_.holds() && panel_->is_bar(pointer_at_.x, pointer_at_.y)) return false;
+    const auto is_bar = [this](const glm::dvec2& at) { return panel_->is_bar(at.x, at.y); };
+    if ((pointer_.holds() && is_bar(pointer_at_)) || touches_.any_over_picture(is_bar)) return false;
     return time_s_ - stirred_s_ < rest_s || layer_->holds_pointer();
 }
 

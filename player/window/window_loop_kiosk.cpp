@@ -67,7 +67,7 @@ std::string WindowLoop::kiosk_letters() const {
     std::string letters = texts.all();
     for (const TouchLabel& label : options_.kiosk->labels.labels)
         if (const std::string* const caption = said_in(label.captions, texts.language)) letters += *caption;
-    if (study_) letters += study_->study().all_words(texts.language);
+    if (study_) letters += study_->study().all_words(texts.language) + "(0123456789)";  // seconds
     return letters;
 }
 
@@ -175,7 +175,9 @@ KioskFacts WindowLoop::kiosk_facts(const PanelFacts& facts_of_clip) const {
     KioskFacts facts{.texts = kiosk.texts,
                      .by = options_.hand ? TouchedBy::device : kiosk.touched_by,
                      .invited_s = study_ ? std::nullopt : kiosk_->invites(now_s()),
-                     .is_turned = !clip_->view().own()};
+                     .is_turned = !clip_->view().own(),
+                     .has_bar = kiosk.has_bar,
+                     .is_still = clip_->is_still()};
     if (facts_of_clip.scale)
         facts.scale = in_kiosk_words(*facts_of_clip.scale, picture_.overlay(), kiosk.texts);
     if (resting_ && resting_->shown())
@@ -264,17 +266,24 @@ void WindowLoop::begin_anew() {
     begun_anew_s_ = now_s();
     lift_touches();
     clip_->view().go_home();
+    is_turning_ = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     clip_->fingers().lift();
-    // A button that nobody has let go of: on the surface, or on something of the panel.
+    // A button that nobody has let go of: on the surface, or on something of the panel, where it clicks
+    // nothing, as the pointer goes before it.
     if (!is_inviting_) pointer_.leave(clip_->fingers());
-    events_.push_back(InputEvent{.kind = InputEvent::Kind::released, .word = "left"});
+    using Kind = InputEvent::Kind;
+    events_.push_back(InputEvent{.kind = Kind::left_window});
+    events_.push_back(InputEvent{.kind = Kind::released, .word = "left"});
+    if (pointer_is_there_)
+        events_.push_back(InputEvent{.kind = Kind::moved, .x = pointer_at_.x, .y = pointer_at_.y});
     clip_->device().set_force(true);
     if (HandControl* const control = clip_->control()) control->begin_anew();
     picture_.set_overlay(Overlay::colour);
     measure_.let_go();
     sound_->set_muted(false);
     say(playback_->begin_anew(options_.session.playback, clip_repeats()));
+    if (!study_ && wanted_list_.value_or(playlist_).place() != 0) go_on_with_first();
 }
 
 }  // namespace touchable

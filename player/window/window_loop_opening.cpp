@@ -231,6 +231,9 @@ Result<void> WindowLoop::show(Ready& ready) {
     std::unique_ptr<OpenedClip> clip = std::move(ready.clip);
     const bool is_first = !clip_;
     lift_touches();
+    // A visitor goes on as before: what he has chosen is of all clips.
+    const bool goes_on = clip_ && kiosk_ && !study_ && kiosk_->was_visited();
+    if (goes_on) clip->view().look_as(clip_->view());
     if (clip_) {
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
         note_failure();
@@ -250,11 +253,11 @@ Result<void> WindowLoop::show(Ready& ready) {
         if (auto checked = check_labels(); !checked.ok()) return checked;
     clip_->begin_sound();
     picture_.forget();
-    picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
+    if (!goes_on) picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
     frames_shown_.forget();
     slow_reading_ = {};
     is_told_of_reading_ = false;
-    is_turning_ = false;
+    is_turning_ = is_turning_ && goes_on;
     playback_.emplace(*clip_);
     shown_s_ = time_s_;
     if (kiosk_ && clip_repeats() && !clip_->session().playback().loops && clip_->seconds() >= 0.1)

@@ -109,6 +109,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     if (auto fitted = fit_words(size); !fitted.ok()) return fitted;
 
     const HeightField field(clip_->scene(), moment.held.pair);
+    clip_->view().leave_below(study_strip(size));
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
@@ -172,6 +173,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
             facts.place.lines.insert(facts.place.lines.begin() + 1, words);
     facts.is_dented = is_dented_;
     facts.is_turning = is_turning_;
+    facts.has_touch_screen = has_touch_screen();
     facts.clips = playlist_.size();
     facts.figures.push_back(sound_->state());
     for (std::string words : {screen_->touch_state(), sound_->rumble_state()})

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "player/view/under_finger.hpp"
@@ -170,6 +171,13 @@ void WindowLoop::hide_forces(std::vector<FingerMark>& marks, const HeightField& 
     }
 }
 
+/// What of the picture's height is below the picture that a participant touches.
+double WindowLoop::study_strip(const ScreenSize& size) const {
+    if (!study_ || study_has_page()) return 0;
+    const auto height = static_cast<float>(size.height);
+    return static_cast<double>(study_strip_height(static_cast<float>(size.width), height) / height);
+}
+
 StudyFacts WindowLoop::study_facts() const {
     const KioskTexts& texts = options_.kiosk->texts;
     const auto said = [&](const StudyWords& words) {
@@ -182,6 +190,9 @@ StudyFacts WindowLoop::study_facts() const {
     facts.go_on = texts.study_continue;
     facts.may_go_on = study_->may_go_on(now_s());
     facts.share_done = study_->share_done();
+    if (study_->wait_s(now_s()) > 0 && study_->screen() &&
+        study_->screen()->step->least_s > StudyRun::least_s)
+        facts.wait_s = static_cast<int>(std::ceil(study_->wait_s(now_s())));
     if (study_->fault()) facts.fault = texts.study_not_kept;
     const StudyScreen* const screen = study_->screen();
     if (!screen) {

@@ -152,6 +152,7 @@ TEST_F(Participant, GoesOnOnlyOnceItIsTimeAndTheQuestionIsAnswered) {
     ASSERT_TRUE(run_->screen());
     wait(1900);
     EXPECT_FALSE(run_->may_go_on(now_s())) << "least_s";
+    EXPECT_NEAR(run_->wait_s(now_s()), 0.1, 1e-9);
     go_on();
     EXPECT_EQ(run_->screen()->step->id, "trial");
     wait(58100);
@@ -163,6 +164,7 @@ TEST_F(Participant, GoesOnOnlyOnceItIsTimeAndTheQuestionIsAnswered) {
     wait(5000);
     EXPECT_FALSE(run_->gives_force()) << "nobody pushes whoever reads a question";
     EXPECT_FALSE(run_->may_go_on(now_s())) << "no answer";
+    EXPECT_EQ(run_->wait_s(now_s()), 0) << "it is not time that is waited for";
     EXPECT_EQ(run_->clip(), 1U) << "it is opened meanwhile";
     run_->choose(7);
     EXPECT_FALSE(run_->chosen()) << "there are seven";

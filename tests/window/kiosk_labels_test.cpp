@@ -29,11 +29,13 @@ protected:
     }
     /// The finger comes to the middle of a window of 320x240, and stays.
     Outcome play(const std::string& labels, const std::vector<std::string>& more = {},
-                 const std::string& script = "0 move 160 110\n0.1 press left\n", const char* at_s = "2") {
+                 const std::string& script = "0 move 160 110\n0.1 press left\n", const char* at_s = "2",
+                 const char* bar = "off") {
         std::ofstream(folder_ / "labels.json") << "{\"touchable_labels\": 1, \"labels\": [" << labels << "]}";
         std::filesystem::remove(folder_ / "heard.wav");
         std::filesystem::remove(folder_ / "shot.png");
         std::vector<std::string> words{clip_,          "--kiosk",
+                                       "--kiosk-bar",  bar,
                                        "--sound",      "heard.wav",
                                        "--labels",     (folder_ / "labels.json").string(),
                                        "--screenshot", "shot.png",
@@ -58,13 +60,13 @@ protected:
         }
         return 2 * std::hypot(sine, cosine) / static_cast<double>(heard.size() - from);
     }
-    /// Bright pixels where captions are.
-    int written() const {
+    /// Bright pixels where captions are; above the bar where there is one.
+    int written(int from = 200, int to = 236) const {
         const auto shot = read_image(folder_ / "shot.png");
         EXPECT_TRUE(shot.ok());
         if (!shot.ok()) return -1;
         int count = 0;
-        for (int y = 200; y < 236; ++y)
+        for (int y = from; y < to; ++y)
             for (int x = 20; x < 300; ++x) {
                 const auto* const rgb = &shot->samples[static_cast<std::size_t>((y * shot->width + x) * 3)];
                 count += rgb[0] > 200 && rgb[1] > 200 && rgb[2] > 200;
@@ -84,10 +86,16 @@ TEST_F(KioskLabels, AreShownAndHeardWhereAFingerRestsAndNowhereElse) {
     EXPECT_GT(written(), 100) << "no caption";
     EXPECT_LT(tone_between(0, 0.5), 0.01) << "the finger had not rested yet";
     EXPECT_GT(tone_between(0.5, 2), 0.08) << "no sound";
-    const auto beside =
-        play(R"({"caption": "Indian Ocean", "sound": "bell.wav", "rectangle": [0, 0, 50, 119]})");
+    const std::string other =
+                          R"({"caption": "Indian Ocean", "sound": "bell.wav", "rectangle": [0, 0, 50, 119]})",
+                      press = "0 move 160 110\n0.1 press left\n";
+    const auto beside = play(other);
     ASSERT_EQ(beside.code, 0) << beside.err;
     EXPECT_LT(written(), 20);
+    ASSERT_EQ(play(middle, {}, press, "2", "on").code, 0);
+    EXPECT_GT(written(135, 160), 60) << "the bar is over it";
+    ASSERT_EQ(play(other, {}, press, "2", "on").code, 0);
+    EXPECT_LT(written(135, 160), 20);
     EXPECT_LT(tone_between(0.5, 2), 0.01);
     const auto above = play(middle, {}, "0 move 160 110\n");
     ASSERT_EQ(above.code, 0) << above.err;

@@ -154,10 +154,11 @@ TEST(TouchScript, WhoHasNotTouchedYetReadsOfFingersAndOfTheHouse) {
     EXPECT_GT(differences(mouse.image, finger.image, top), 300) << "it speaks of the mouse";
 }
 
-/// A kiosk's picture by these texts.
+/// A kiosk's picture by these texts, without the bar, which has the way back where it is there.
 Image kiosk_in(const std::string& language, const std::string& script) {
-    return played_by({made_clip("globe", 1).string(), "--kiosk", "--kiosk-texts", language}, script, "1",
-                     "640x480")
+    return played_by(
+               {made_clip("globe", 1).string(), "--kiosk", "--kiosk-bar", "off", "--kiosk-texts", language},
+               script, "1", "640x480")
         .image;
 }
 

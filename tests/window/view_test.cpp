@@ -72,5 +72,46 @@ TEST(WindowView, LookingAtAPlacePutsItInTheMiddleAndKeepsTheDistance) {
     EXPECT_NEAR(glm::length(camera.eye - place), before, 1e-6);
 }
 
+/// What is seen and what is picked are those of a picture that has no more than the upper part.
+TEST(WindowView, WhatIsLeftBelowIsBelowAllThatIsSeen) {
+    const Scene scene = globe_scene();
+    WindowView view(scene, {0, 0, -600}), upper(scene, {0, 0, -600});
+    view.leave_below(0.125);
+    const glm::dvec3 place(40, -130, -550);
+    for (const bool is_turned : {false, true}) {
+        if (is_turned) view.turn(20, 5);
+        if (is_turned) upper.turn(20, 5);
+        const ViewCamera camera = view.camera(720, 480), small = upper.camera(720, 420);
+        EXPECT_EQ(camera.height, 480);
+        const auto seen = camera.project(place), wanted = small.project(place);
+        ASSERT_TRUE(seen && wanted);
+        EXPECT_NEAR(glm::distance(*seen, *wanted), 0, 1e-9);
+        EXPECT_LT(glm::distance(camera.unproject(seen->x, seen->y, seen->z), place), 1e-6);
+    }
+    view.go_home();
+    const ViewCamera own = view.camera(720, 480);
+    const glm::dvec4 corner = own.clip_from_lattice * glm::dvec4(0, scene.height - 0.5, 1, 1 / 600.0);
+    EXPECT_NEAR((corner.y / corner.w + 1) * 240, 420, 1e-9) << "the clip's lowest row";
+    view.leave_below(0);
+    EXPECT_EQ(largest_difference(view.camera(720, 480).clip_from_world,
+                                 own_view(scene, 720, 480, 0.6).clip_from_world),
+              0);
+}
+
+TEST(WindowView, LooksAsAnotherClipIsLookedAt) {
+    const Scene scene = globe_scene();
+    WindowView before(scene, {0, 0, -600}), next(scene, {0, 0, -300});
+    next.look_as(before);
+    EXPECT_TRUE(next.own());
+    before.turn(30, 10);
+    before.near_by(2);
+    next.look_as(before);
+    EXPECT_FALSE(next.own());
+    EXPECT_EQ(next.orbit().azimuth, 30);
+    EXPECT_EQ(next.orbit().zoom, 2);
+    next.go_home();
+    EXPECT_TRUE(next.own());
+}
+
 }  // namespace
 }  // namespace touchable::test
