@@ -86,7 +86,11 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
 
 Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                   const PlaneView& colour, Lighting lighting, int step) {
-    if (by_cpu_) return show_by_cpu(field, pair, colour, lighting, step);
+    if (by_cpu_) {
+        if (auto made = show_by_cpu(field, pair, colour, lighting, step); !made.ok()) return made;
+        shown_.by(commands);
+        return {};
+    }
     if (auto begun = begin_surface(field, colour, lighting); !begun.ok()) return begun;
     // Whoever read the last surface, in the same commands, has done so.
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
