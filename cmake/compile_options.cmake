@@ -31,6 +31,29 @@ if(TOUCHABLE_SANITIZE)
   endif()
 endif()
 
+# Under Clang's sanitizers what many files include is compiled once for all rooms, and once for all that is not optimised: of a
+# small room it was a third of the time to compile, of a large one a tenth. The other builds read in each room what its files include.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
+  add_compile_options(-fPIC -pthread)  # as some have it, and all have to have, to read the same
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
+  foreach(name IN ITEMS precompiled unhurried_precompiled)
+    add_library(touchable_${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+    target_compile_features(touchable_${name} PUBLIC cxx_std_20)
+    target_compile_options(touchable_${name} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")  # a cache keeps it
+    target_precompile_headers(touchable_${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.hpp)
+  endforeach()
+  target_compile_options(touchable_unhurried_precompiled PRIVATE -O0)
+  # Without being told so, ccache compiles anew whatever reads something precompiled.
+  if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
+    list(PREPEND CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros)
+  endif()
+endif()
+function(touchable_reads target precompiled)
+  if(TARGET touchable_${precompiled})
+    set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM touchable_${precompiled})
+  endif()
+endfunction()
+
 # One room of the house: a static library `touchable_<name>`, reached by includes written from the root.
 function(touchable_room name)
   add_library(touchable_${name} STATIC ${ARGN})
@@ -38,6 +61,7 @@ function(touchable_room name)
   target_compile_features(touchable_${name} PUBLIC cxx_std_20)
   target_include_directories(touchable_${name} PUBLIC
       $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/touchable>)
+  touchable_reads(touchable_${name} precompiled)
 endfunction()
 
 # What takes long to compile and little time to run, such as a room that reads words: sanitizers see it without optimisation, which
@@ -45,6 +69,7 @@ endfunction()
 function(touchable_unhurried target)
   if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)
+    touchable_reads(${target} unhurried_precompiled)
   endif()
 endfunction()
 
