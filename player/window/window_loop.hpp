@@ -96,7 +96,7 @@ private:
     void open_instead(Playlist list, int by);
     void go_in_list(int by);
     void go_on_in_list(const WatchedMoment* moment);
-    void go_on_with_first();
+    void go_to_first();
     void say_place_in_list();
     void tell_skipped(std::span<const Error> skipped);
     Result<void> keep_picture(const std::filesystem::path& name);

@@ -283,7 +283,7 @@ void WindowLoop::begin_anew() {
     measure_.let_go();
     sound_->set_muted(false);
     say(playback_->begin_anew(options_.session.playback, clip_repeats()));
-    if (!study_ && wanted_list_.value_or(playlist_).place() != 0) go_on_with_first();
+    if (!study_ && wanted_list_.value_or(playlist_).place() != 0) go_to_first();
 }
 
 }  // namespace touchable

@@ -51,17 +51,12 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
                      [](const WatchedFinger& finger) { return finger.contact.touching; }));
     if (is_touched && !is_inviting_) return;  // which touches by itself
     went_on_s_ = time_s_;
-    if (kiosk_ && !kiosk_->was_visited()) return go_on_with_first();
     Playlist list = playlist_;
     if (list.next()) open_instead(std::move(list), 1);
 }
 
-/// Whoever comes to a kiosk begins with it: until then it is there again and again.
-void WindowLoop::go_on_with_first() {
-    const std::size_t place = wanted_list_.value_or(playlist_).place();
-    if (place == 0 && !clip_->is_still())
-        return say(playback_->begin_anew(options_.session.playback, clip_repeats()));
-    if (place == 0) return;
+/// From wherever a visitor has left the list.
+void WindowLoop::go_to_first() {
     Playlist list = playlist_;
     list.go_to(0);
     open_instead(std::move(list), 1);

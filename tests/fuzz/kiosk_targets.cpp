@@ -35,7 +35,7 @@ bool parse_texts(std::string_view bytes) {
         require_lines(texts->again(by), 1, false);
     }
     require_lines(texts->study_not_kept, 1, false);
-    require(texts->all().size() <= 24 * longest_line, "texts that are too long");
+    require(texts->all().size() <= 30 * longest_line, "texts that are too long");
     return true;
 }
 

@@ -139,7 +139,8 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
     painter_ = "raster";  // so that what is written is in the pictures
     const auto shot = [&](const char* name) { return (folder_ / name).string(); };
     const std::string script =
-        click(page_button, 0.6) + "1.8 key enter\n" +           // begins; the trial
+        "0.4 screenshot " + shot("first.png") + "\n" + click(page_button, 0.6) +
+        "1.8 key enter\n"                                       // begins; the trial
         "2.4 move 320 170\n2.6 press left\n3.2 move 326 170\n"  // with force
         "3.6 screenshot " +
         shot("on.png") + "\n4 release left\n" + click(strip_button, 4.4) + "5.2 key 1\n" +
@@ -186,7 +187,12 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
     const auto on = read_image(folder_ / "on.png"), off = read_image(folder_ / "off.png");
     ASSERT_TRUE(on.ok() && off.ok());
     EXPECT_GT(differences(*on, *off, force_bar), 200) << "a force is shown, or none is";
-    EXPECT_TRUE(std::filesystem::exists(folder_ / "start.png"));
+    const auto first = read_image(folder_ / "first.png"), question = read_image(folder_ / "question.png"),
+               start = read_image(folder_ / "start.png");
+    ASSERT_TRUE(first.ok() && question.ok() && start.ok());
+    constexpr PicturePart page{40, 30, 600, 330};
+    EXPECT_LT(differences(*first, *start, page), 100) << "the next participant does not find the start page";
+    EXPECT_GT(differences(*question, *start, page), 2000) << "nobody is asked";
 }
 
 TEST_F(StudyWindow, WithoutForceNothingIsHeard) {

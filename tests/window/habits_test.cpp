@@ -235,6 +235,21 @@ TEST(Habits, WhatIsOverInABlinkRestsBeforeTheNext) {
     EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "6.5").image, next), 50);
 }
 
+TEST(Habits, AKioskGoesThroughItsClipsAlsoWhileNobodyIsThere) {
+    const std::string still = (some_clips() / "b-still.mkv").string(),
+                      bumps = (some_clips() / "c-bumps.mkv").string();
+    const auto seen = [](std::vector<std::string> clips, const char* seconds, const char* invited_after) {
+        clips.insert(clips.end(), {"--kiosk", "--idle", invited_after, "200"});
+        return played_by(clips, "", seconds).image;
+    };
+    const char* const without_bar = "4.5";
+    const Image first = seen({still}, without_bar, "100"), next = seen({bumps}, without_bar, "100");
+    ASSERT_GT(in_the_middle(first, next), 1000);
+    EXPECT_LT(in_the_middle(seen({still, bumps}, "6.5", "100"), next), 50);
+    EXPECT_LT(in_the_middle(seen({still, bumps}, "12.5", "100"), first), 50) << "the first after the last";
+    EXPECT_GT(in_the_middle(seen({still, bumps}, "6.5", "0.5"), first), 1000) << "a finger invites";
+}
+
 TEST(Habits, KeysGoToTheNextClipOfAFolderAndBack) {
     const std::string folder = some_clips().string();
     const Image globe = shot_of(some_clips() / "a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image,

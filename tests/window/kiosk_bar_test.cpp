@@ -90,12 +90,12 @@ TEST_F(KioskBarTest, TheNextVisitorBeginsWithTheFirstClipStraightAndWithItsColou
 }
 
 TEST_F(KioskBarTest, AButtonThatIsHeldOverTheResetDoesNothing) {
-    const std::vector<std::string> soon{"--idle", "0.3", "0.6"};
+    const std::vector<std::string> soon{"--idle", "0.8", "0.8"};
     const std::string by_mouse =
-                          "0.1 move " + colours() + "\n0.2 press left\n2 release left\n2.1 move 310 4\n",
+                          "0.1 move " + colours() + "\n0.2 press left\n2.6 release left\n2.7 move 310 4\n",
                       by_finger = "0.1 touch 1 " + colours() + "\n3 touch-end 1\n3.1 move 310 4\n";
     const Image fresh = seen("0 move 310 4\n", "0.3");
-    EXPECT_LT(differences(fresh, seen(by_mouse, "2.3", soon), above), 100);
+    EXPECT_LT(differences(fresh, seen(by_mouse, "2.9", soon), above), 100);
     EXPECT_LT(differences(fresh, seen(by_finger, "3.3", soon), above), 100);
 }
 
