@@ -14,6 +14,9 @@ constexpr int line_step = 4;
 constexpr int least_tread = 8, widest_step = 8;
 /// Wider ones count as this.
 constexpr int most_width = 4096;
+/// From the nearest terrace that goes on to the farthest, steps: where there are fewer is no slope but a few
+/// flat things, such as a card before a wall.
+constexpr int least_levels = 2;
 
 }  // namespace
 
@@ -45,18 +48,20 @@ void ContourEstimator::add_line(const int* codes, std::ptrdiff_t stride, int cou
         else
             narrow_ += end - first;
     }
-    int before = 0;  // height of the step that leads to a tread; 0: none
+    int before = 0;  // the step that leads to a tread, codes; 0: none
     for (std::size_t k = 0; k < treads_.size(); ++k) {
         int after = 0;
         if (k + 1 < treads_.size()) {
             const Tread &here = treads_[k], &next = treads_[k + 1];
             bool is_step = next.first - here.end <= widest_step;
             for (int n = here.end; is_step && n < next.first; ++n) is_step = at(n) != CodePicture::invalid;
-            if (is_step) after = std::abs(next.code - here.code);
+            if (is_step) after = next.code - here.code;
         }
-        if (after > 0) ++steps_[static_cast<std::size_t>(after)];
-        if (before > 0 && after > 0)
-            terraces_.push_back({treads_[k].end - treads_[k].first, std::max(before, after)});
+        if (after != 0) ++steps_[static_cast<std::size_t>(std::abs(after))];
+        if (before != 0 && after != 0)
+            terraces_.push_back({treads_[k].end - treads_[k].first,
+                                 std::max(std::abs(before), std::abs(after)), treads_[k].code,
+                                 (before > 0) == (after > 0)});
         before = after;
     }
 }
@@ -80,11 +85,16 @@ Contours ContourEstimator::contours() const {
     // What lies beside a higher step is no part of a slope of terraces, and may be as wide as it likes.
     std::vector<std::int64_t> pixels(most_width + 1);
     std::int64_t all = narrow_;
+    int nearest = 65536, farthest = 0;
     for (const Terrace& terrace : terraces_) {
         if (2 * terrace.step > 3 * height) continue;
         pixels[static_cast<std::size_t>(std::min(terrace.width, most_width))] += terrace.width;
         all += terrace.width;
+        if (!terrace.goes_on) continue;
+        nearest = std::min(nearest, terrace.code);
+        farthest = std::max(farthest, terrace.code);
     }
+    if (farthest - nearest < least_levels * height) return contours;
     std::int64_t wider = 0;
     for (int width = most_width; width > 0; --width)
         if (wider += pixels[static_cast<std::size_t>(width)]; 4 * wider >= all) {

@@ -35,7 +35,8 @@ private:
         int first = 0, end = 0, code = 0;
     };
     struct Terrace {
-        int width, step;  // pixels; the higher one of its two steps, codes
+        int width, step, code;  // pixels; the higher one of its two steps, codes; its own code
+        bool goes_on;           // both steps go up, or both down, as on a slope
     };
 
     void add_line(const int* codes, std::ptrdiff_t stride, int count);

@@ -60,6 +60,17 @@ TEST(Contours, WhatIsFlatBetweenSilhouettesIsNoTerrace) {
     EXPECT_EQ(contours_of(coded(300, 40, [](int, int) { return 7; })), Contours{});
 }
 
+TEST(Contours, AFewFlatThingsAreNoSlope) {
+    const auto halves = [](int x, int) { return x < 200 ? 100 : 140; };
+    const auto card = [](int x, int y) { return x > 129 && x < 270 && y > 79 && y < 220 ? 140 : 100; };
+    const auto one_behind_the_other = [](int x, int) { return 100 + 30 * (x / 160); };  // 100, 130, 160
+    for (const CodeAt& things : {CodeAt(halves), CodeAt(card), CodeAt(one_behind_the_other)}) {
+        const Contours found = contours_of(coded(400, 300, things));
+        EXPECT_EQ(found.width, 0);
+        EXPECT_EQ(found.reach(), 16);
+    }
+}
+
 TEST(Contours, HolesAreNoSteps) {
     EXPECT_EQ(contours_of(coded(
                   400, 8, [](int x, int) { return x % 50 == 0 ? CodePicture::invalid : 100 + x / 50; })),
