@@ -44,6 +44,7 @@ void main() {
     }
     if (!(dot(normals, normals) > 0.0f)) discard;
     const vec4 there = header.pixel_from_world * vec4(place + moved, 1.0f);
+    if (!(there.z <= there.w)) discard;  // before the near plane
     vec2 source = pixel - (there.xy / there.w - pixel);
     // Not what stands before the surface.
     const ivec2 last = textureSize(z_image, 0) - 1;

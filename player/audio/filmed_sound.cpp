@@ -15,9 +15,8 @@ void FilmedSound::render(const HeardTick& tick, ClipSound& clip) {
     keep_(next_ms_++ * ContactSound::samples_per_tick, samples_);
 }
 
-void FilmedSound::skip_to(std::int64_t now_ms, float loudness, ClipSound& clip) {
-    HeardTick silence;
-    silence.loudness = loudness;
+void FilmedSound::skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound& clip) {
+    const HeardTick silence = silence_after(tick);
     for (std::int64_t k = 0; k < fade_ms && next_ms_ < now_ms; ++k) render(silence, clip);
     next_ms_ = std::max(next_ms_, now_ms);
 }
@@ -26,7 +25,7 @@ void FilmedSound::skip_to(std::int64_t now_ms, float loudness, ClipSound& clip) 
 /// it is left out, but for what happened in it.
 void FilmedSound::take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms) {
     if (aligns_.exchange(false, std::memory_order_relaxed) || passed > longest_skip_ms)
-        skip_to(now_ms, tick.loudness, clip);
+        skip_to(now_ms, tick, clip);
     else
         for (std::int64_t k = passed; k > 1; --k) render(going_on(tick), clip);
     const HeardTick now = early_ ? merged(*early_, tick) : tick;

@@ -26,7 +26,7 @@ public:
 
 private:
     void render(const HeardTick& tick, ClipSound& clip);
-    void skip_to(std::int64_t now_ms, float loudness, ClipSound& clip);
+    void skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound& clip);
 
     Keep keep_;
     std::atomic<bool> aligns_{true};

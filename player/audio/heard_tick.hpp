@@ -57,6 +57,14 @@ inline HeardTick merged(const HeardTick& earlier, const HeardTick& later) {
     return both;
 }
 
+/// Nothing is felt any more, as loud as before.
+inline HeardTick silence_after(const HeardTick& tick) {
+    HeardTick silence;
+    silence.muted = tick.muted;
+    silence.loudness = tick.loudness;
+    return silence;
+}
+
 /// The same going on: nothing begins a second time.
 inline HeardTick going_on(HeardTick tick) {
     for (HeardFinger& finger : tick.fingers) finger.met = finger.let_go = 0;

@@ -16,11 +16,7 @@ HeardTick HeardTicks::next(std::uint64_t wanted) {
     std::uint64_t at = popped_.load(std::memory_order_relaxed);
     const std::uint64_t end = pushed_.load(std::memory_order_acquire);
     if (at == end) {
-        if (++bridged_ <= longest_bridge) return going_on(last_);
-        HeardTick silence;
-        silence.muted = last_.muted;
-        silence.loudness = last_.loudness;
-        return silence;
+        return ++bridged_ <= longest_bridge ? going_on(last_) : silence_after(last_);
     }
     HeardTick tick = ticks_[at++ % ticks_.size()];
     while (end - at > wanted + slack) tick = merged(tick, ticks_[at++ % ticks_.size()]);

@@ -298,13 +298,11 @@ public:
             return reserved;
         if (auto drawn = draw_on(small_, camera, fingers, sizes); !drawn.ok()) return drawn;
         record_stretch(*commands_, small_, canvas_);
-        commands_->mark("stretch");
         return {};
     }
 
     Result<void> finish() override {
         if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn;
-        commands_->mark("panel");
         GpuCommands commands = std::move(*commands_);
         commands_.reset();
         return screen_.present(std::move(commands), canvas_);

@@ -35,8 +35,7 @@ public:
     /// What becomes of the fingers on a touch screen, in a few words for a person; empty: there is none.
     virtual std::string touch_state() const = 0;
     /// Submits what draws `canvas`, which is then in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, waits for it, and
-    /// shows it, stretched where the screen has another size by now. Gives how long the marked stretches
-    /// took.
+    /// shows it, stretched where the screen has another size by now.
     virtual Result<void> present(GpuCommands commands, const GpuImage& canvas) = 0;
     virtual void set_title(const std::string& title) = 0;
     virtual void set_fullscreen(bool on) = 0;

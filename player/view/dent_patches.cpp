@@ -50,9 +50,9 @@ struct Steadily {
     void go_on() { now += change; }
 };
 
-/// `light`: 128ths, below 257 of them; `gloss`: of 255.
+/// `light`: 64ths, below 257 of them, as products have 16 bits (dent_light is below 3.2); `gloss`: of 255.
 PackedColour lit(Channels colour, int light, int gloss) {
-    Channels value = ((colour * static_cast<std::uint16_t>(light) + std::uint16_t{64}) >> 7) +
+    Channels value = ((colour * static_cast<std::uint16_t>(light) + std::uint16_t{32}) >> 6) +
                      static_cast<std::uint16_t>(gloss);
     const Channels most = Channels{} + std::uint16_t{255};
     value = value > most ? most : value;
@@ -90,9 +90,13 @@ void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const 
             const auto dent = dented(dents_, place);
             if (!dent) continue;
             const glm::dvec4 there = sight.pixel_from_world * glm::dvec4(place + glm::dvec3(dent->moved), 1);
+            if (!(there.z <= there.w)) continue;  // before the near plane
             const DentLight light = dent_light(dent->normal_before, dent->normal);
-            *node = {static_cast<float>(x + 0.5 - there.x / there.w),
-                     static_cast<float>(y + 0.5 - there.y / there.w), light.factor, 255 * light.gloss};
+            const auto shift = [](double pixels) {
+                return static_cast<float>(std::clamp(pixels, -4096.0, 4096.0));
+            };
+            *node = {shift(x + 0.5 - there.x / there.w), shift(y + 0.5 - there.y / there.w), light.factor,
+                     255 * light.gloss};
         }
 }
 
@@ -120,7 +124,7 @@ void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, Packe
             const auto begin = static_cast<float>(bounds.x0 + first);
             Steadily across(begin + from.right, begin + static_cast<float>(step_) + right.right, per_step),
                 along(static_cast<float>(y) + from.down, static_cast<float>(y) + right.down, per_step),
-                light(from.light, right.light, per_step, 128), gloss(from.gloss, right.gloss, per_step);
+                light(from.light, right.light, per_step, 64), gloss(from.gloss, right.gloss, per_step);
             for (int k = first; k < std::min(first + step_, width); ++k) {
                 int column_of = std::clamp(across.now >> 8, 0, most_x),
                     row_of = std::clamp(along.now >> 8, 0, most_y);

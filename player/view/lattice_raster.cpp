@@ -70,8 +70,10 @@ private:
     /// Whether a row of cells can be seen in these rows of the picture.
     bool meets(const Rows& rows) const {
         if (!rows.upper.is_in_front || !rows.lower.is_in_front) return true;
-        return first_pixel(std::min(rows.upper.least_y, rows.lower.least_y)) <= last_ &&
-               last_pixel(std::max(rows.upper.most_y, rows.lower.most_y)) >= first_;
+        const int least = std::min(rows.upper.least_y, rows.lower.least_y),
+                  most = std::max(rows.upper.most_y, rows.lower.most_y);
+        if (least > most) return false;  // they have no surface
+        return first_pixel(least) <= last_ && last_pixel(most) >= first_;
     }
 
     template <int n>

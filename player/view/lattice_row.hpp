@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "player/view/gpu_lattice.hpp"
+#include "player/view/view_surface.hpp"
 
 namespace touchable {
 

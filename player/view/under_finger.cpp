@@ -28,8 +28,8 @@ std::optional<UnderFinger> under_finger(const HeightField& field, const glm::dve
     const WorldSpace space(field);
     const auto middle = felt_point(space, seen->x, seen->y);
     if (!middle) return std::nullopt;
-    const double right = std::clamp(reach * camera.fx / -middle->z, 1.0, field.width() / 4.0),
-                 down = std::clamp(reach * camera.fy / -middle->z, 1.0, field.height() / 4.0);
+    const double right = std::max(1.0, std::min(reach * camera.fx / -middle->z, field.width() / 4.0)),
+                 down = std::max(1.0, std::min(reach * camera.fy / -middle->z, field.height() / 4.0));
     // Where the surface ends, or goes over into another one, the middle itself is one of the two ends.
     const auto end = [&](double dx, double dy) {
         const auto point = felt_point(space, seen->x + dx, seen->y + dy);
