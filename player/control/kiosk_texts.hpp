@@ -54,7 +54,7 @@ struct KioskTexts {
     const std::string& of_device(HandState::What what) const;
 };
 
-/// Of a text of theirs, in bytes.
+/// A longer file is refused, bytes.
 inline constexpr std::size_t largest_kiosk_texts = std::size_t{64} << 10;
 
 /// An object of the members of KioskTexts, and "touchable_kiosk_texts": 1; what is left out is English. Each

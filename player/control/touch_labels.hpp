@@ -55,7 +55,7 @@ struct TouchLabels {
 };
 
 inline constexpr std::size_t most_labels = 1000;
-/// Of a text of theirs, in bytes.
+/// A longer file is refused, bytes.
 inline constexpr std::size_t largest_labels = std::size_t{1} << 20;
 
 /// `folder`: where the names of sounds begin. Refused (ErrorKind::input, beginning with `where`) where that

@@ -25,17 +25,6 @@ std::string as_field(const std::string& words) {
     return field + "\"";
 }
 
-int write_bytes(int out, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t count = ::write(out, bytes.data(), bytes.size());
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) return errno;
-        if (count == 0) return ENOSPC;
-        bytes.remove_prefix(static_cast<std::size_t>(count));
-    }
-    return 0;
-}
-
 /// What of an open file is in the way; nothing where rows may follow.
 std::optional<std::string> why_no_log(int out) {
     struct stat facts {};
@@ -44,7 +33,7 @@ std::optional<std::string> why_no_log(int out) {
     if (flock(out, LOCK_EX | LOCK_NB) != 0) return "another program is writing it";
     const std::string_view header = UseLog::header;
     if (facts.st_size == 0) {
-        if (const int why = write_bytes(out, header)) return std::strerror(why);
+        if (const int why = append_durably(out, header)) return std::strerror(why);
         return std::nullopt;
     }
     std::string begin(header.size(), '\0');
@@ -53,7 +42,7 @@ std::optional<std::string> why_no_log(int out) {
     char last = '\n';
     // A machine that was switched off in the middle of a row.
     if (pread(out, &last, 1, facts.st_size - 1) == 1 && last != '\n')
-        if (const int why = write_bytes(out, "\n")) return std::strerror(why);
+        if (const int why = append_durably(out, "\n")) return std::strerror(why);
     return std::nullopt;
 }
 
@@ -81,13 +70,6 @@ struct UseLog::Rows {
     std::mutex mutex;
     std::optional<Error> missing;  // guarded by it
 };
-
-int UseLog::write_row(int out, const std::string& row) {
-    const off_t before = lseek(out, 0, SEEK_END);
-    const int why = write_bytes(out, row);
-    if (why != 0 && before >= 0) (void)!ftruncate(out, before);
-    return why != 0 ? why : (fdatasync(out) == 0 ? 0 : errno);
-}
 
 Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, WriteRow write) {
     const int out = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);

@@ -7,9 +7,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "engine/result.hpp"
 #include "player/control/disk_work.hpp"
+#include "player/control/durable_append.hpp"
 
 namespace touchable {
 
@@ -25,11 +27,9 @@ public:
     /// Goes on with a log that is there. Refused (ErrorKind::input): a file that is none, one that cannot be
     /// written, one that another program is writing.
     static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file) {
-        return open(file, write_row);
+        return open(file, append_durably);
     }
-    /// Writes a row whole, or nothing of it, to the end of an open file: 0, or why not (errno).
-    using WriteRow = std::function<int(int out, const std::string& row)>;
-    static int write_row(int out, const std::string& row);
+    using WriteRow = std::function<int(int out, std::string_view row)>;  ///< append_durably, or as it does
     /// Likewise with rows written so, such as by a test's disk.
     static Result<std::unique_ptr<UseLog>> open(const std::filesystem::path& file, WriteRow write);
     /// Once, the last call: writes what waits, for that long at most. An error where rows are missing.

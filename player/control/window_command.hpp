@@ -82,7 +82,7 @@ struct KeyBinding {
     bool control = false;
 };
 std::span<const KeyBinding> key_bindings();
-/// Keys that only a study knows.
+/// Keys of a study, beside key_bindings(), that a script may press.
 inline constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
 /// Of a key with what is held; null: it does nothing.
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift);

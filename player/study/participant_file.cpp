@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "engine/new_file.hpp"
+#include "player/control/durable_append.hpp"
 
 namespace touchable {
 namespace {
@@ -97,39 +98,23 @@ Result<ParticipantFile> ParticipantFile::create(const fs::path& folder, const st
 void ParticipantFile::add(const std::string& row) {
     waiting_ += row;
     write();
-    sync();
 }
 
 void ParticipantFile::secure() {
-    sync();
     sync_folder(folder_);
-}
-
-void ParticipantFile::sync() {
-    if (!fault_ && fdatasync(out_) != 0) fault_ = failed(errno);
 }
 
 /// All that waits, or nothing of it.
 void ParticipantFile::write() {
     fault_.reset();
-    const off_t before = lseek(out_, 0, SEEK_END);
-    std::string_view rest = waiting_;
-    while (!rest.empty()) {
-        const ssize_t count = ::write(out_, rest.data(), rest.size());
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) {
-            fault_ = failed(count < 0 ? errno : ENOSPC);
-            if (before >= 0) (void)!ftruncate(out_, before);
-            return;
-        }
-        rest.remove_prefix(static_cast<std::size_t>(count));
-    }
-    waiting_.clear();
+    if (const int why = append_durably(out_, waiting_))
+        fault_ = failed(why);
+    else
+        waiting_.clear();
 }
 
 Result<void> ParticipantFile::finish(End end) {
     write();
-    sync();
     if (fault_) return *fault_;
     const fs::path last = named(end == End::finished ? finished : left);
     if (const int why = move_to_free_name(named(partial), last); why != 0)

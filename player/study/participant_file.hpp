@@ -24,7 +24,7 @@ public:
     ParticipantFile& operator=(ParticipantFile&&) = delete;
 
     std::size_t number() const { return number_; }
-    /// Safe on the disk as it is, with its name: until then a machine that is switched off may lose it.
+    /// Its name is safe on the disk, too: until then a machine that is switched off may lose the file.
     void secure();
     /// A row, whole, and what still waits. Where there is no room it waits for the next one, and `fault`
     /// says so.
@@ -41,7 +41,6 @@ private:
     ParticipantFile(std::filesystem::path folder, std::size_t number, int out);
     std::filesystem::path named(const char* ending) const;
     void write();
-    void sync();
     Error failed(int why) const;
 
     std::filesystem::path folder_;

@@ -178,7 +178,7 @@ Study read_study(const Node& node) {
     start.allow_only({"title", "text"});
     study.title = read_words(start["title"]);
     study.words = read_words(start["text"]);
-    std::set<std::string> known;
+    std::set<std::string> known{"end"};  // the last row of a participant's table
     study.before = read_steps(node, "before", false, known);
     study.in_each_condition = read_steps(node, "in_each_condition", true, known);
     study.after = read_steps(node, "after", false, known);

@@ -76,7 +76,7 @@ struct Study {
 };
 
 inline constexpr std::size_t most_study_conditions = 8;
-/// Of a text of one, in bytes.
+/// A longer file is refused, bytes.
 inline constexpr std::size_t largest_study = std::size_t{1} << 18;
 
 /// Refused (ErrorKind::input, beginning with `where`) where that cannot be.

@@ -51,7 +51,6 @@ void StudyResults::Files::begin() {
     // The participant need not wait for the rest.
     answer(file->number(), {});
     file->secure();
-    tell();
 }
 
 void StudyResults::Files::end(ParticipantFile::End how) {

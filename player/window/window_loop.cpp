@@ -300,13 +300,13 @@ void WindowLoop::say(const Error& error) {
 /// Who sees no window, or is no visitor, learns what went wrong all the same.
 void WindowLoop::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
-    log_fault(fault);
     const bool is_told = kiosk_ && (told_.size() == most_told || !told_.insert(fault).second);
     if ((options_.headless || kiosk_) && !is_told)
         std::cerr << "touchable: warning: " << printable(fault, 500) << '\n';
 }
 
 void WindowLoop::say(std::string words, Tone tone) {
+    if (tone == Tone::fault) log_fault(words);
     if (tone != Tone::remark) tell(words);
     notices_.say(std::move(words), tone, time_s_);
     last_event_ = Clock::now();

@@ -94,14 +94,12 @@ Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
     opening_.let_go();
     if (!ended.ok()) return ended.error();
     if (interrupted()) return interruption();
-    if (begun_ && options_.screenshot) {
+    const bool is_kept = begun_ && options_.screenshot;
+    if (is_kept) {
         ended = draw_opening();
         if (ended.ok()) ended = keep_picture(*options_.screenshot);
-        screenshots_.finish();
-        for (const auto& written : screenshots_.take())
-            if (!written.ok()) ended = all_ok({ended, written.error()});
-        if (!ended.ok()) return ended.error();
     }
+    if (ended = finish_screenshots(is_kept, std::move(ended)); !ended.ok()) return ended.error();
     figures_.seconds = now_s();
     return std::move(figures_);
 }

@@ -14,14 +14,20 @@ void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     PersistentDevice& hand = *options_.hand;
     if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
         last_event_ = Clock::now();
-        if (const auto health = hand.health(); !health.ok()) tell(options_.names.error(health.error()));
+        if (const auto health = hand.health(); !health.ok()) {
+            const std::string fault = options_.names.error(health.error());
+            log_fault(fault);
+            tell(fault);
+        }
     }
     if (!kiosk_ || !moment || moment->felt.fingers.empty()) return;
     const glm::dvec3 goal = moment->felt.fingers[0].goal, way = goal - hand_seen_at_;
     const double far = clip_->sizes().finger_radius / 2;
     if (glm::dot(way, way) < far * far || !(glm::dot(goal, goal) >= 0)) return;
     hand_seen_at_ = goal;
-    kiosk_->came(now_s());
+    // Another clip, or one that has begun anew, maps a hand that rests to another place of its world.
+    constexpr double mapped_s = 0.5;
+    if (now_s() > begun_anew_s_ + mapped_s) kiosk_->came(now_s());
 }
 
 /// Nobody sees any more what is asked for. It is asked for no longer, too, so that what is recorded of the

@@ -79,22 +79,28 @@ Result<void> WindowLoop::check_labels() const {
 
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
-    if (study_) return watch_over_study();
     const double now = now_s();
     try_again();
     if (pointer_.holds() || touches_.holds()) kiosk_->holds(now);
     log_visit(kiosk_->ended(now));
-    if (kiosk_->begins_anew(now)) begin_anew();
+    if (kiosk_->begins_anew(now)) {
+        if (study_)
+            study_->leave(now, std::chrono::system_clock::now());
+        else
+            begin_anew();
+    }
+    begin_anew_at_end();
+    if (study_) return;  // whose start screen invites
     const auto invited = kiosk_->invites(now);
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
-    begin_anew_at_end();
 }
 
-/// A clip that did not say how long it is could not be told to loop.
+/// A clip that did not say how long it is could not be told to loop; a camera does not begin again.
 void WindowLoop::begin_anew_at_end() {
-    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end && clip_repeats();
+    const bool ended =
+        clip_->frames() == 0 && !clip_->is_camera() && clip_->session().playback().at_end && clip_repeats();
     if (ended && now_s() > begun_anew_s_ + 1) begin_anew();
 }
 
@@ -105,7 +111,7 @@ void WindowLoop::welcome(const InputEvent& event) {
     kiosk_->came(now_s());
     watch_over();  // the finger that showed how goes before the visitor's comes
     const bool presses =
-        (has_come || event.kind == InputEvent::Kind::pressed) || event.kind == InputEvent::Kind::touch_began;
+        has_come || event.kind == InputEvent::Kind::pressed || event.kind == InputEvent::Kind::touch_began;
     if (presses && !options_.hand) clip_->set_force(true);
 }
 
@@ -229,8 +235,8 @@ void WindowLoop::end_log(const Result<void>& ended) {
 void WindowLoop::try_again() {
     const auto failure =
         clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
-    if (!failure) return;
-    if (!told_.contains(failure->message)) say(failure->message, Tone::fault);
+    if (!failure && clip_->session().running()) return;
+    if (failure && !told_.contains(failure->message)) say(failure->message, Tone::fault);
     if (now_s() < tried_again_s_ + options_.kiosk->times.reset_s || ready_ || opening_.is_busy()) return;
     tried_again_s_ = now_s();
     ask_for_clip(playlist_, 0, playlist_.now());
@@ -282,7 +288,7 @@ void WindowLoop::begin_anew() {
     picture_.set_overlay(Overlay::colour);
     measure_.let_go();
     sound_->set_muted(false);
-    say(playback_->begin_anew(options_.session.playback, clip_repeats()));
+    if (!clip_->is_camera()) say(playback_->begin_anew(options_.session.playback, clip_repeats()));
     if (!study_ && wanted_list_.value_or(playlist_).place() != 0) go_to_first();
 }
 

@@ -11,6 +11,7 @@ namespace touchable {
 
 /// They, and the clips of a folder, are what there is once the first of them is open.
 void WindowLoop::open_others(std::vector<std::string> named) {
+    if (study_) return say("a study has clips of its own; no other is opened", Tone::refusal);
     if (options_.record)
         return say("a recording is of one clip; another can be opened where none is made", Tone::refusal);
     notices_.clear_passing();

@@ -243,7 +243,11 @@ Result<void> WindowLoop::show(Ready& ready) {
     } else {
         clip->fingers().set_count(settings_file_.read().fingers);
     }
-    if (auto begun = clip->begin(); !begun.ok()) return begun;
+    if (auto begun = clip->begin(); !begun.ok()) {
+        wanted_list_.reset();  // the clip that is there has ended; a kiosk opens it again
+        return begun;
+    }
+    begun_anew_s_ = now_s();
     if (clip_) count_session();
     clip_ = std::move(clip);
     playlist_ = std::move(ready.list);

@@ -116,7 +116,8 @@ void WindowLoop::take_of_study_hand() {
     last_event_ = Clock::now();
 }
 
-/// Whether it was a key, which nobody else is to have.
+/// Whether the study takes the event: every key but those by which a participant touches, turns the view, or
+/// stops the force.
 bool WindowLoop::take_of_study(const InputEvent& event) {
     if (event.kind != Kind::key) return false;
     const bool has_page = study_has_page();
@@ -143,16 +144,6 @@ void WindowLoop::take_of_study(const WindowCommand& command) {
         study_->choose(static_cast<std::size_t>(command.number) - 1);
     else
         study_->go_on(now_s(), by_the_clock());
-}
-
-/// Somebody who went away has left, and the start screen is back.
-void WindowLoop::watch_over_study() {
-    const double now = now_s();
-    try_again();
-    if (pointer_.holds() || touches_.holds()) kiosk_->holds(now);
-    log_visit(kiosk_->ended(now));
-    if (kiosk_->begins_anew(now)) study_->leave(now, by_the_clock());
-    begin_anew_at_end();
 }
 
 /// Without its force a finger is on the surface where the hand is: nothing holds it back, and nothing gives

@@ -93,6 +93,7 @@ TEST(StudyFile, ThatCannotBeIsOneLineWithThePlaceAndWhatWouldBeRight) {
                    "in_each_condition[0].force", "condition"},
                   {"\"id\": \"globe\"", "\"id\": \"trial\"", "in_each_condition[0].id", "of its own"},
                   {"\"id\": \"liked\"", "\"id\": \"globe\"", "questions[1].id", "of its own"},
+                  {"\"id\": \"globe\"", "\"id\": \"end\"", "in_each_condition[0].id", "of its own"},
                   {"\"name\": \"b\"", "\"name\": \"a\"", "conditions[1].name", "of its own"},
                   {"\"force\": \"off\"", "\"force\": \"half\"", "conditions[1].force", "off"},
                   {"\"most\": 5", "\"most\": 1", "scale", "more"},

@@ -376,6 +376,10 @@ protected:
         options.record = record_;
         options.existing = Existing::replace;
         if (script.find("open ") != std::string::npos) options.record.reset();
+        if (is_kiosk_) {
+            options.kiosk.emplace().use_log = log_;
+            options.record.reset();
+        }
         std::ofstream(folder_ / "script") << script;
         auto inputs = read_window_script(folder_ / "script");
         EXPECT_TRUE(inputs.ok());
@@ -386,6 +390,8 @@ protected:
     const TemporaryFolder folder_;
     const std::filesystem::path clip_ = folder_ / "globe.mkv", record_ = folder_ / "hand.touch";
     std::atomic<double> before_{0};
+    const std::filesystem::path log_ = folder_ / "use.csv";
+    bool is_kiosk_ = false;
     double seconds_ = 1.3;
     std::function<glm::dvec3(std::int64_t)> motion_;
     std::shared_ptr<FakeHand> fake_;  ///< of the last go
@@ -425,6 +431,26 @@ TEST_F(HeldWindow, AnotherClipStopsForces) {
     EXPECT_GT(before_, 0.1);
     EXPECT_GT(fake_->reads, 2000);
     EXPECT_EQ(fake_->most_newtons, 0) << "after it";
+}
+
+/// A clip of another camera maps it to another place.
+TEST_F(HeldWindow, InAKioskAHandThatRestsIsNobodyAndOneThatMovesIsSomebody) {
+    const auto other = folder_ / "other.mkv";
+    ASSERT_TRUE(write_generated_clip("bumps", other, {.width = 128, .height = 96}, 60).ok());
+    is_kiosk_ = true;
+    seconds_ = 2.6;
+    for (const bool moves : {false, true}) {
+        std::filesystem::remove(log_);
+        motion_ = [&](std::int64_t tick) {
+            const bool is_away = moves && tick % 100 < 50;
+            return glm::dvec3(is_away ? 0.05 : 0.03, 0.02, 0.12);
+        };
+        ASSERT_TRUE(play("0.9 open " + other.string() + "\n", 2000).ok());
+        std::ifstream rows(log_);
+        const std::string text((std::istreambuf_iterator<char>(rows)), {});
+        EXPECT_NE(text.find(",start,"), std::string::npos) << text;
+        EXPECT_EQ(text.find(",visit,") != std::string::npos, moves) << text;
+    }
 }
 
 TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {

@@ -151,8 +151,8 @@ TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndSettingsAreThePanel) {
 
 TEST(TouchScript, WhoHasNotTouchedYetReadsOfFingersAndOfTheHouse) {
     const PicturePart top{140, 0, 500, 60};
-    const std::string beside = "0.3 touch 1 20 470\n0.4 touch-end 1\n";  // below the bar's corner: nothing
-    const Touched mouse = play("", "1"), finger = play(beside, "1"),
+    const std::string on_bar = "0.3 touch 1 100 428\n0.4 touch-end 1\n";  // the bar, where it has no button
+    const Touched mouse = play("", "1"), finger = play(on_bar, "1"),
                   gone = play("0.3 move 320 200\n0.4 press left\n0.5 release left\n0.6 leave\n", "1");
     EXPECT_GT(differences(mouse.image, finger.image, top), 300) << "it speaks of the mouse";
     EXPECT_GT(differences(finger.image, gone.image, top), 300) << "it says nothing";

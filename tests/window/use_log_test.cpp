@@ -77,12 +77,21 @@ TEST_F(KioskLog, StandsInPlaceOfNothingElse) {
     EXPECT_FALSE(UseLog::open("/dev/full").ok());
 }
 
+/// A pipe takes all that is written to it, and has no disk.
+TEST(DurableAppend, TellsOfARowThatIsWrittenAndNotSafe) {
+    int ends[2] = {};
+    ASSERT_EQ(pipe(ends), 0);
+    EXPECT_EQ(append_durably(ends[1], "row\n"), EINVAL);
+    close(ends[0]);
+    close(ends[1]);
+}
+
 TEST_F(KioskLog, DoesNotWaitForEverForADiskThatHangs) {
     std::promise<void> answer;
     const std::shared_future<void> answers = answer.get_future().share();
-    auto log = UseLog::open(file_, [answers](int out, const std::string& row) {
+    auto log = UseLog::open(file_, [answers](int out, std::string_view row) {
         answers.wait();
-        return UseLog::write_row(out, row);
+        return append_durably(out, row);
     });
     ASSERT_TRUE(log.ok()) << log.error().message;
     (*log)->start(at(0));
