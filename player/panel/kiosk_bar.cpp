@@ -24,7 +24,8 @@ float width_of(const std::string& words, float size) {
 /// Whatever there is nothing to do by is left out: a still does not pause, and a held device turns nothing.
 std::vector<KioskBar::Button> KioskBar::buttons_of(const PanelFacts& facts) {
     const KioskTexts& texts = facts.kiosk->texts;
-    const bool turns = facts.is_turning, plays = facts.playing && !facts.at_end;
+    const bool turns = facts.is_turning,
+               plays = facts.playing;  // also at the end: it begins anew, or the next comes
     std::vector<Button> buttons;
     if (!facts.hand)  // there dragging always turns
         buttons.push_back({.id = "mode",

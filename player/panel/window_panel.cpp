@@ -325,9 +325,14 @@ void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
     const auto [from, to] = free_of(facts, width);
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
+    const float wrap = std::min(to - from - m, shown ? to : width * 0.6F);
+    // By itself a box has the size of the words before.
+    const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+    const ImVec2 words = ImGui::CalcTextSize(facts.message.c_str(), nullptr, false, wrap - padding.x);
+    ImGui::SetNextWindowSize(ImVec2(words.x + 2 * padding.x, words.y + 2 * padding.y));
     begin_box("message",
               {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
+    ImGui::PushTextWrapPos(wrap);
     ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();

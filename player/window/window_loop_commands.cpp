@@ -86,7 +86,10 @@ void WindowLoop::take_of_time(const WindowCommand& command) {
 
 void WindowLoop::take_of_view(const WindowCommand& command) {
     WindowView& view = clip_->view();
-    if (command.verb == WindowVerb::home) view.go_home();
+    if (command.verb == WindowVerb::home) {
+        view.go_home();
+        is_turning_ = false;  // whoever is back touches again
+    }
     if (command.verb == WindowVerb::turn) view.turn(command.number, 0);
     if (command.verb == WindowVerb::tilt) view.turn(0, command.number);
     if (command.verb == WindowVerb::nearer) view.near_by(command.number);

@@ -59,11 +59,18 @@ TEST_F(KioskBarTest, TurnsColoursAndLeadsBackByMouseAndByFinger) {
         EXPECT_GT(differences(plain, coloured, above), 3000);
         const std::string drag =
             "0.8 move 200 60\n0.9 press left\n1 move 260 60\n1.1 release left\n1.2 move 310 4\n";
-        const Image pressed = seen(drag, "1.9"), turned = seen(press(0.1, turn()) + drag, "1.9"),
-                    back = seen(press(0.1, turn()) + drag + press(1.4, straight()), "2.6");
+        const Image
+            pressed = seen(drag, "1.9"),
+            turned = seen(press(0.1, turn()) + drag, "1.9"),
+            back = seen(press(0.1, turn()) + drag + press(1.4, straight()), "2.6"),
+            again =
+                seen(press(0.1, turn()) + drag + press(1.4, straight()) +
+                         "2 move 200 60\n2.1 press left\n2.2 move 260 60\n2.3 release left\n2.4 move 310 4\n",
+                     "3.1");
         EXPECT_LT(differences(plain, pressed, above), 300) << "a drag touches";
         EXPECT_GT(differences(plain, turned, above), 3000) << "a drag turns";
         EXPECT_LT(differences(plain, back, above), 300);
+        EXPECT_LT(differences(plain, again, above), 300) << "whoever is back touches again";
         EXPECT_GT(differences(pressed, turned, bar), 100) << "nobody sees that it turns";
     }
 }
