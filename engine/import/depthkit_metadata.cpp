@@ -136,7 +136,8 @@ Result<void> check_layout(const Metadata& metadata, int width, int height) {
 Result<SceneDescription> scene_from(const Metadata& metadata) {
     SceneDescription described;
     described.unstated.rate = true;
-    described.unstated.filters = {.terraces = true, .temporal = true, .flying_pixels = true, .terrace_reach = true};
+    described.unstated.filters = {
+        .terraces = true, .temporal = true, .flying_pixels = true, .terrace_reach = true};
     Scene& scene = described.scene;
     scene.metres_per_unit = 1;
     scene.filter = usual_filter;

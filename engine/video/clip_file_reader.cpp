@@ -269,8 +269,7 @@ Result<void> ClipFileReader::open_tracks() {
     for (const ClipTrack& track : *found) {
         const PlaneRole role = track.role;
         const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
-            auto decoder =
-                TrackDecoder::open(*demuxer_->container().streams[stream], role, file_, tracks);
+            auto decoder = TrackDecoder::open(*demuxer_->container().streams[stream], role, file_, tracks);
             if (!decoder) return decoder.error();
             demuxer_->select(stream);
             return std::make_unique<TrackThread>(std::move(*decoder), stream, std::move(fit));

@@ -188,8 +188,8 @@ void group_options(CLI::App& sub) {
     } groups[] = {
         {"The clip",
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start", "--rate",
-          "--loop", "--play"}},
+          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
+          "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
           "--world-from-camera", "--max-force", "--max-stiffness"}},

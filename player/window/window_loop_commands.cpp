@@ -9,6 +9,7 @@
 // What commands do to the window.
 
 namespace touchable {
+
 void WindowLoop::take(const WindowCommand& command) {
     last_event_ = Clock::now();
     if (!clip_ && needs_clip(command.verb)) return refuse_without_clip();

@@ -34,12 +34,10 @@ protected:
         std::ofstream(folder_ / "labels.json") << "{\"touchable_labels\": 1, \"labels\": [" << labels << "]}";
         std::filesystem::remove(folder_ / "heard.wav");
         std::filesystem::remove(folder_ / "shot.png");
-        std::vector<std::string> words{clip_,          "--kiosk",
-                                       "--kiosk-bar",  bar,
-                                       "--sound",      "heard.wav",
-                                       "--labels",     (folder_ / "labels.json").string(),
-                                       "--screenshot", "shot.png",
-                                       "--at",         at_s};
+        std::vector<std::string> words{
+            clip_,          "--kiosk",   "--kiosk-bar", bar,
+            "--sound",      "heard.wav", "--labels",    (folder_ / "labels.json").string(),
+            "--screenshot", "shot.png",  "--at",        at_s};
         words.insert(words.end(), more.begin(), more.end());
         return run_scripted(words, script, folder_.path());
     }
