@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "device/network/network_device.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -74,13 +75,6 @@ private:
     int socket_;
 };
 
-/// One that is free now. (A port that the system chose would not outlive a peer: connect(2) gives it back.)
-std::uint16_t free_port() {
-    UdpSocket socket;
-    EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
-    return socket.port();
-}
-
 class NetworkHand : public testing::Test {
 protected:
     NetworkHand() {
@@ -111,7 +105,8 @@ protected:
     }
     void exert(const glm::dvec3& newtons) { EXPECT_TRUE(driver.send(std::span(&newtons, 1)).ok()); }
 
-    NetworkSettings settings{.listen = "127.0.0.1", .port = free_port(), .fingers = 1, .limits = {10, 3000}};
+    NetworkSettings settings{
+        .listen = "127.0.0.1", .port = unused_port(), .fingers = 1, .limits = {10, 3000}};
     std::int64_t now = 1;  // ns; passes only where a test says so
     NetworkDriver driver{settings, std::make_unique<UdpSocket>(), [this] { return now; }};
 };
@@ -140,7 +135,7 @@ bool takes_one_from_here(NetworkDriver& driver) {
 }
 
 TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
-    NetworkSettings settings{.listen = "0.0.0.0", .port = free_port()};
+    NetworkSettings settings{.listen = "0.0.0.0", .port = unused_port()};
     for (const auto& [from, counts] : {std::pair{"127.0.0.1", true}, std::pair{"192.0.2.7", false}}) {
         settings.from = from;
         NetworkDriver driver(settings);
@@ -158,7 +153,7 @@ TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
     for (const auto& [listen, anybody] :
          {std::pair{"0.0.0.0", true}, std::pair{"::", true}, std::pair{"127.0.0.1", false},
           std::pair{"127.0.0.2", false}, std::pair{"::1", false}}) {
-        NetworkDriver driver({.listen = listen, .port = free_port()});
+        NetworkDriver driver({.listen = listen, .port = unused_port()});
         if (!driver.connect([] { return false; }).ok()) continue;  // a machine without IPv6
         EXPECT_EQ(driver.prompt().find("ANY machine") != std::string::npos, anybody) << driver.prompt();
     }
@@ -169,7 +164,7 @@ TEST(NetworkHandFrom, ThatIsNoAddressIsRefused) {
     ASSERT_FALSE(settings.ok());
     EXPECT_EQ(settings.error().kind, ErrorKind::usage);
     EXPECT_NE(settings.error().message.find("from=my-robot"), std::string::npos) << settings.error().message;
-    NetworkDriver driver({.listen = "127.0.0.1", .port = free_port(), .from = "my-robot"});
+    NetworkDriver driver({.listen = "127.0.0.1", .port = unused_port(), .from = "my-robot"});
     EXPECT_FALSE(driver.connect([] { return false; }).ok()) << "and lets nobody touch";
 }
 

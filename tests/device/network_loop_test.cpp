@@ -12,6 +12,7 @@
 #include "device/driven_device.hpp"
 #include "device/held_handle.hpp"
 #include "device/network/network_driver.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -63,14 +64,9 @@ private:
 
 class NetworkLoop : public testing::Test {
 protected:
-    static std::uint16_t free_port() {
-        UdpSocket socket;
-        EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
-        return socket.port();
-    }
     /// How far it moves, to and fro, in the last tenth of a second for that after the nudge.
     double growth(double stiffness, std::size_t delay_ticks) {
-        const std::uint16_t port = free_port();
+        const std::uint16_t port = unused_port();
         std::int64_t now = 1;
         DrivenDevice device(std::make_unique<NetworkDriver>(NetworkSettings{
                                 .listen = "127.0.0.1", .port = port, .fingers = 1, .limits = {1e6, 1e6}}),

@@ -20,24 +20,12 @@
 #include "device/network/network_packet.hpp"
 #include "player/check/device_check_report.hpp"
 #include "tests/player/program.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
 
 using Words = std::vector<std::string>;
-
-/// Of UDP, that nobody has now.
-std::string free_port() {
-    const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), size), 0);
-    getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-    close(socket);
-    return std::to_string(ntohs(address.sin_port));
-}
 
 /// A device's log of `seconds`, whose x flickers by 40 um and whose handle otherwise rests.
 void write_log(const std::string& file, int seconds) {
@@ -163,7 +151,7 @@ TEST(DeviceCheck, AnUnknownNameIsToldTheNearest) {
 
 TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
     const TemporaryFolder folder;
-    const std::string port = free_port();
+    const std::string port = std::to_string(unused_port());
     const Outcome run = run_touchable(
         {"check", "--device", "network:port=" + port, "--wait", "1", "--out", folder / "report.txt"});
     EXPECT_EQ(run.code, 5);
@@ -175,8 +163,8 @@ TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
 }
 
 TEST(DeviceCheck, StopsWhenItIsInterrupted) {
-    const Outcome run =
-        run_interrupted_at_once({"check", "--device", "network:port=" + free_port(), "--wait", "60"});
+    const Outcome run = run_interrupted_at_once(
+        {"check", "--device", "network:port=" + std::to_string(unused_port()), "--wait", "60"});
     EXPECT_EQ(run.code, 130);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
 }
@@ -186,7 +174,7 @@ class CheckAtATerminal : public ::testing::Test {
 protected:
     /// Types `answer` once it asks for the springs, and plays the hand until it ends.
     void run(const std::string& answer) {
-        const std::string port = free_port(), device = "network:stiffness=0.1,port=" + port;
+        const std::string port = std::to_string(unused_port()), device = "network:stiffness=0.1,port=" + port;
         const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
         ASSERT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
         const std::string name = ptsname(terminal), said = folder_ / "said", json = folder_ / "json";
@@ -289,10 +277,11 @@ TEST(HeldDevice, NoKeyStopsTheProgramWhileADeviceIsHeld) {
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
     for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) {
-        EXPECT_TRUE(ignores(
-            signal, {"touch", clip, "--live", "--device", "network:port=" + free_port(), "--seconds", "3"}))
+        EXPECT_TRUE(ignores(signal, {"touch", clip, "--live", "--device",
+                                     "network:port=" + std::to_string(unused_port()), "--seconds", "3"}))
             << signal;
-        EXPECT_TRUE(ignores(signal, {"check", "--device", "network:port=" + free_port(), "--wait", "3"}))
+        EXPECT_TRUE(ignores(
+            signal, {"check", "--device", "network:port=" + std::to_string(unused_port()), "--wait", "3"}))
             << signal;
     }
 }
@@ -365,7 +354,7 @@ TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
 }
 
 TEST_F(HeldLog, ThatNobodyCameIsSaidAtTheStartAndInTheEnd) {
-    const std::string port = free_port();
+    const std::string port = std::to_string(unused_port());
     const Outcome run = run_touchable(
         {"touch", clip, "--live", "--device", "network:port=" + port, "--seconds", "0.3", "--json", report});
     EXPECT_EQ(run.code, 0) << run.err;

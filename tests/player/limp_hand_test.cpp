@@ -126,7 +126,7 @@ protected:
 
     const TemporaryFolder folder_;
     const std::string clip_ = folder_ / "globe.mkv", said_ = folder_ / "said";
-    const std::uint16_t port_ = free_port();
+    const std::uint16_t port_ = unused_port();
     pid_t program_ = 0;
 };
 

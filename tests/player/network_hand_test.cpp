@@ -117,7 +117,7 @@ protected:
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", report = folder / "r.json", log = folder / "log.csv",
                       forces = folder / "forces.csv", record = folder / "live.rec";
-    const std::uint16_t port = free_port();
+    const std::uint16_t port = unused_port();
 };
 
 TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
@@ -374,7 +374,7 @@ TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
 TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
     for (const int signal : {SIGKILL, SIGSEGV, SIGABRT, SIGTERM}) {
         // Another each time: the guardian of the program before may hold its own for a while.
-        const std::uint16_t own_port = free_port();
+        const std::uint16_t own_port = unused_port();
         const std::string own_device = "network:port=" + std::to_string(own_port);
         const pid_t program = fork();
         if (program == 0) {

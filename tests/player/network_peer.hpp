@@ -15,15 +15,9 @@
 
 #include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
-
-/// Of UDP, that nobody has now.
-inline std::uint16_t free_port() {
-    UdpSocket socket;
-    EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
-    return socket.port();
-}
 
 /// Whoever speaks with `--device network:port=PORT`: one finger, packet by packet, by a socket that is made
 /// by other means than the driver's.
