@@ -14,7 +14,7 @@ constexpr int line_step = 4;
 constexpr int least_tread = 8, widest_step = 8;
 /// Wider ones count as this.
 constexpr int most_width = 4096;
-/// From the nearest terrace that goes on to the farthest, steps: where there are fewer is no slope but a few
+/// Steps from the nearest terrace that goes on to the farthest. A picture with fewer has no slope, only a few
 /// flat things, such as a card before a wall.
 constexpr int least_levels = 2;
 
