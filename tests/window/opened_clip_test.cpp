@@ -233,6 +233,7 @@ TEST_F(CountedClip, AnotherSettingOpensNothingAndReadsNoFrameAgain) {
         ASSERT_TRUE(comes_true([this] { return clip_->session().figures().feed.frames > 2; })) << name;
         EXPECT_LT(frame, 55) << "nothing is tested where the clip has ended";
     }
+    ASSERT_TRUE(clip_->finish().ok());  // its threads count until then
     EXPECT_EQ(read_->opened, 1);
     for (const auto& [frame, times] : read_->times) EXPECT_EQ(times, 1) << "frame " << frame;
     EXPECT_GT(read_->times.size(), 10U);
