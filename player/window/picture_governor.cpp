@@ -1,7 +1,6 @@
 #include "player/window/picture_governor.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace touchable {
 
@@ -32,21 +31,29 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     due_ = in_time_ = pictures_ = 0;
     drawing_ = 0;
     if (before_ > 0 && (is_lowest || !is_late)) {
-        // Judged at the end of the way down: a step of it may save too little to be seen in the time, as long
-        // as decoding wants what it leaves.
-        if (drawing_each > worth * std::exchange(before_, 0)) {
-            go_to(from_, now_s);
-            not_before_s_ = now_s + most_s;
-        }
+        judge(drawing_each, is_late, now_s);
     } else if (is_late && !is_lowest && now_s >= not_before_s_) {
         if (before_ == 0) {
             before_ = drawing_each;
             from_ = level_;
+            judged_ = 0;
         }
         go_to(level_ + 1, now_s);
     } else if (!is_late && level_ > least && now_s - changed_s_ >= wait_s_) {
         if (drawing_each * levels_[level_ - 1].dearer < room) go_to(level_ - 1, now_s);
     }
+}
+
+/// Judged at the end of the way down: a step of it may save too little to be seen in the time, as long as
+/// decoding wants what it leaves. Pictures just after a clip has opened, or beside a busy program, may take
+/// as long as before whatever is saved: while they are late, more of them are looked at.
+void PictureGovernor::judge(double drawing_each, bool is_late, double now_s) {
+    const bool saves = drawing_each <= worth * before_;
+    if (!saves && is_late && ++judged_ < judgements) return;
+    before_ = 0;
+    if (saves) return;
+    go_to(from_, now_s);
+    not_before_s_ = now_s + most_s;
 }
 
 }  // namespace touchable

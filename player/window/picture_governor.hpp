@@ -47,9 +47,11 @@ private:
     static constexpr double cause = 0.5;      // of a frame's time: what takes less makes nothing late
     static constexpr double room = 0.8;       // of a frame's time, for a larger picture
     static constexpr double worth = 0.9;      // of the time before, for a smaller one
+    static constexpr int judgements = 3;      // that late pictures save too little, before less is taken back
     static constexpr double least_s = 3, most_s = 60;  // until it is tried
 
     void go_to(std::size_t level, double now_s);
+    void judge(double drawing_each, bool is_late, double now_s);
 
     std::span<const Level> levels_;
     std::size_t level_ = 1;
@@ -58,6 +60,7 @@ private:
     double changed_s_ = 0, wait_s_ = least_s;
     double before_ = 0;  // drawing_ of a picture before it went down from there, until that was judged
     std::size_t from_ = 0;
+    int judged_ = 0;           // since it came from there
     double not_before_s_ = 0;  // it goes down
     bool rose_ = false;        // at the last change
 };

@@ -127,6 +127,18 @@ TEST(PictureGovernor, IsAtItsLowestWithinAFewPicturesWhereAllAreLate) {
     EXPECT_EQ(smaller.share(), 0.5) << "not judged by its first pictures";
 }
 
+TEST(PictureGovernor, StaysWhereLessSavesOnceTheFirstPicturesAreOver) {
+    PictureGovernor governor(LessOf::vertices);
+    // A clip that has just opened fills its memory beside them.
+    for (int k = 0; k < 300; ++k) {
+        const double drawing = governor.step() == 1 ? 1.1 : k < 20 ? 1.05 : 0.7;
+        governor.add(k / 30.0, 1, drawing <= 1 ? 1 : 0, drawing, true);
+        if (k > 2) {
+            ASSERT_EQ(governor.step(), 2) << k;
+        }
+    }
+}
+
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
     FramesShown shown;
     const auto at = [](std::uint64_t epoch, std::int64_t number) {
