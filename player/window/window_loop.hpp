@@ -33,6 +33,7 @@
 #include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
+#include "player/window/redraw_estimator.hpp"
 #include "player/window/screenshots.hpp"
 #include "player/window/slow_reading.hpp"
 #include "player/window/window_brush.hpp"
@@ -279,7 +280,7 @@ private:
     bool is_dented_ = true;                             // a surface that gives way is drawn so
     bool is_leaving_ = false, leaves_at_once_ = false;  // after `quit_`, while the brush is at work
     double last_draw_ms_ = 0;
-    double small_draw_ms_ = 0;  // of the last picture of a frame that had been seen before
+    RedrawEstimator redraw_;
     Clock::time_point frame_came_at_;
     FramesShown frames_shown_;
     PictureGovernor governor_;

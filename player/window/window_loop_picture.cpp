@@ -48,7 +48,7 @@ bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) cons
     const PlaybackState playback = clip_->session().playback();
     const double left_ms = frame_ms() - 1000 * seconds_between(frame_came_at_, now);
     // One that is overdue by as much again is not waited for.
-    if (playback.playing && !playback.at_end && left_ms < small_draw_ms_ && left_ms > -frame_ms())
+    if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms())
         return false;
     const bool has_input =
         is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
@@ -57,7 +57,7 @@ bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) cons
 }
 
 double WindowLoop::pause_ms() const {
-    return std::clamp(small_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
+    return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
 /// From one of the clip's frames to the next, as it is played.
@@ -249,9 +249,10 @@ void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) 
 /// Whether the picture was there in time, and how large the next one is to be.
 void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
     if (!is_new) {
-        small_draw_ms_ = last_draw_ms_;
+        redraw_.add(last_draw_ms_);
         return;
     }
+    redraw_.add_frame();
     const PlaybackState playback = clip_->session().playback();
     const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
     const TimedFrame& frame = moment.held.pair.prev;

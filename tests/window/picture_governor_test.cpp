@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "player/window/frames_shown.hpp"
+#include "player/window/redraw_estimator.hpp"
 
 namespace touchable::test {
 namespace {
@@ -137,6 +138,24 @@ TEST(PictureGovernor, StaysWhereLessSavesOnceTheFirstPicturesAreOver) {
             ASSERT_EQ(governor.step(), 2) << k;
         }
     }
+}
+
+TEST(RedrawEstimator, IsTheMedianOfTheLastFew) {
+    RedrawEstimator redraw;
+    EXPECT_EQ(redraw.ms(), 0);
+    for (const double ms : {9, 8, 20}) redraw.add(ms);
+    EXPECT_EQ(redraw.ms(), 9) << "one that had to wait says nothing of the next";
+    for (int k = 0; k < 8; ++k) redraw.add(12);
+    EXPECT_EQ(redraw.ms(), 12);
+}
+
+TEST(RedrawEstimator, BecomesLessWhereNoneIsDrawn) {
+    RedrawEstimator redraw;
+    for (int k = 0; k < 8; ++k) redraw.add(17);
+    for (int k = 0; k < 60; ++k) redraw.add_frame();
+    EXPECT_LT(redraw.ms(), 10) << "one is tried again within two seconds";
+    redraw.add(8);
+    EXPECT_EQ(redraw.ms(), 17) << "which is not all that there is";
 }
 
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
