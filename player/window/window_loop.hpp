@@ -177,6 +177,7 @@ private:
     void note_screenshots();
     KeptSettings to_keep() const;
     Result<PlayFigures> end(Result<void> ended);
+    Result<void> write_settings() const;
     void note_last_failure();
     Result<void> finish_screenshots(bool is_kept, Result<void> kept);
     Error interruption() const;
