@@ -16,8 +16,8 @@
 
 namespace touchable {
 
-/// Threads of unless_stopped at whose work nobody waits any more. As long as there is one the program may not
-/// take apart what they use: it ends without (std::_Exit).
+/// Threads, of unless_stopped and others, for which nobody waits any more. As long as there is one the
+/// program may not take apart what they use: it ends without (std::_Exit).
 inline std::atomic<int> abandoned_threads{0};
 
 /// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because

@@ -18,6 +18,7 @@
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/stream/served_clip.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable {
 namespace {
@@ -119,18 +120,17 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
 }
 
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
-    const auto port = test::free_port();
-    if (!port.ok()) return port.error();
+    const int port = test::unused_port();
     // By UDP the sender sends to the relay; by all others the receiver connects to it.
     const bool sends = stream.transport == "udp";
     const bool has_datagrams = sends || scheme_of(stream) == "srt";
     const auto relay = test::Relay::open(has_datagrams ? test::Relay::Kind::udp : test::Relay::Kind::tcp,
-                                         *port, stream.faults);
+                                         port, stream.faults);
     if (!relay.ok()) return relay.error();
-    auto served = serve(stream, sends ? (*relay)->port() : *port, clips);
+    auto served = serve(stream, sends ? (*relay)->port() : port, clips);
     if (!served.ok()) return served.error();
     const auto setup =
-        touch_live("stream:" + address(stream, sends ? *port : (*relay)->port()), ticks_of(stream.clip));
+        touch_live("stream:" + address(stream, sends ? port : (*relay)->port()), ticks_of(stream.clip));
     if (!setup.ok()) return setup.error();
     if (auto touched = measure_touch(**setup, figures); !touched.ok()) return touched;
     const auto came = (*setup)->feed->reader().stream_figures();
@@ -188,11 +188,10 @@ private:
 }  // namespace
 
 Result<void> measure_listeners(int listeners, const LiveClip& clip, LiveClips& clips, Figures& figures) {
-    const auto port = test::free_port();
-    if (!port.ok()) return port.error();
-    auto served = serve({"tcp", clip}, *port, clips);
+    const int port = test::unused_port();
+    auto served = serve({"tcp", clip}, port, clips);
     if (!served.ok()) return served.error();
-    Drains drains(listeners, *port);
+    Drains drains(listeners, port);
     if (drains.count() != listeners) return Error{ErrorKind::check, "not all listeners were let in"};
     const std::int64_t second = 1'000'000'000, length = second * clip.frames / 30;
     drains.drain_for(second);

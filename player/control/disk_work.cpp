@@ -4,6 +4,8 @@
 #include <deque>
 #include <mutex>
 
+#include "engine/unless_stopped.hpp"
+
 namespace touchable {
 
 struct DiskWork::Jobs {
@@ -11,7 +13,7 @@ struct DiskWork::Jobs {
     std::condition_variable changed;
     // Guarded by it.
     std::deque<Job> waiting;
-    bool is_busy = false, is_ending = false, has_ended = false;
+    bool is_busy = false, is_ending = false, has_ended = false, is_abandoned = false;
 };
 
 DiskWork::DiskWork() : jobs_(std::make_shared<Jobs>()) {}
@@ -44,7 +46,9 @@ bool DiskWork::finish(std::chrono::milliseconds longest) {
     std::unique_lock lock(jobs_->mutex);
     jobs_->is_ending = true;
     jobs_->changed.notify_all();
-    return jobs_->changed.wait_for(lock, longest, [this] { return jobs_->has_ended; });
+    const bool has_ended = jobs_->changed.wait_for(lock, longest, [this] { return jobs_->has_ended; });
+    if (!has_ended && !std::exchange(jobs_->is_abandoned, true)) ++abandoned_threads;
+    return has_ended;
 }
 
 void DiskWork::do_all(Jobs& jobs) {
@@ -63,6 +67,7 @@ void DiskWork::do_all(Jobs& jobs) {
         jobs.changed.notify_all();
     }
     jobs.has_ended = true;
+    if (jobs.is_abandoned) --abandoned_threads;
     jobs.changed.notify_all();
 }
 

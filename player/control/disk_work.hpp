@@ -14,7 +14,7 @@ namespace touchable {
 
 /// Work with files on a thread of its own, one job after the other, as they were given: a disk that hangs
 /// holds up nobody who gives. What jobs work on is theirs, for as long as one of them is left: where the disk
-/// never answers, nobody waits any more.
+/// never answers, nobody waits any more (abandoned_threads).
 class DiskWork {
 public:
     using Job = std::function<void()>;  ///< throws nothing

@@ -20,6 +20,7 @@ public:
 
     /// From the end it plays again from the beginning.
     Result<void> play_or_pause();
+    Result<void> pause(bool on) { return ask(on ? PlaybackVerb::pause : PlaybackVerb::play); }
     void seek_to(double seconds);
     void seek_by(double seconds);
     /// A frame on, or back where `frames` is below 0; and pause.

@@ -1,17 +1,16 @@
 #pragma once
 
-#include <condition_variable>
-#include <deque>
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <mutex>
-#include <string>
-#include <thread>
+#include <memory>
 #include <vector>
 
 #include "engine/new_file.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/result.hpp"
+#include "player/control/disk_work.hpp"
 
 namespace touchable {
 
@@ -19,41 +18,33 @@ namespace touchable {
 /// window from nothing, and the key that takes the force off least of all. All calls are the window's.
 class Screenshots {
 public:
-    /// Writes a picture under this name, or a free one where it is empty; gives the name that the file got.
-    using Write = std::function<Result<std::filesystem::path>(const Image&, const std::filesystem::path&)>;
+    /// Writes a picture under this name. It owns all that it uses: it may outlive the window.
+    using Write = std::function<Result<void>(const Image&, const std::filesystem::path&)>;
 
     /// PNG files; `existing`: what becomes of one that is there.
     explicit Screenshots(Existing existing);
-    explicit Screenshots(Write write) : write_(std::move(write)) {}
-    /// Waits for those that are being written.
+    explicit Screenshots(Write write);
+    /// Finishes.
     ~Screenshots() { finish(); }
     Screenshots(const Screenshots&) = delete;
     Screenshots& operator=(const Screenshots&) = delete;
 
-    /// An error where too many wait, or the machine has no thread left.
+    /// Under this name, or a free one where it is empty. An error where too many wait, or the machine has no
+    /// thread left.
     Result<void> keep(Image image, std::filesystem::path name);
-    /// Those that were written or refused since, oldest first.
+    /// The names of those that were written, or why one was not, since; oldest first.
     std::vector<Result<std::filesystem::path>> take();
-    /// Waits until all are written; then `take` has the rest.
-    void finish();
+    /// Waits until all are written, for that long at most; then `take` has the rest, and those that are not
+    /// finished as errors.
+    void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
 
     static constexpr std::size_t most_waiting = 4;
 
 private:
-    struct Picture {
-        Image image;
-        std::filesystem::path name;
-    };
-    void write_all();
-
-    const Write write_;
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    // Guarded by it.
-    std::deque<Picture> waiting_;  // the first one is being written
-    std::vector<Result<std::filesystem::path>> done_;
-    bool is_ending_ = false;
-    std::thread thread_;  // from the first picture
+    /// What the thread works on.
+    struct Files;
+    const std::shared_ptr<Files> files_;
+    std::unique_ptr<DiskWork> disk_;  // from the first picture until the end
 };
 
 }  // namespace touchable

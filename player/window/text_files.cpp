@@ -1,54 +1,17 @@
 #include "player/window/text_files.hpp"
 
 #include <algorithm>
+#include <deque>
+#include <mutex>
 #include <system_error>
 #include <utility>
 
 #include "engine/new_file.hpp"
-#include "engine/start_thread.hpp"
 
 namespace touchable {
+namespace {
 
-void TextFiles::write(Text text) {
-    {
-        const std::lock_guard lock(mutex_);
-        const auto earlier = std::ranges::find(waiting_, text.file, &Text::file);
-        if (earlier != waiting_.end())
-            *earlier = std::move(text);
-        else
-            waiting_.push_back(std::move(text));
-        is_ending_ = false;
-    }
-    changed_.notify_one();
-    if (thread_.joinable()) return;
-    auto started =
-        start_thread(thread_, "text-files", "that writes what is painted", [this] { write_all(); });
-    if (started.ok()) return;
-    const std::lock_guard lock(mutex_);
-    for (const Text& unwritten : waiting_) note(unwritten, started.error());
-    waiting_.clear();
-}
-
-void TextFiles::note(const Text& text, Result<void> result) {
-    done_.push_back({text.file, text.kind, text.clip, std::move(result)});
-}
-
-std::vector<TextFiles::Written> TextFiles::take() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(done_, {});
-}
-
-void TextFiles::finish() {
-    if (!thread_.joinable()) return;
-    {
-        const std::lock_guard lock(mutex_);
-        is_ending_ = true;
-    }
-    changed_.notify_one();
-    thread_.join();
-}
-
-Result<void> TextFiles::write_now(const Text& text) {
+Result<void> write_now(const TextFiles::Text& text) {
     if (text.check)
         if (auto may = text.check(text.file); !may.ok()) return may;
     std::error_code failed;
@@ -61,18 +24,80 @@ Result<void> TextFiles::write_now(const Text& text) {
     return file.commit();
 }
 
-void TextFiles::write_all() {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-        changed_.wait(lock, [this] { return is_ending_ || !waiting_.empty(); });
-        if (waiting_.empty()) return;
-        const Text text = std::move(waiting_.front());
-        waiting_.pop_front();
-        lock.unlock();
-        auto written = write_now(text);
-        lock.lock();
-        note(text, std::move(written));
+}  // namespace
+
+struct TextFiles::Files {
+    /// False: it has the place of one that waits.
+    bool add(Text text);
+    void write_next();
+    void give_up();
+    void note(const Text& text, Result<void> result) {
+        done.push_back({text.file, text.kind, text.clip, std::move(result)});
     }
+
+    std::mutex mutex;
+    // Guarded by it.
+    std::deque<Text> waiting;  // where one lies it stays: only the thread takes it away
+    bool is_writing = false;   // the first one
+    std::vector<Written> done;
+    bool is_given_up = false;
+};
+
+bool TextFiles::Files::add(Text text) {
+    const std::lock_guard lock(mutex);
+    const auto earlier = std::find_if(waiting.begin() + (is_writing ? 1 : 0), waiting.end(),
+                                      [&text](const Text& waits) { return waits.file == text.file; });
+    const bool is_another = earlier == waiting.end();
+    if (is_another)
+        waiting.push_back(std::move(text));
+    else
+        *earlier = std::move(text);
+    return is_another;
+}
+
+void TextFiles::Files::write_next() {
+    std::unique_lock lock(mutex);
+    if (is_given_up) return;
+    is_writing = true;
+    const Text& text = waiting.front();
+    lock.unlock();
+    auto written = write_now(text);
+    lock.lock();
+    if (!is_given_up) note(text, std::move(written));
+    waiting.pop_front();
+    is_writing = false;
+}
+
+void TextFiles::Files::give_up() {
+    const std::lock_guard lock(mutex);
+    is_given_up = true;
+    for (const Text& text : waiting)
+        note(text, input_error(text.file.string() + ": not finished: its disk does not answer"));
+}
+
+TextFiles::TextFiles() : files_(std::make_shared<Files>()) {}
+
+void TextFiles::write(Text text) {
+    if (!disk_) {
+        auto started = DiskWork::start("text-files", "that writes what is painted");
+        if (!started.ok()) {
+            const std::lock_guard lock(files_->mutex);
+            return files_->note(text, started.error());
+        }
+        disk_ = std::move(*started);
+    }
+    if (files_->add(std::move(text))) disk_->give([files = files_] { files->write_next(); });
+}
+
+std::vector<TextFiles::Written> TextFiles::take() {
+    const std::lock_guard lock(files_->mutex);
+    return std::exchange(files_->done, {});
+}
+
+void TextFiles::finish(std::chrono::milliseconds longest) {
+    if (!disk_) return;
+    if (!disk_->finish(longest)) files_->give_up();
+    disk_.reset();
 }
 
 }  // namespace touchable

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <condition_variable>
-#include <deque>
+#include <chrono>
 #include <filesystem>
 #include <functional>
-#include <mutex>
+#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "engine/result.hpp"
+#include "player/control/disk_work.hpp"
 
 namespace touchable {
 
@@ -17,13 +16,14 @@ namespace touchable {
 /// not answer keeps the window from nothing. All calls are the window's.
 class TextFiles {
 public:
-    TextFiles() = default;
-    /// Waits for those that are being written.
+    TextFiles();
+    /// Finishes.
     ~TextFiles() { finish(); }
     TextFiles(const TextFiles&) = delete;
     TextFiles& operator=(const TextFiles&) = delete;
 
-    /// Refuses, by the text of a file that is there, to replace it: why.
+    /// Refuses, by the text of a file that is there, to replace it: why. It owns all that it uses: it may
+    /// outlive the window.
     using Check = std::function<Result<void>(const std::filesystem::path& file)>;
     enum class Kind {
         history,  ///< which the window keeps by itself
@@ -47,21 +47,15 @@ public:
     };
     /// Those that were written or refused since, oldest first.
     std::vector<Written> take();
-    /// Waits until all are written; then `take` has the rest.
-    void finish();
+    /// Waits until all are written, for that long at most; then `take` has the rest, and those that are not
+    /// finished as errors.
+    void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
 
 private:
-    static Result<void> write_now(const Text& text);
-    void note(const Text& text, Result<void> result);
-    void write_all();
-
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    // Guarded by it.
-    std::deque<Text> waiting_;
-    std::vector<Written> done_;
-    bool is_ending_ = false;
-    std::thread thread_;  // from the first text
+    /// What the thread works on.
+    struct Files;
+    const std::shared_ptr<Files> files_;
+    std::unique_ptr<DiskWork> disk_;  // from the first text until the end
 };
 
 }  // namespace touchable

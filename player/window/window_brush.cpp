@@ -214,7 +214,12 @@ void WindowBrush::go_on(const ScreenSize& size) {
 void WindowBrush::note_files() {
     for (const auto& [file, kind, clip, written] : files_.take()) {
         const bool is_saved = kind == TextFiles::Kind::saved;
-        if (is_saved) save_fault_ = written.ok() ? std::nullopt : std::optional(written.error());
+        if (is_saved)
+            save_fault_ = written.ok() ? std::nullopt : std::optional(written.error());
+        else if (!written.ok())
+            lost_history_ = file;
+        else if (file == lost_history_)
+            lost_history_.clear();
         if (!written.ok() && (is_saved || faults_.insert(written.error().message).second))
             say(written.error().message, Tone::fault);
         if (written.ok() && is_saved) say(options_.names.saved(clip, file.string()));
@@ -323,7 +328,8 @@ Result<void> WindowBrush::finish() {
 
 std::string WindowBrush::unsaved_words() const {
     if (!brush_ || !is_painted_ || brush_->is_saved()) return "";
-    const std::filesystem::path history = brush_->history_file();
+    std::filesystem::path history = brush_->history_file();
+    if (history == lost_history_) history.clear();
     return "what was painted is not saved" +
            (history.empty() ? std::string(", and is lost") : "; it is in " + history.string()) +
            (history.empty() ? "" : " for the next window");

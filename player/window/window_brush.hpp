@@ -77,8 +77,8 @@ public:
 
     /// What is not saved, at the end, and where it is then; empty: nothing was painted, or all is saved.
     std::string unsaved_words() const;
-    /// Gives up what it is at, and waits for its files. What went wrong with them is still to be told: the
-    /// result is why what a person wanted to be saved last is not.
+    /// Gives up what it is at, and waits for its files, but not for ever. What went wrong with them is still
+    /// to be told: the result is why what a person wanted to be saved last is not.
     Result<void> finish();
 
 private:
@@ -120,6 +120,7 @@ private:
     std::deque<WindowCommand> asked_;                         // that wait for it, and the one it is at
     std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
     TextFiles files_;
+    std::filesystem::path lost_history_;   // whose newest text is not written
     std::set<std::string> faults_;         // of histories that were told
     std::optional<Error> save_fault_;      // of the last that was to be saved
     std::optional<Error> segments_fault_;  // of the file that was given

@@ -75,6 +75,7 @@ private:
     TouchInput::Ground ground_at(double x, double y);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
+    void play_or_pause();
     void take_of_view(const WindowCommand& command);
     void set_turning(bool on);
     void take_of_fingers(const WindowCommand& command);
@@ -178,6 +179,7 @@ private:
     void note_screenshots();
     KeptSettings to_keep() const;
     Result<PlayFigures> end(Result<void> ended);
+    Result<void> write_settings() const;
     void note_last_failure();
     Result<void> finish_screenshots(bool is_kept, Result<void> kept);
     Error interruption() const;
@@ -259,6 +261,7 @@ private:
     double stirred_s_ = 0;                 // when a person last did something
     Playlist playlist_;                    // of the clip that is there
     std::optional<Playlist> wanted_list_;  // of one that is asked for, and its place
+    std::optional<bool> next_is_paused_;   // whether it is to be; nothing: no clip is asked for
     double shown_s_ = 0;                   // since when the clip is
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;

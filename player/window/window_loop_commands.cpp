@@ -69,7 +69,7 @@ void WindowLoop::take(const WindowCommand& command) {
 void WindowLoop::take_of_time(const WindowCommand& command) {
     switch (command.verb) {
         case WindowVerb::play_pause:
-            return say(playback_->play_or_pause());
+            return play_or_pause();
         case WindowVerb::seek_by:
             return playback_->seek_by(command.number);
         case WindowVerb::seek_to:
@@ -83,6 +83,13 @@ void WindowLoop::take_of_time(const WindowCommand& command) {
         default:
             return say(playback_->toggle_loop());
     }
+}
+
+/// While another clip is on its way, that one is meant; the one that is there shows that the press was heard.
+void WindowLoop::play_or_pause() {
+    if (!next_is_paused_) return say(playback_->play_or_pause());
+    next_is_paused_ = !*next_is_paused_;
+    say(playback_->pause(*next_is_paused_));
 }
 
 void WindowLoop::take_of_view(const WindowCommand& command) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/printable.hpp"
+#include "engine/unless_stopped.hpp"
 #include "player/record/output_file.hpp"
 #include "player/terminal/interrupt.hpp"
 #include "player/window/window_loop.hpp"
@@ -37,8 +38,7 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
     }
     opening_.give_up();
-    if (auto written = settings_file_.write(to_keep()); !written.ok())
-        figures_.not_kept = written.error().message;
+    if (auto written = write_settings(); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     const Result<void> results =
         study_ ? study_->end(now_s(), std::chrono::system_clock::now()) : Result<void>();
@@ -59,6 +59,16 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     return std::move(figures_);
 }
 
+/// Waits for their disk, but not for ever.
+Result<void> WindowLoop::write_settings() const {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    const auto written =
+        unless_stopped([file = settings_file_, kept = to_keep()] { return file.write(kept); },
+                       [until] { return std::chrono::steady_clock::now() >= until; });
+    if (written) return *written;
+    return input_error(options_.settings_file->string() + ": not finished: its disk does not answer");
+}
+
 /// Of the clip that is there, or the device that is held.
 void WindowLoop::note_last_failure() {
     if (!failure_) failure_ = clip_->failure();
@@ -71,8 +81,8 @@ Result<void> WindowLoop::finish_screenshots(bool is_kept, Result<void> kept) {
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {
         if (written.ok()) continue;
-        if (is_kept)
-            kept = all_ok({kept, written.error()});
+        if (is_kept && kept.ok())
+            kept = written.error();
         else
             std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
     }

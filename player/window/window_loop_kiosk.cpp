@@ -289,6 +289,7 @@ void WindowLoop::begin_anew() {
     measure_.let_go();
     sound_->set_muted(false);
     if (!clip_->is_camera()) say(playback_->begin_anew(options_.session.playback, clip_repeats()));
+    if (next_is_paused_) next_is_paused_ = false;
     if (!study_ && wanted_list_.value_or(playlist_).place() != 0) go_to_first();
 }
 

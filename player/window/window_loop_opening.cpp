@@ -90,6 +90,7 @@ void WindowLoop::ask_for_clip(const Playlist& list, int by, const ClipChoice& ch
     ready_.reset();
     asked_settings_.reset();
     wanted_list_ = list;
+    next_is_paused_ = false;
     opening_.ask("opening " + name_of(choice.file),
                  [this, list, by, choice, kept = settings_.kept](const std::stop_token& given_up) {
                      return open_first(list, by, choice, kept, given_up);
@@ -102,6 +103,7 @@ void WindowLoop::ask_for_named(std::vector<std::string> named) {
     ready_.reset();
     asked_settings_.reset();
     wanted_list_.reset();
+    next_is_paused_ = false;
     const std::string words = "opening " + name_of(named.front());
     const auto open = [this, named = std::move(named), kept = settings_.kept,
                        wraps = kiosk_.has_value()](const std::stop_token& given_up) -> Result<Ready> {
@@ -141,6 +143,7 @@ Result<void> WindowLoop::take_made(Result<Ready> made) {
     asked_settings_.reset();
     if (!made.ok()) {
         wanted_list_.reset();
+        next_is_paused_.reset();
         if (is_named) return made.error();
         is_change ? say(made.error()) : say(made.error().message, Tone::fault);
         return {};
@@ -148,7 +151,10 @@ Result<void> WindowLoop::take_made(Result<Ready> made) {
     std::span<const Error> skipped = made->skipped;
     if (is_named && !skipped.empty() && !failure_) failure_ = skipped.front();
     const bool is_none = !made->clip && !made->change;
-    if (is_none) wanted_list_.reset();
+    if (is_none) {
+        wanted_list_.reset();
+        next_is_paused_.reset();
+    }
     if (is_none && is_named) {
         tell_skipped(skipped.first(skipped.size() - 1));
         return skipped.back();
@@ -245,6 +251,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     }
     if (auto begun = clip->begin(); !begun.ok()) {
         wanted_list_.reset();  // the clip that is there has ended; a kiosk opens it again
+        next_is_paused_.reset();
         return begun;
     }
     begun_anew_s_ = now_s();
@@ -266,6 +273,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     shown_s_ = time_s_;
     if (kiosk_ && clip_repeats() && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
         say(playback_->toggle_loop());
+    if (std::exchange(next_is_paused_, std::nullopt).value_or(false)) say(playback_->pause(true));
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
     say_place_in_list();

@@ -10,6 +10,7 @@
 
 #include "device/inverse3/inverse3_device.hpp"
 #include "tests/device/fake_haply_service.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable {
 namespace {
@@ -102,8 +103,8 @@ TEST(Inverse3Session, OneOfTwoArmsIsChosen) {
 }
 
 TEST(Inverse3Session, AServiceThatRestartsIsFoundAgain) {
-    auto service = std::make_unique<FakeHaplyService>(FakeHaplyService::Manner{});
-    const std::uint16_t port = service->port();
+    const std::uint16_t port = test::unused_port();
+    auto service = std::make_unique<FakeHaplyService>(FakeHaplyService::Manner{}, port);
     DrivenSettings driven;
     driven.look_again_s = 0.02;
     const auto device = device_at(port, "", driven);
@@ -120,11 +121,7 @@ TEST(Inverse3Session, AServiceThatRestartsIsFoundAgain) {
 }
 
 TEST(Inverse3Session, NoServiceIsOneLine) {
-    std::uint16_t port = 0;
-    {
-        const FakeHaplyService gone({});
-        port = gone.port();
-    }
+    const std::uint16_t port = test::unused_port();
     const std::string where = "ws://localhost:" + std::to_string(port);
     for (const std::string more : {"", ",service=3.5"}) {
         const auto opened = device_at(port, more)->open();

@@ -17,6 +17,7 @@
 #include "tests/stream/relay.hpp"
 #include "tests/stream/served_clip.hpp"
 #include "tests/stream/web_server.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -39,8 +40,8 @@ protected:
 
 TEST_F(ServedTouch, FeelsAsTheFileDoesByEveryTransport) {
     const std::string expected = hash_of(clip);
-    const std::string srt = "srt://127.0.0.1:" + std::to_string(*free_port());
-    const std::string ts = "srt://127.0.0.1:" + std::to_string(*free_port());
+    const std::string srt = "srt://127.0.0.1:" + std::to_string(unused_port());
+    const std::string ts = "srt://127.0.0.1:" + std::to_string(unused_port());
     for (const std::vector<std::string>& options : {std::vector<std::string>{"tcp://127.0.0.1:0"},
                                                     {"http://127.0.0.1:0/clip.mkv"},
                                                     {srt},

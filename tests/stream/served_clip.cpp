@@ -1,11 +1,8 @@
 #include "tests/stream/served_clip.hpp"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <spawn.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -32,24 +29,6 @@ std::string first_line(int descriptor) {
 }
 
 }  // namespace
-
-Result<int> free_port() {
-    for (int attempt = 0; attempt < 16; ++attempt) {
-        const int listens = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-        const int hears = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        auto* const plain = reinterpret_cast<sockaddr*>(&address);
-        socklen_t size = sizeof address;
-        const bool is_free = ::bind(listens, plain, size) == 0 && ::getsockname(listens, plain, &size) == 0 &&
-                             ::bind(hears, plain, size) == 0;
-        ::close(listens);
-        ::close(hears);
-        if (is_free) return ntohs(address.sin_port);
-    }
-    return Error{ErrorKind::internal, "no port of this machine is free"};
-}
 
 Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::path& clip,
                                                       std::vector<std::string> options,

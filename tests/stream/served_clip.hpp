@@ -14,9 +14,6 @@
 
 namespace touchable::test {
 
-/// A port of this machine's loopback that nobody listens at now, of TCP and UDP.
-Result<int> free_port();
-
 /// `touchable serve` as a process of its own, so that what it computes can be told from what others do.
 class ServedClip {
 public:

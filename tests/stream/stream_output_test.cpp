@@ -12,11 +12,12 @@
 #include <thread>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
 
-/// A socket of datagrams on this machine, at a port that was free.
+/// A socket of datagrams on this machine, at any port.
 class DatagramSocket {
 public:
     DatagramSocket() : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -43,10 +44,6 @@ public:
 private:
     int socket_, port_ = 0;
 };
-
-std::string free_port() {
-    return DatagramSocket().port();
-}
 
 /// All that FFmpeg's SRT hears there until it ends. Nothing is dropped because it is late.
 std::string heard_by_srt(const std::string& url, std::size_t enough = std::size_t{1} << 40U) {
@@ -108,7 +105,7 @@ TEST(StreamOutput, WaitsTwiceAsLongEachTime) {
 
 TEST(StreamOutput, OneCallerAfterTheOther) {
     SentOut sent;
-    const std::string place = "srt://127.0.0.1:" + free_port();
+    const std::string place = "srt://127.0.0.1:" + std::to_string(unused_port());
     const auto output = sent.open(place + "?latency=60");
     EXPECT_FALSE(output->calls());
     std::string first, second;
@@ -136,7 +133,7 @@ TEST(StreamOutput, OneCallerAfterTheOther) {
 
 TEST(StreamOutput, CallsUntilSomebodyAnswers) {
     SentOut sent;
-    const std::string place = "srt://127.0.0.1:" + free_port(), secret = "a-secret-of-two";
+    const std::string place = "srt://127.0.0.1:" + std::to_string(unused_port()), secret = "a-secret-of-two";
     const auto output = sent.open(place + "?mode=caller&passphrase=" + secret);
     EXPECT_TRUE(output->calls());
     EXPECT_EQ(output->address(), place + "?mode=caller&passphrase=...");
@@ -156,7 +153,7 @@ TEST(StreamOutput, CallsUntilSomebodyAnswers) {
 /// Whoever listens there closes each connection at once.
 TEST(StreamOutput, CallsLessOftenWhereNobodyStays) {
     using Clock = std::chrono::steady_clock;
-    const std::string place = "srt://127.0.0.1:" + free_port();
+    const std::string place = "srt://127.0.0.1:" + std::to_string(unused_port());
     std::atomic<bool> is_said{false}, stop{false};
     std::vector<std::pair<std::string, Clock::time_point>> lines;
     StreamRing ring;
@@ -214,12 +211,12 @@ TEST(StreamOutput, GoesByUdpInDatagrams) {
 
 TEST(StreamOutput, EndsThoughNobodyCalled) {
     SentOut sent;
-    const auto over = sent.open("srt://127.0.0.1:" + free_port());
+    const auto over = sent.open("srt://127.0.0.1:" + std::to_string(unused_port()));
     sent.add_all();
     sent.ring.end();
     while (!over->is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     SentOut asked;
-    auto output = asked.open("srt://127.0.0.1:" + free_port());
+    auto output = asked.open("srt://127.0.0.1:" + std::to_string(unused_port()));
     output.reset();
     EXPECT_TRUE(asked.lines.empty());
 }

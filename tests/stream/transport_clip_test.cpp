@@ -9,6 +9,7 @@
 #include "engine/stream/stream_clip.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -108,7 +109,7 @@ TEST(TransportClip, ComesBySrtAndUdp) {
     const auto sent = std::make_shared<const StreamOfFrames>(
         make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
     for (const std::string& scheme : {std::string("srt"), std::string("udp")}) {
-        const std::string address = scheme + "://127.0.0.1:" + free_port();
+        const std::string address = scheme + "://127.0.0.1:" + std::to_string(unused_port());
         const bool is_srt = scheme == "srt";
         const NetworkSender sender(address + (is_srt ? "?mode=listener&latency=20000" : "?pkt_size=1316"),
                                    sent, 10);
@@ -130,7 +131,7 @@ TEST(TransportClip, MatroskaComesBySrtToItsEnd) {
     auto made = make_stream(small_scene(64, 48, 16), 60, all_planes);
     made.blocks.insert(made.blocks.begin(), made.header);
     const auto sent = std::make_shared<const StreamOfFrames>(std::move(made));
-    const std::string address = "srt://127.0.0.1:" + free_port();
+    const std::string address = "srt://127.0.0.1:" + std::to_string(unused_port());
     const NetworkSender sender(address + "?mode=listener&latency=20000&linger=2", sent, 2);
     StreamSource source = source_of(address + "?mode=caller&latency=20");
     source.patience.connection = std::chrono::seconds(20);

@@ -3,14 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <future>
+#include <memory>
 #include <set>
 #include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "engine/stop_request.hpp"
+#include "engine/unless_stopped.hpp"
 #include "player/session/painted_choice.hpp"
 #include "player/window/text_files.hpp"
 #include "tests/materials/drawn_segments.hpp"
@@ -263,6 +267,35 @@ TEST(TextFiles, SayWhatCouldNotBeWritten) {
     files.write({.file = folder / "later", .text = "d"});
     files.finish();
     EXPECT_EQ(file_contents(folder / "later"), "d");
+}
+
+TEST(TextFiles, AreNotWaitedForWhereTheDiskHangs) {
+    const TemporaryFolder folder;
+    struct Disk {
+        std::promise<void> asked, answer;
+    };
+    const auto disk = std::make_shared<Disk>();
+    TextFiles files;
+    files.write({.file = folder / "history", .text = "1", .check = [disk](const fs::path&) -> Result<void> {
+                     disk->asked.set_value();
+                     disk->answer.get_future().wait();
+                     return {};
+                 }});
+    disk->asked.get_future().wait();
+    files.write({.file = folder / "saved", .text = "2", .kind = TextFiles::Kind::saved, .clip = "clip.mkv"});
+    files.finish(std::chrono::milliseconds(1));
+    const auto left = files.take();
+    ASSERT_EQ(left.size(), 2U);
+    for (const auto& text : left) {
+        ASSERT_FALSE(text.result.ok());
+        EXPECT_EQ(text.result.error().message,
+                  text.file.string() + ": not finished: its disk does not answer");
+    }
+    EXPECT_EQ(left[1].clip, "clip.mkv");
+    disk->answer.set_value();
+    while (abandoned_threads > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(files.take().empty()) << "each is told of once";
+    EXPECT_FALSE(fs::exists(folder / "saved")) << "what nobody waits for is not begun";
 }
 
 /// A file that says what was saved is never behind it.

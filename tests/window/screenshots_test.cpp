@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <future>
+#include <memory>
+#include <thread>
 
+#include "engine/unless_stopped.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
@@ -20,14 +24,13 @@ Image grey_image(std::uint8_t value) {
 TEST(Screenshots, DiskThatDoesNotAnswerHoldsNobody) {
     std::promise<void> answer;
     std::vector<std::string> begun;
-    Screenshots screenshots(
-        [&, answers = answer.get_future().share()](
-            const Image&, const std::filesystem::path& name) -> Result<std::filesystem::path> {
-            answers.wait();
-            begun.push_back(name.string());
-            if (name == "b") return input_error("b: the disk is full");
-            return name;
-        });
+    Screenshots screenshots([&, answers = answer.get_future().share()](
+                                const Image&, const std::filesystem::path& name) -> Result<void> {
+        answers.wait();
+        begun.push_back(name.string());
+        if (name == "b") return input_error("b: the disk is full");
+        return {};
+    });
     for (const char* const name : {"a", "b", "c", "d"})
         ASSERT_TRUE(screenshots.keep(grey_image(7), name).ok()) << name;
     EXPECT_FALSE(screenshots.keep(grey_image(7), "e").ok()) << "pictures pile up";
@@ -41,6 +44,33 @@ TEST(Screenshots, DiskThatDoesNotAnswerHoldsNobody) {
     EXPECT_TRUE(written[0].ok() && *written[0] == "a");
     EXPECT_FALSE(written[1].ok());
     EXPECT_TRUE(written[3].ok() && *written[3] == "d");
+}
+
+TEST(Screenshots, AreNotWaitedForWhereTheDiskHangs) {
+    struct Disk {
+        std::promise<void> asked, answer;
+        int written = 0;
+    };
+    const auto disk = std::make_shared<Disk>();
+    Screenshots screenshots([disk](const Image&, const std::filesystem::path&) -> Result<void> {
+        disk->asked.set_value();
+        disk->answer.get_future().wait();
+        ++disk->written;
+        return {};
+    });
+    for (const char* const name : {"", "b"}) ASSERT_TRUE(screenshots.keep(grey_image(7), name).ok());
+    disk->asked.get_future().wait();
+    screenshots.finish(std::chrono::milliseconds(1));
+    const auto left = screenshots.take();
+    ASSERT_EQ(left.size(), 2u);
+    ASSERT_FALSE(left[0].ok() || left[1].ok());
+    EXPECT_EQ(left[0].error().message, "touchable-1.png: not finished: its disk does not answer");
+    EXPECT_EQ(left[1].error().message, "b: not finished: its disk does not answer");
+    EXPECT_EQ(abandoned_threads, 1);
+    disk->answer.set_value();
+    while (abandoned_threads > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(disk->written, 1) << "what nobody waits for is not begun";
+    EXPECT_TRUE(screenshots.take().empty()) << "each is told of once";
 }
 
 TEST(Screenshots, AreFilesThatReplaceNoOther) {

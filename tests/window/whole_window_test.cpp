@@ -19,6 +19,7 @@
 
 #include "device/network/network_packet.hpp"
 #include "tests/player/program.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -88,11 +89,7 @@ public:
     PeerHand() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
         to_.sin_family = AF_INET;
         to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof to_;
-        const int other = socket(AF_INET, SOCK_DGRAM, 0);  // finds a port that is free
-        bind(other, reinterpret_cast<const sockaddr*>(&to_), size);
-        getsockname(other, reinterpret_cast<sockaddr*>(&to_), &size);
-        close(other);
+        to_.sin_port = htons(unused_port());
         thread_ = std::thread([this] { speak(); });
     }
     ~PeerHand() {

@@ -1,0 +1,139 @@
+// A window is closed while a disk hangs.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "engine/unless_stopped.hpp"
+#include "player/window/play_window.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/window/fake_hand.hpp"
+#include "tests/window/hung_disk.hpp"
+#include "tests/window/two_surfaces.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class WindowOnAHungDisk : public ::testing::Test {
+protected:
+    void SetUp() override {
+        clip_ = folder_ / "clip.mkv";
+        ASSERT_NO_FATAL_FAILURE(write_two_surfaces(clip_, 30));
+        fake_->motion = [](std::int64_t tick) { return glm::dvec3(0, 0, tick % 200 < 100 ? 0.12 : -0.04); };
+    }
+    PlayOptions options(const std::string& script) {
+        PlayOptions options;
+        options.session.builder.name = "cpu";
+        options.session.clip.file = clip_;
+        options.painter = "cpu";
+        options.headless = true;
+        options.screen.width = 320;
+        options.screen.height = 240;
+        options.seconds = 60;
+        std::ofstream(folder_ / "script") << "0 loop\n" << script;
+        auto inputs = read_window_script(folder_ / "script");
+        EXPECT_TRUE(inputs.ok());
+        if (inputs.ok()) options.script = std::move(*inputs);
+        return options;
+    }
+    /// The disk hangs until the window is gone, or is not for so long that it never would be.
+    Result<PlayFigures> play(const PlayOptions& options) {
+        HungDisk disk(folder_.path());
+        std::atomic<bool> is_gone{false};
+        std::thread looks_on([&] {
+            const auto begun = Clock::now();
+            while (!is_gone && Clock::now() < begun + std::chrono::seconds(60)) {
+                if (fake_->newtons > 0.1) felt_ = Clock::now();
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            answered_too_late_ = !is_gone;
+            disk.answer();
+        });
+        testing::internal::CaptureStderr();
+        auto played = play_in_window(options);
+        told_ = testing::internal::GetCapturedStderr();
+        gone_ = Clock::now();
+        asked_ = disk.asked();
+        abandoned_ = abandoned_threads;
+        is_gone = true;
+        looks_on.join();
+        return played;
+    }
+    static int lines_with(const std::string& text, const std::string& words) {
+        int count = 0;
+        for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; ++at) ++count;
+        return count;
+    }
+
+    const TemporaryFolder folder_;
+    std::filesystem::path clip_;
+    const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
+    Clock::time_point felt_, gone_;  // written by who looks on, until it is joined
+    std::string told_;
+    int asked_ = 0, abandoned_ = 0;
+    bool answered_too_late_ = false;
+};
+
+TEST_F(WindowOnAHungDisk, ClosesAndSaysWhichPictureIsNotFinishedAndLeavesNoForce) {
+    const std::string a = (folder_ / "a.png").string(), b = (folder_ / "b.png").string();
+    PlayOptions asked = options("0.1 key f\n1.4 screenshot " + a + "\n1.5 screenshot " + b + "\n1.6 quit\n");
+    asked.hand = std::make_shared<PersistentDevice>(fake_);
+    const auto played = play(asked);
+    EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
+    EXPECT_TRUE(played.ok()) << played.error().message;
+    EXPECT_EQ(told_, "touchable: warning: " + a + ": not finished: its disk does not answer\n" +
+                         "touchable: warning: " + b + ": not finished: its disk does not answer\n");
+    EXPECT_GT(fake_->most_newtons, 0.1);
+    EXPECT_GT(gone_ - felt_, std::chrono::milliseconds(1500)) << "there was force while the window waited";
+    EXPECT_EQ(asked_, 1) << "one picture after the other";
+    EXPECT_EQ(abandoned_, 1) << "the program would take apart what the thread uses";
+}
+
+TEST_F(WindowOnAHungDisk, ClosesWithThePictureItWasAskedForUnfinished) {
+    PlayOptions asked = options("");
+    asked.screenshot = folder_ / "a.png";
+    asked.seconds = 0.5;
+    const auto played = play(asked);
+    EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
+    ASSERT_FALSE(played.ok());
+    EXPECT_EQ(played.error().message,
+              (folder_ / "a.png").string() + ": not finished: its disk does not answer");
+    EXPECT_EQ(told_, "");
+}
+
+TEST_F(WindowOnAHungDisk, ClosesAndSaysWhichFilesOfTheBrushAreNotFinished) {
+    const std::string saved = (folder_ / "saved.json").string();
+    PlayOptions asked =
+        options("0.2 material foam\n0.3 paint 20,32\n0.4 save-materials " + saved + "\n0.5 mute\n1.5 quit\n");
+    asked.brush_history = folder_ / "state";
+    asked.settings_file = folder_ / "play.json";
+    const auto played = play(asked);
+    EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
+    ASSERT_FALSE(played.ok());
+    EXPECT_EQ(played.error().message, saved + ": not finished: its disk does not answer");
+    EXPECT_EQ(lines_with(told_, (folder_ / "state").string()), 1) << told_;
+    EXPECT_EQ(lines_with(told_, "not finished"), 1) << told_;
+    EXPECT_EQ(asked_, 2) << "the history's disk, and that of settings";
+}
+
+TEST_F(WindowOnAHungDisk, ClosesAndSaysThatWhatWasPaintedIsNowhere) {
+    PlayOptions asked = options("0.2 material foam\n0.3 paint 20,32\n1.5 quit\n");
+    asked.brush_history = folder_ / "state";
+    asked.settings_file = folder_ / "play.json";
+    const auto played = play(asked);
+    EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
+    ASSERT_TRUE(played.ok()) << played.error().message;
+    EXPECT_EQ(lines_with(told_, "not finished"), 1) << told_;
+    EXPECT_EQ(played->materials, "what was painted is not saved, and is lost");
+    EXPECT_EQ(played->not_kept,
+              (folder_ / "play.json").string() + ": not finished: its disk does not answer");
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,85 @@
+// Pressed while the next clip is being opened: pause, which means the clip that comes.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "player/window/play_window.hpp"
+#include "tests/window/scripted_window.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// To open the second of two clips, a globe that turns, takes two seconds.
+class NextClip : public ::testing::Test {
+protected:
+    struct Seen {
+        Image before, first, later;  ///< the clip that was there; the one that came, and again
+    };
+    /// What is seen where so is done meanwhile.
+    Seen seen(const std::string& script) {
+        PlayOptions options;
+        options.session.builder.name = "cpu";
+        options.session.clip.file = first_;
+        options.next_clips.emplace_back().file = second_;
+        options.session.late_playback = [openings = std::make_shared<int>(0)] {
+            if ((*openings)++ == 1) std::this_thread::sleep_for(std::chrono::seconds(2));
+            return std::vector<PlaybackCommand>();
+        };
+        options.painter = "cpu";
+        options.headless = true;
+        options.existing = Existing::replace;
+        options.screen.width = 320;
+        options.screen.height = 240;
+        options.kiosk = kiosk_;
+        std::ofstream(folder_ / "script") << script << "3.2 screenshot " << picture("first")
+                                          << "\n3.7 screenshot " << picture("later") << "\n3.8 quit\n";
+        auto inputs = read_window_script(folder_ / "script");
+        EXPECT_TRUE(inputs.ok());
+        options.script = std::move(*inputs);
+        const auto played = play_in_window(options);
+        EXPECT_TRUE(played.ok()) << played.error().message;
+        return {image("before"), image("first"), image("later")};
+    }
+    std::string picture(const std::string& name) const { return (folder_ / name).string() + ".png"; }
+    Image image(const std::string& name) const {
+        auto read = read_image(picture(name));
+        if (!read.ok()) return {};
+        return std::move(*read);
+    }
+    static constexpr PicturePart middle{60, 40, 260, 180};
+    const TemporaryFolder folder_;
+    std::filesystem::path first_ = made_clip("bumps", 30), second_ = made_clip("globe", 120);
+    std::optional<KioskOptions> kiosk_;
+};
+
+TEST_F(NextClip, ComesPausedWhereItIsPausedMeanwhile) {
+    const Seen paused = seen("0.3 next\n0.6 key space\n0.9 screenshot " + picture("before") + "\n");
+    EXPECT_GT(differences(paused.before, paused.first, middle), 3000) << "no other clip came";
+    EXPECT_EQ(differences(paused.first, paused.later, middle), 0);
+}
+
+TEST_F(NextClip, PlaysWhereNobodyOrSomebodyTwicePressesPause) {
+    for (const char* const script :
+         {"0.3 next\n", "0.3 next\n0.6 key space\n0.9 key space\n", "0.2 key space\n0.3 next\n"}) {
+        const Seen playing = seen(script);
+        EXPECT_GT(differences(playing.first, playing.later, middle), 500) << script;
+    }
+}
+
+TEST_F(NextClip, PlaysForTheNextVisitorOfAKioskWhoComesMeanwhile) {
+    std::swap(first_, second_);
+    kiosk_.emplace().times = {.invite_s = 20, .reset_s = 0.8};
+    const Seen playing = seen("0.2 next\n0.3 next\n0.5 key space\n");
+    EXPECT_GT(differences(playing.first, playing.later, middle), 500);
+}
+
+}  // namespace
+}  // namespace touchable::test
