@@ -5,6 +5,7 @@
 // a pixel larger than it is, is seen from the eye.
 
 #include "shaders/view_marks.h"
+#include "shaders/view_quad.h"
 
 layout(push_constant, std430) uniform Push {
     MarksPush push;
@@ -30,12 +31,11 @@ void main() {
 
     const vec3 other = abs(to_eye.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
     const vec3 a = normalize(cross(to_eye.xyz, other)), b = cross(to_eye.xyz, a);
-    const bool right = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
-    const bool below = gl_VertexIndex == 2 || gl_VertexIndex == 4 || gl_VertexIndex == 5;
     // Where sight grazes it, at the centre's distance. An eye within it sees nothing.
     const float radius = solid.foot.w + 0.5f / per_length;
     const float share = radius / distance_to_eye, slant = 1.0f - share * share;
     const float reach = slant > 0.0f ? radius / sqrt(slant) : 0.0f;
-    place = reach * ((right ? 1.0f : -1.0f) * a + (below ? 1.0f : -1.0f) * b);
+    const vec2 corner = mix(vec2(-1.0f), vec2(1.0f), quad_corner());
+    place = reach * (corner.x * a + corner.y * b);
     gl_Position = push.clip_from_world * vec4(solid.foot.xyz + place, 1.0f);
 }

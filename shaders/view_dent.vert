@@ -4,6 +4,7 @@
 // A corner of what a dent may reach on the screen.
 
 #include "shaders/dents.h"
+#include "shaders/view_quad.h"
 
 layout(set = 0, binding = 0, std430) readonly buffer Dents {
     DentHeader header;
@@ -12,7 +13,5 @@ layout(set = 0, binding = 0, std430) readonly buffer Dents {
 
 void main() {
     const vec4 bounds = dents[gl_InstanceIndex].bounds;
-    const bool right = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
-    const bool below = gl_VertexIndex == 2 || gl_VertexIndex == 4 || gl_VertexIndex == 5;
-    gl_Position = vec4(right ? bounds.z : bounds.x, below ? bounds.w : bounds.y, 0.0f, 1.0f);
+    gl_Position = vec4(mix(bounds.xy, bounds.zw, quad_corner()), 0.0f, 1.0f);
 }

@@ -4,6 +4,7 @@
 // A corner of what a ball's shadow may reach on the screen.
 
 #include "shaders/view_marks.h"
+#include "shaders/view_quad.h"
 
 layout(set = 0, binding = 0, std430) readonly buffer Shadows {
     ShadowRecord shadows[];
@@ -13,8 +14,6 @@ layout(location = 0) flat out uint shadow;
 
 void main() {
     const vec4 bounds = shadows[gl_InstanceIndex].bounds;
-    const bool right = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
-    const bool below = gl_VertexIndex == 2 || gl_VertexIndex == 4 || gl_VertexIndex == 5;
     shadow = uint(gl_InstanceIndex);
-    gl_Position = vec4(right ? bounds.z : bounds.x, below ? bounds.w : bounds.y, 0.0f, 1.0f);
+    gl_Position = vec4(mix(bounds.xy, bounds.zw, quad_corner()), 0.0f, 1.0f);
 }

@@ -4,6 +4,7 @@
 // A corner of a stretch of thread.
 
 #include "shaders/view_marks.h"
+#include "shaders/view_quad.h"
 
 layout(push_constant, std430) uniform Push {
     MarksPush push;
@@ -25,9 +26,9 @@ bool is_joined(uint at) {
 
 void main() {
     const uint from = uint(gl_InstanceIndex), to = from + 1u;
-    const bool at_end = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
-    across = gl_VertexIndex == 0 || gl_VertexIndex == 1 || gl_VertexIndex == 3 ? -1.0f : 1.0f;
-    const uint at = at_end ? to : from;
+    const bvec2 corner = quad_corner();
+    across = corner.y ? 1.0f : -1.0f;
+    const uint at = corner.x ? to : from;
     light = points[to].light.rgb;
     // Where two stretches meet they agree on a direction. The first point of all is joined to none, and after
     // the last one is one more that is not.

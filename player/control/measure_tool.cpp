@@ -45,17 +45,24 @@ bool MeasureTool::take(const InputEvent& event, const glm::dvec2& pointer) {
     return true;
 }
 
+std::optional<glm::ivec2> MeasureTool::pixel_at(const glm::dvec2& at, const Seen& seen) {
+    const auto met = pick(seen.field, seen.camera, at.x, at.y);
+    if (!met || !met->drawn) return std::nullopt;
+    const glm::ivec2 pixel(std::lround(met->x), std::lround(met->y));
+    if (!values_at(seen.field, seen.pair, pixel.x, pixel.y).valid) return std::nullopt;
+    return pixel;
+}
+
 void MeasureTool::take_click(const Click& click, const Seen& seen) {
-    const auto met = pick(seen.field, seen.camera, click.at.x, click.at.y);
-    const glm::ivec2 pixel = met ? glm::ivec2(std::lround(met->x), std::lround(met->y)) : glm::ivec2(0);
     // A stroke ends only what its own press began.
     if (click.is_second && ends_.size() != 1) return;
-    if (!met || !met->drawn || !values_at(seen.field, seen.pair, pixel.x, pixel.y).valid) {
+    const auto pixel = pixel_at(click.at, seen);
+    if (!pixel) {
         news_.push_back({"there is no surface to measure from", true});
         return;
     }
     if (ends_.size() == 2) ends_.clear();
-    ends_.push_back({.pixel = pixel});
+    ends_.push_back({.pixel = *pixel});
     is_told_ = false;
 }
 
@@ -75,10 +82,11 @@ void MeasureTool::look(const Seen& seen) {
                              true});
             return ends_.clear();
         }
-    to_pointer_.reset();
-    if (ends_.size() == 1)
-        if (const auto met = pick(seen.field, seen.camera, seen.pointer.x, seen.pointer.y); met && met->drawn)
-            to_pointer_ = met->point;
+    next_ = {};
+    if (const auto pixel = is_held_ && seen.pointer ? pixel_at(*seen.pointer, seen) : std::nullopt) {
+        next_.pixel = *pixel;
+        follow(next_, seen);
+    }
     if (ends_.size() == 2 && !std::exchange(is_told_, true)) tell(seen);
 }
 
@@ -101,12 +109,18 @@ double MeasureTool::length() const {
 MeasureFacts MeasureTool::facts(const ViewCamera& camera, const Scene& scene) const {
     MeasureFacts facts;
     facts.is_held = is_held_;
+    const auto project = [&camera](const std::optional<glm::dvec3>& point) {
+        const auto at = point ? camera.project(*point) : std::nullopt;
+        return at ? std::optional(glm::dvec2(*at)) : std::nullopt;
+    };
+    facts.next = project(next_.point);
     if (ends_.empty() || !ends_[0].point) return facts;
-    const std::optional<glm::dvec3> other = ends_.size() == 2 ? ends_[1].point : to_pointer_;
-    const auto from = camera.project(*ends_[0].point),
-               to = other ? camera.project(*other) : std::optional<glm::dvec3>();
-    if (!from || !to) return facts;
-    facts.ends = {glm::dvec2(*from), glm::dvec2(*to)};
+    const std::optional<glm::dvec3>& other = ends_.size() == 2 ? ends_[1].point : next_.point;
+    const auto from = project(ends_[0].point), to = project(other);
+    if (!from || (other && !to)) return facts;
+    facts.ends = {*from};
+    if (!to) return facts;
+    facts.ends.push_back(*to);
     facts.words = length_in_words(glm::distance(*ends_[0].point, *other), scene);
     for (const End& end : ends_) facts.is_frozen = facts.is_frozen || end.is_frozen;
     if (facts.is_frozen) facts.words += ", frozen: an end has no depth now";

@@ -17,10 +17,11 @@ namespace touchable {
 
 /// What the picture and the panel show of it.
 struct MeasureFacts {
-    bool is_held = false;            ///< the left button sets the ends
-    std::vector<glm::dvec2> ends{};  ///< in the window, pixels: none, or two
-    std::string words{};             ///< how long the line is, and what is not as it seems
-    bool is_frozen = false;          ///< an end has no depth now, and stays where it had some
+    bool is_held = false;              ///< the left button sets the ends
+    std::vector<glm::dvec2> ends{};    ///< in the window, pixels: two, or as many as are there
+    std::optional<glm::dvec2> next{};  ///< likewise: what a click under the pointer takes
+    std::string words{};               ///< how long the line is, and what is not as it seems
+    bool is_frozen = false;            ///< an end has no depth now, and stays where it had some
 };
 
 /// A line between two places of the surface, as long as it is in the scene. Each end is of a pixel of the
@@ -43,10 +44,10 @@ public:
     struct Seen {
         const HeightField& field;
         const FramePair& pair;
-        const ViewCamera& camera;  ///< of the window's size
-        PlaneView stored{};        ///< depth of the frame that is shown; may be empty
-        std::int64_t frame = 0;    ///< its number
-        glm::dvec2 pointer{0.0};   ///< window, pixels
+        const ViewCamera& camera;             ///< of the window's size
+        PlaneView stored{};                   ///< depth of the frame that is shown; may be empty
+        std::int64_t frame = 0;               ///< its number
+        std::optional<glm::dvec2> pointer{};  ///< window, pixels; nothing: it is not over the picture
     };
     /// Once a picture: sets ends where clicks meet the surface, and follows the surface with both.
     void look(const Seen& seen);
@@ -69,6 +70,8 @@ private:
         glm::dvec2 at{0.0};
         bool is_second = false;  // the end of a stroke
     };
+    /// That a click there takes; nothing: there is no surface.
+    static std::optional<glm::ivec2> pixel_at(const glm::dvec2& at, const Seen& seen);
     void take_click(const Click& click, const Seen& seen);
     static void follow(End& end, const Seen& seen);
     void tell(const Seen& seen);
@@ -76,9 +79,9 @@ private:
 
     bool is_held_ = false, is_told_ = false;
     std::optional<glm::dvec2> pressed_at_;
-    std::vector<Click> clicks_;             // that no picture has met yet
-    std::vector<End> ends_;                 // none, the first, or both
-    std::optional<glm::dvec3> to_pointer_;  // while there is only the first: where the pointer is, world
+    std::vector<Click> clicks_;  // that no picture has met yet
+    std::vector<End> ends_;      // none, the first, or both
+    End next_;                   // that a click under the pointer would set
     std::vector<News> news_;
 };
 

@@ -33,6 +33,8 @@ public:
     int shown() const;
     /// How many there are, away or not: of a touch screen up to the last that is down.
     int present() const { return is_touched() ? touched() : count_; }
+    /// Fingers of a touch screen lead all of them.
+    bool is_touched() const { return touched() > 0; }
     /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
     void set_pointer(std::optional<glm::dvec2> at);
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }
@@ -66,7 +68,6 @@ public:
     void intend(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt = {});
 
 private:
-    bool is_touched() const { return touched() > 0; }
     int touched() const;
     void lead(std::size_t finger, const glm::dvec2& at, const HeightField& field, const ViewCamera& camera,
               const Contact* felt);

@@ -78,9 +78,42 @@ std::string in_words(double number) {
 
 }  // namespace
 
-std::span<const KeyBinding> key_bindings() {
+std::span<const KeyGroup> key_groups() {
     using enum WindowVerb;
-    static constexpr KeyBinding bindings[] = {
+    static constexpr KeyBinding first_keys[] = {
+        {"home", false, home, 0, "back to the clip's own view"},
+        {"pageup", false, previous, 0, "the clip before, or the next one"},
+        {"pagedown", false, next, 0, nullptr},
+        {"<", false, previous, 0, nullptr},
+        {">", false, next, 0, nullptr},
+        {"t", false, measure, 0, "measure between two places, or not"}};
+    static constexpr KeyBinding touch_keys[] = {
+        {"1", false, fingers, 1, "so many fingers"},
+        {"2", false, fingers, 2, nullptr},
+        {"3", false, fingers, 3, nullptr},
+        {"4", false, fingers, 4, nullptr},
+        {"5", false, fingers, 5, nullptr},
+        {"e", false, deeper, 0.5, "press deeper, or less"},
+        {"x", false, deeper, -0.5, nullptr},
+        {"w", false, point_down, -8, "move the finger"},
+        {"a", false, point_right, -8, nullptr},
+        {"s", false, point_down, 8, nullptr},
+        {"d", false, point_right, 8, nullptr},
+        {"f", false, force, 0, "force off at once, or on again"},
+        {"c", false, clutch, 1, "held down: the hand moves, and no finger"},
+        {"r", false, recentre, 0, "the middle is where the hand is"},
+        {"j", false, coarser, 0.8, "fingers go less far with the hand, or farther"},
+        {"k", false, coarser, 1.25, nullptr}};
+    static constexpr KeyBinding view_keys[] = {
+        {"v", false, turning, 0, "dragging turns the view, or presses again"},
+        {"left", false, turn, -5, "turn the view", true},
+        {"right", false, turn, 5, nullptr, true},
+        {"up", false, tilt, 5, nullptr, true},
+        {"down", false, tilt, -5, nullptr, true},
+        {"+", false, nearer, 1.25, "nearer, or farther; so does Ctrl and the wheel"},
+        {"=", false, nearer, 1.25, nullptr},
+        {"-", false, nearer, 0.8, nullptr}};
+    static constexpr KeyBinding play_keys[] = {
         {"space", false, play_pause, 0, "play, or pause; touch goes on"},
         {"left", false, seek_by, -1, "a second back, or on; with Shift ten"},
         {"right", false, seek_by, 1, nullptr},
@@ -91,57 +124,43 @@ std::span<const KeyBinding> key_bindings() {
         {"[", false, faster, 0.5, "half as fast, or twice"},
         {"]", false, faster, 2, nullptr},
         {"l", false, loop, 0, "again from the beginning at the end, or not"},
-        {"pageup", false, previous, 0, "the clip before, or the next one"},
-        {"pagedown", false, next, 0, nullptr},
-        {"<", false, previous, 0, nullptr},
-        {">", false, next, 0, nullptr},
-        {"1", false, fingers, 1, "so many fingers"},
-        {"2", false, fingers, 2, nullptr},
-        {"3", false, fingers, 3, nullptr},
-        {"4", false, fingers, 4, nullptr},
-        {"5", false, fingers, 5, nullptr},
-        {"e", false, deeper, 0.5, "press deeper, or less; so does the wheel"},
-        {"x", false, deeper, -0.5, nullptr},
-        {"w", false, point_down, -8, "move the finger with W A S D"},
-        {"s", false, point_down, 8, nullptr},
-        {"a", false, point_right, -8, nullptr},
-        {"d", false, point_right, 8, nullptr},
-        {"f", false, force, 0, "force off at once, or on again"},
-        {"c", false, clutch, 1, "while it is down the hand moves, and no finger"},
-        {"r", false, recentre, 0, "the middle is where the hand is"},
-        {"j", false, coarser, 0.8, "fingers go less far for a way of the hand, or farther"},
-        {"k", false, coarser, 1.25, nullptr},
         {"m", false, mute, 0, "sound off, or on again"},
         {"9", false, louder, -5, "less loud, or louder"},
         {"0", false, louder, 5, nullptr},
         {"/", false, louder, -5, nullptr},
-        {"*", false, louder, 5, nullptr},
+        {"*", false, louder, 5, nullptr}};
+    static constexpr KeyBinding data_keys[] = {
         {"o", false, overlay, 0, "what the surface is coloured by"},
-        {"t", false, measure, 0, "measure between two places, or not"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
         {"p", false, tool, 0, "the brush of materials, in the hand or away"},
         {"z", false, undo, 0, "undo what was painted, or redo it", true},
         {"y", false, redo, 0, nullptr, true},
         {"z", true, redo, 0, nullptr, true},
-        {"s", false, save_materials, 0, "save what was painted", true},
-        {"v", false, turning, 0, "dragging turns the view, or presses again"},
-        {"left", false, turn, -5, "turn the view", true},
-        {"right", false, turn, 5, nullptr, true},
-        {"up", false, tilt, 5, nullptr, true},
-        {"down", false, tilt, -5, nullptr, true},
-        {"home", false, home, 0, "back to the clip's own view"},
-        {"+", false, nearer, 1.25, "nearer, or farther; so does Ctrl and the wheel"},
-        {"=", false, nearer, 1.25, nullptr},
-        {"-", false, nearer, 0.8, nullptr},
-        {"tab", false, panel, 0, "the panel"},
-        {"?", false, help, 0, "these keys"},
+        {"s", false, save_materials, 0, "save what was painted", true}};
+    static constexpr KeyBinding window_keys[] = {
+        {"tab", false, panel, 0, "the panel of settings"},
+        {"?", false, help, 0, "these keys, or away with them"},
         {"f1", false, help, 0, nullptr},
         {"f11", false, fullscreen, 0, "full screen, or a window; so does a double click"},
         {"f12", false, screenshot, 0, "keep a picture of the window"},
         {"backspace", true, reset, 0, "forget all settings that are kept"},
-        {"escape", false, leave, 0,
-         "out of the help, an error, a measure, turning, the brush, full screen; then close"},
-        {"q", false, quit, 0, "close"}};
+        {"escape", false, leave, 0, "close what is in front, and at last the window"},
+        {"q", false, quit, 0, "close the window"}};
+    using Topic = KeyGroup::Topic;
+    static constexpr KeyGroup groups[] = {
+        {Topic::begin, "To begin with", first_keys},    {Topic::touch, "Touch", touch_keys},
+        {Topic::view, "Look around", view_keys},        {Topic::play, "Play", play_keys},
+        {Topic::data, "Data and materials", data_keys}, {Topic::window, "Window and files", window_keys}};
+    return groups;
+}
+
+std::span<const KeyBinding> key_bindings() {
+    static const std::vector<KeyBinding> bindings = [] {
+        std::vector<KeyBinding> all;
+        for (const KeyGroup& group : key_groups())
+            all.insert(all.end(), group.keys.begin(), group.keys.end());
+        return all;
+    }();
     return bindings;
 }
 

@@ -81,6 +81,17 @@ struct KeyBinding {
     const char* what;  ///< for a person; null: the same as the row above
     bool control = false;
 };
+/// Keys that belong together: what a list of them has under one title. The first are those that somebody
+/// new needs.
+struct KeyGroup {
+    enum class Topic { begin, touch, view, play, data, window };
+    Topic topic;
+    const char* title;
+    std::span<const KeyBinding> keys;
+};
+/// All keys, in the order of the list.
+std::span<const KeyGroup> key_groups();
+/// Likewise, without titles.
 std::span<const KeyBinding> key_bindings();
 /// Keys of a study, beside key_bindings(), that a script may press.
 inline constexpr const char* study_keys[] = {"enter", "6", "7", "8"};

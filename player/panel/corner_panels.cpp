@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 
-#include "player/control/window_command.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "player/panel/panel_rows.hpp"
 
@@ -29,72 +28,6 @@ std::string short_text(const char* format, Values... values) {
 /// `beyond`: what lies there has the same colour.
 std::string end_of_scale(double value, const char* beyond) {
     return beyond + short_text("%.4g", value);
-}
-
-/// A key's name as keyboards print it.
-std::string printed(std::string key) {
-    if (key == "pageup") return "PageUp";
-    if (key == "pagedown") return "PageDown";
-    if (key[0] >= 'a' && key[0] <= 'z') key[0] = static_cast<char>(key[0] - 'a' + 'A');
-    return key;
-}
-
-/// Of keys that lead the pointer's fingers or a device's, whichever is not there.
-bool does_nothing(WindowVerb verb, bool is_held) {
-    switch (verb) {
-        case WindowVerb::fingers:
-        case WindowVerb::deeper:
-        case WindowVerb::point_right:
-        case WindowVerb::point_down:
-            return is_held;
-        case WindowVerb::clutch:
-        case WindowVerb::recentre:
-        case WindowVerb::coarser:
-            return !is_held;
-        default:
-            return false;
-    }
-}
-
-struct HelpRow {
-    std::string key, what;
-};
-
-std::vector<HelpRow> help_rows(const PanelFacts& facts) {
-    std::vector<HelpRow> rows;
-    if (facts.hand) {
-        rows = {{"Mouse", "drag: turn; with the right button: move"},
-                {"Wheel", "nearer, or farther"},
-                {"Middle button", "or Ctrl and the left one; double click: look at that place"},
-                {"Forces", facts.hand->state.words}};
-        if (facts.hand->buttons > 0)
-            rows.push_back(
-                {"Its buttons", "the first: forces on, and then, held down, as C; the second: forces off"});
-    } else {
-        rows = {{"Mouse", "moves the finger; hold the left button to press"},
-                {"Wheel", "presses deeper or less; so does dragging with the right button"},
-                {"Middle button", "or Ctrl and the left one; drag: turn; with Shift: move;"},
-                {"", "double click: look at that place"}};
-        if (facts.has_touch_screen)
-            rows.push_back(
-                {"Touch screen", "each finger touches; two that move at once turn the view and zoom"});
-    }
-    const auto keys = key_bindings();
-    for (std::size_t k = 0; k < keys.size();) {
-        const bool is_other = does_nothing(keys[k].verb, facts.hand.has_value());
-        std::string names, held;  // which is said once, of keys in a row
-        const char* const what = keys[k].what;
-        do {
-            const std::string with =
-                std::string(keys[k].control ? "Ctrl " : "") + (keys[k].shift ? "Shift " : "");
-            names += (names.empty() ? "" : "  ") + (with != held ? with : "") + printed(keys[k].key);
-            held = with;
-            ++k;
-        } while (k < keys.size() && !keys[k].what);
-        if (!is_other) rows.push_back({names, what});
-    }
-    rows.push_back({"Drop", "a file, a folder, or several, on the window: shows them"});
-    return rows;
 }
 
 }  // namespace
@@ -203,37 +136,6 @@ float draw_place(const PanelFacts& facts, float width, float height, float scale
     ImGui::PopStyleVar();
     ImGui::End();
     return bottom - whole - m;
-}
-
-void begin_help(const PanelFacts& facts, float width, float height, float scale) {
-    const std::vector<HelpRow> rows = help_rows(facts);
-    const auto count = static_cast<float>(rows.size());
-    // As large as there is room for, but legible: in two columns, and what does not fit is scrolled to.
-    constexpr float smallest = 12.0F / 15;
-    const float m = panel_margin * scale, room = height - 3 * m - panel_bar_height * scale;
-    const float line = ImGui::GetFontSize() + 2 * scale, one = room / ((count + 1) * line);
-    const bool in_two = one < smallest && width > 900 * scale * smallest;
-    const float fits = in_two ? 2 * room / ((count + 3) * line) : one;
-    const float widest = width / ((in_two ? 1300 : 620) * scale);
-    const float share = std::clamp(std::min(fits, widest), smallest, 1.0F);
-    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width - 2 * m, room));
-    begin_box("help", {.x = width / 2, .y = m + room / 2, .pivot_x = 0.5F, .pivot_y = 0.5F, .scrolls = true});
-    ImGui::SetWindowFontScale(share);
-    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, ImVec2(6 * scale, 1 * scale));
-    const std::size_t lines = in_two ? (rows.size() + 1) / 2 : rows.size();
-    if (ImGui::BeginTable("keys", in_two ? 4 : 2, ImGuiTableFlags_SizingFixedFit)) {
-        for (std::size_t k = 0; k < lines; ++k) {
-            ImGui::TableNextRow();
-            for (std::size_t at = k; at < rows.size(); at += lines) {
-                ImGui::TableNextColumn();
-                ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_SliderGrab], "%s", rows[at].key.c_str());
-                ImGui::TableNextColumn();
-                ImGui::TextUnformatted(rows[at].what.c_str());
-            }
-        }
-        ImGui::EndTable();
-    }
-    ImGui::PopStyleVar();
 }
 
 namespace {

@@ -29,8 +29,5 @@ void draw_force(const PanelFacts& facts, float height, float scale);
 float draw_place(const PanelFacts& facts, float width, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);
-/// What keys do, in the middle, as large as is legible; what does not fit, the wheel scrolls to. ImGui::End
-/// is the caller's.
-void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
 }  // namespace touchable

@@ -42,12 +42,14 @@ void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowComm
 }
 
 void draw_measured_line(const MeasureFacts& facts, float scale) {
-    if (facts.ends.size() != 2) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = facts.is_frozen ? frozen_ink : light_ink;
     const auto point = [](const glm::dvec2& at) {
         return ImVec2(static_cast<float>(at.x), static_cast<float>(at.y));
     };
+    if (facts.next) draw_end(list, point(*facts.next), light_ink, scale);
+    if (facts.ends.size() == 1) draw_end(list, point(facts.ends[0]), ink, scale);
+    if (facts.ends.size() != 2) return;
     const ImVec2 from = point(facts.ends[0]), to = point(facts.ends[1]);
     list.AddLine(from, to, dark_ink, 5 * scale);
     list.AddLine(from, to, ink, 2 * scale);

@@ -11,6 +11,7 @@
 #include "player/control/pixel_words.hpp"
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/empty_page.hpp"
+#include "player/panel/help_page.hpp"
 #include "player/panel/invitation.hpp"
 #include "player/panel/kiosk_bar.hpp"
 #include "player/panel/measure_panel.hpp"

@@ -170,6 +170,7 @@ private:
     void take_of_study_hand();
     bool take_of_study(const InputEvent& event);
     void take_of_study(const WindowCommand& command);
+    bool pointer_is_on_bar() const;
     void hide_forces(std::vector<FingerMark>& marks, const HeightField& field) const;
     StudyFacts study_facts() const;
     double study_strip(const ScreenSize& size) const;

@@ -34,12 +34,13 @@ void WindowLoop::take_of_measure(const WindowCommand& command) {
 /// What is measured in the picture of this moment.
 void WindowLoop::measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera) {
     const FramePair& pair = moment.held.pair;
+    const bool is_there = pointer_is_there_ && !panel_->covers(pointer_at_.x, pointer_at_.y);
     measure_.look({.field = field,
                    .pair = pair,
                    .camera = camera,
                    .stored = moment.stored ? moment.stored->depth : PlaneView{},
                    .frame = pair.blend < 0.5 ? pair.prev.number : pair.next.number,
-                   .pointer = pointer_at_});
+                   .pointer = is_there ? std::optional(pointer_at_) : std::nullopt});
     constexpr std::size_t most_told = 1000;
     for (MeasureTool::News& news : measure_.take_news()) {
         if (news.is_bad)

@@ -94,6 +94,12 @@ Result<void> WindowLoop::draw_newest() {
     return draw_what_is_there(clip_ ? clip_->session().look() : nullptr);
 }
 
+/// A finger of its that touches nothing is not drawn then: it would look as if it were behind the bar.
+bool WindowLoop::pointer_is_on_bar() const {
+    return !options_.hand && !clip_->fingers().is_touched() && pointer_is_there_ && !pointer_.holds() &&
+           panel_->is_bar(pointer_at_.x, pointer_at_.y) && panel_->covers(pointer_at_.x, pointer_at_.y);
+}
+
 Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ScreenSize size = screen_->size();
     const auto begin = Clock::now();
@@ -128,6 +134,8 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     // A dent would change what the colours of an overlay say.
     clip_->put_on_surface(marks, felt, field, is_dented_ && picture_.overlay() == Overlay::colour);
     if (study_ && !study_->gives_force()) hide_forces(marks, field);
+    if (pointer_is_on_bar())
+        for (FingerMark& mark : marks) mark.shown = mark.shown && mark.touching;
     const auto marked = Clock::now();
     picture_.set_tint(brush_.tint());
     const ViewCamera drawn_from = drawn_camera(size);

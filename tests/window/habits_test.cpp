@@ -111,6 +111,21 @@ TEST(Habits, AFingerUnderTheBarIsFelt) {
         << "a click there is the bar's";
 }
 
+TEST(Habits, AFingerThatTouchesNothingIsNotDrawnWhileThePointerIsOnTheBar) {
+    const auto at = [](const std::string& script) {
+        return shot_of(some_clips() / "b-still.mkv", "0 nearer 1.6\n" + script, "1").image;
+    };
+    // Just within the bar, whose upper side cuts the ring.
+    const std::string there = "0.1 move 160 100\n0.5 move 160 183\n";
+    const PicturePart above{130, 150, 190, 178};
+    const Image bare = at("0.1 leave\n0.2 move 20 183\n");
+    EXPECT_EQ(differences(bare, at(there), above), 0) << "it looks as if it were behind the bar";
+    EXPECT_GT(differences(bare, at("0.1 move 160 100\n0.1 wheel 16\n0.5 move 160 183\n"), above), 20)
+        << "it is pressed by the wheel, and felt";
+    EXPECT_GT(differences(bare, at("0.1 move 160 100\n0.5 move 160 170\n"), above), 20)
+        << "beside the bar it is drawn";
+}
+
 TEST(Habits, TheBarGoesWhenNothingMovesAndComesBack) {
     const Image there_is = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "1").image;
     const Image rests = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "4.8").image;

@@ -254,11 +254,16 @@ struct TwoFrames {
             EXPECT_TRUE(builder->build(raw[k], built[k]).ok());
         }
     }
-    void show(MeasureTool& tool, int k) const {
+    void show(MeasureTool& tool, int k, std::optional<glm::dvec2> pointer = {}) const {
         const FramePair pair{
             {k, scene.rate.time_ns(k), &built[k]}, {k, scene.rate.time_ns(k), &built[k]}, 0, 0};
         const HeightField field(scene, pair);
-        tool.look({.field = field, .pair = pair, .camera = camera(), .stored = raw[k].depth, .frame = k});
+        tool.look({.field = field,
+                   .pair = pair,
+                   .camera = camera(),
+                   .stored = raw[k].depth,
+                   .frame = k,
+                   .pointer = pointer});
     }
     ViewCamera camera() const { return own_view(scene, 960, 640, 5); }
     std::string words(const MeasureTool& tool) const { return tool.facts(camera(), scene).words; }
@@ -296,6 +301,39 @@ TEST(MeasureTool, AnEndWithoutDepthStaysWhereItWasAndIsSaidToBeFrozen) {
                 glm::distance(place_of(20, 32, code_of(800)), place_of(70, 32, code_of(500))), 0.06);
     frames.show(tool, 0);
     EXPECT_FALSE(tool.facts(frames.camera(), frames.scene).is_frozen) << "it has depth again";
+}
+
+/// Ten pixels of the window to one of the clip: places that are none of a pixel's.
+TEST(MeasureTool, ShowsUnderThePointerWhatAClickTakes) {
+    const TwoFrames frames(slope, slope);
+    const auto facts = [&](const MeasureTool& tool) { return tool.facts(frames.camera(), frames.scene); };
+    MeasureTool tool;
+    frames.show(tool, 0, glm::dvec2(208.7, 321.2));
+    EXPECT_FALSE(facts(tool).next) << "it is not held";
+    tool.hold(true);
+    const auto click = [&](const glm::dvec2& at) {
+        frames.show(tool, 0, at);
+        const MeasureFacts before = facts(tool);
+        tool.take({.kind = InputEvent::Kind::pressed, .word = "left"}, at);
+        tool.take({.kind = InputEvent::Kind::released, .word = "left"}, at);
+        frames.show(tool, 0, at);
+        return before;
+    };
+    const MeasureFacts first = click({208.7, 321.2});
+    ASSERT_TRUE(first.next);
+    EXPECT_TRUE(first.ends.empty());
+    EXPECT_NEAR(first.next->x, 205, 0.1) << "a pixel's middle";
+    EXPECT_NEAR(first.next->y, 325, 0.1);
+    EXPECT_EQ(facts(tool).ends.at(0), *first.next);
+    const MeasureFacts second = click({703.2, 108.4}), after = facts(tool);
+    ASSERT_EQ(second.ends.size(), 2U);
+    EXPECT_EQ(second.ends, after.ends);
+    EXPECT_EQ(second.words, after.words);
+    EXPECT_EQ(second.next, after.ends.at(1));
+    click({305, 325});
+    frames.show(tool, 0);
+    EXPECT_EQ(facts(tool).ends.size(), 1U) << "it stays where the pointer went away";
+    EXPECT_FALSE(facts(tool).next);
 }
 
 TEST(PixelWords, SayHowDeepAFingerIsMeantToBeOrHowFarAbove) {

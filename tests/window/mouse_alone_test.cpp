@@ -117,9 +117,9 @@ protected:
         return differs(name, other, place(left, width), place(top, height), place(right, width),
                        place(bottom, height));
     }
-    /// Just above the bar, on its right.
+    /// Just above the bar, on its right: where the words of a button are.
     double words_differ(const std::string& name, const std::string& other) {
-        return lower_right_differs(name, other, 220, 90, 0, 62);
+        return lower_right_differs(name, other, 220, 92, 24, 68);
     }
 
     const TemporaryFolder folder_;
