@@ -88,8 +88,12 @@ void WindowLoop::take_of_time(const WindowCommand& command) {
 /// While another clip is on its way, that one is meant; the one that is there shows that the press was heard.
 void WindowLoop::play_or_pause() {
     if (!next_is_paused_) return say(playback_->play_or_pause());
-    next_is_paused_ = !*next_is_paused_;
-    say(playback_->pause(*next_is_paused_));
+    const PlaybackState there = clip_->session().playback();
+    // What the button shows: at the end it is "play", but in a kiosk, which goes on there by itself.
+    const bool pauses = there.playing && (kiosk_ || !there.at_end);
+    const Result<void> heard = playback_->pause(pauses);
+    if (heard.ok()) next_is_paused_ = pauses;
+    say(heard);
 }
 
 void WindowLoop::take_of_view(const WindowCommand& command) {
