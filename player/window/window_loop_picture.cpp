@@ -48,8 +48,7 @@ bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) cons
     const PlaybackState playback = clip_->session().playback();
     const double left_ms = frame_ms() - 1000 * seconds_between(frame_came_at_, now);
     // One that is overdue by as much again is not waited for.
-    if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms())
-        return false;
+    if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
     const bool has_input =
         is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
     return has_input || since_ms >= idle_pause_ms ||
@@ -96,8 +95,10 @@ Result<void> WindowLoop::draw_newest() {
 
 /// A finger of its that touches nothing is not drawn then: it would look as if it were behind the bar.
 bool WindowLoop::pointer_is_on_bar() const {
-    return !options_.hand && !clip_->fingers().is_touched() && pointer_is_there_ && !pointer_.holds() &&
-           panel_->is_bar(pointer_at_.x, pointer_at_.y) && panel_->covers(pointer_at_.x, pointer_at_.y);
+    const PointerFingers& fingers = clip_->fingers();
+    const auto& at = fingers.pointer();  // where keys have moved it, too
+    return at && !options_.hand && !fingers.is_touched() && !pointer_.holds() &&
+           panel_->is_bar(at->x, at->y) && panel_->covers(at->x, at->y);
 }
 
 Result<void> WindowLoop::draw(const WatchedMoment& moment) {

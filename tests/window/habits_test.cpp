@@ -124,6 +124,8 @@ TEST(Habits, AFingerThatTouchesNothingIsNotDrawnWhileThePointerIsOnTheBar) {
         << "it is pressed by the wheel, and felt";
     EXPECT_GT(differences(bare, at("0.1 move 160 100\n0.5 move 160 170\n"), above), 20)
         << "beside the bar it is drawn";
+    EXPECT_GT(differences(bare, at(there + "0.6 key w\n0.7 key w\n0.75 key w\n"), above), 20)
+        << "keys have moved it away from the bar";
 }
 
 TEST(Habits, TheBarGoesWhenNothingMovesAndComesBack) {
