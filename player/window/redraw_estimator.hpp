@@ -8,12 +8,14 @@ namespace touchable {
 
 /// How long a picture takes in which the clip's frame is the one before, and only fingers or words have
 /// changed: the window draws one between two frames where so much time is left. It is the median of the last
-/// few, as one of them may have waited for decoding; and with every frame that passes without one it becomes
-/// a little less, so that a few slow ones are not the last.
+/// few, as one of them may have waited for decoding; with every frame that passes without one it becomes a
+/// little less, so that a few slow ones are not the last; and one that takes less than half makes those
+/// before it count no more, as when a clip plays on after a rest, in which more is drawn.
 class RedrawEstimator {
 public:
     /// Such a picture took so many ms.
     void add(double ms) {
+        if (ms < ms_ / 2) next_ = 0;
         newest_[next_++ % newest_.size()] = ms;
         auto sorted = newest_;
         const std::size_t count = std::min(next_, sorted.size());

@@ -158,6 +158,15 @@ TEST(RedrawEstimator, BecomesLessWhereNoneIsDrawn) {
     EXPECT_EQ(redraw.ms(), 17) << "which is not all that there is";
 }
 
+TEST(RedrawEstimator, ForgetsARestInWhichMoreIsDrawn) {
+    RedrawEstimator redraw;
+    for (int k = 0; k < 8; ++k) redraw.add(40);
+    redraw.add(12);
+    EXPECT_EQ(redraw.ms(), 12);
+    redraw.add(50);
+    EXPECT_EQ(redraw.ms(), 12) << "one that had to wait says nothing of the next";
+}
+
 TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
     FramesShown shown;
     const auto at = [](std::uint64_t epoch, std::int64_t number) {
