@@ -67,13 +67,13 @@ std::vector<Row> gestures(Topic topic, const PanelFacts& facts) {
     return rows;
 }
 
-/// The keys that do what the first of them does, and the same the other way; a key with and without Shift is
-/// named once.
+/// The keys of one row. One that does the same with Shift, or more of it, is named once.
 std::string names_of(std::span<const KeyBinding> row) {
     std::string names, held;
     for (std::size_t k = 0; k < row.size(); ++k) {
         const auto is_same = [&](const KeyBinding& before) {
-            return before.key == std::string(row[k].key) && before.control == row[k].control;
+            return before.key == std::string(row[k].key) && before.control == row[k].control &&
+                   before.verb == row[k].verb;
         };
         if (std::any_of(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(k), is_same)) continue;
         const std::string with = std::string(row[k].control ? "Ctrl " : "") + (row[k].shift ? "Shift " : "");
