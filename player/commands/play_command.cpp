@@ -345,8 +345,6 @@ Result<void> run_play(PlayOptions options) {
         std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
     if (!figures->slow_reading.empty())
         std::cerr << "touchable: warning: " << printable(figures->slow_reading, 500) << '\n';
-    if (!figures->not_kept.empty())
-        std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -51,5 +52,10 @@ private:
     const std::shared_ptr<Jobs> jobs_;  // the thread's, too
     bool is_finished_ = false;          // or waited for long enough
 };
+
+/// Of a file that nobody waits for any more.
+inline Error disk_does_not_answer(const std::filesystem::path& file) {
+    return input_error(file.string() + ": not finished: its disk does not answer");
+}
 
 }  // namespace touchable

@@ -13,7 +13,8 @@ enum class LessOf { vertices, pixels };
 
 /// In how much detail the surface is drawn, so that pictures come in time: with all of its vertices or no
 /// more than the window's pixels tell apart (`coarse`); then with still fewer vertices, or smaller and
-/// stretched. It begins coarse, goes down at once and up slowly; but at once where less saves little.
+/// stretched. It begins coarse, goes down at once and up slowly; what saves too little is taken back, once it
+/// has been judged (`judge`).
 class PictureGovernor {
 public:
     explicit PictureGovernor(LessOf less = LessOf::pixels)

@@ -135,7 +135,6 @@ struct PlayFigures {
     std::string relief;                 ///< that was felt at the end, and what keeps it; empty: none
     std::string materials;              ///< what of those that were painted is not saved; empty: nothing
     std::vector<std::string> measured;  ///< lines between two places, in words
-    std::string not_kept;               ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };
 

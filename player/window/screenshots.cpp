@@ -65,8 +65,7 @@ void Screenshots::Files::give_up() {
     const std::lock_guard lock(mutex);
     is_given_up = true;
     for (const fs::path& name : waiting)
-        done.push_back(input_error((name.empty() ? "the window's picture" : name.string()) +
-                                   ": not finished: its disk does not answer"));
+        done.push_back(disk_does_not_answer(name.empty() ? "the window's picture" : name));
     waiting.clear();
 }
 

@@ -34,8 +34,8 @@ public:
     Result<void> keep(Image image, std::filesystem::path name);
     /// The names of those that were written, or why one was not, since; oldest first.
     std::vector<Result<std::filesystem::path>> take();
-    /// Waits until all are written, for that long at most; then `take` has the rest, and those that are not
-    /// finished as errors.
+    /// The last call but `take`: waits until all are written, for that long at most; then `take` has the
+    /// rest, and those that are not finished as errors.
     void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
 
     static constexpr std::size_t most_waiting = 4;

@@ -71,8 +71,7 @@ void TextFiles::Files::write_next() {
 void TextFiles::Files::give_up() {
     const std::lock_guard lock(mutex);
     is_given_up = true;
-    for (const Text& text : waiting)
-        note(text, input_error(text.file.string() + ": not finished: its disk does not answer"));
+    for (const Text& text : waiting) note(text, disk_does_not_answer(text.file));
 }
 
 TextFiles::TextFiles() : files_(std::make_shared<Files>()) {}

@@ -47,8 +47,8 @@ public:
     };
     /// Those that were written or refused since, oldest first.
     std::vector<Written> take();
-    /// Waits until all are written, for that long at most; then `take` has the rest, and those that are not
-    /// finished as errors.
+    /// The last call but `take`: waits until all are written, for that long at most; then `take` has the
+    /// rest, and those that are not finished as errors.
     void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
 
 private:

@@ -328,11 +328,11 @@ Result<void> WindowBrush::finish() {
 
 std::string WindowBrush::unsaved_words() const {
     if (!brush_ || !is_painted_ || brush_->is_saved()) return "";
-    std::filesystem::path history = brush_->history_file();
-    if (history == lost_history_) history.clear();
-    return "what was painted is not saved" +
-           (history.empty() ? std::string(", and is lost") : "; it is in " + history.string()) +
-           (history.empty() ? "" : " for the next window");
+    const std::filesystem::path& history = brush_->history_file();
+    const std::string words = "what was painted is not saved";
+    if (history.empty()) return words + ", and is lost";
+    return words + (history == lost_history_ ? "; not all of it is in " : "; it is in ") + history.string() +
+           " for the next window";
 }
 
 std::string WindowBrush::words() const {

@@ -92,14 +92,13 @@ Result<void> WindowLoop::draw_opening() {
 /// Closed while the first clip was opened, or waited for; or it cannot be opened.
 Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
     opening_.let_go();
-    if (!ended.ok()) return ended.error();
-    if (interrupted()) return interruption();
-    const bool is_kept = begun_ && options_.screenshot;
+    const bool is_kept = ended.ok() && begun_ && options_.screenshot && !interrupted();
     if (is_kept) {
         ended = draw_opening();
         if (ended.ok()) ended = keep_picture(*options_.screenshot);
     }
     if (ended = finish_screenshots(is_kept, std::move(ended)); !ended.ok()) return ended.error();
+    if (interrupted()) return interruption();
     figures_.seconds = now_s();
     return std::move(figures_);
 }

@@ -13,6 +13,14 @@
 // How a window ends: when it may, what is finished then, and what is told of it.
 
 namespace touchable {
+namespace {
+
+/// On the terminal: the window is about to go.
+void warn(const std::string& words) {
+    std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+}
+
+}  // namespace
 
 /// Whether the brush is still at what it was asked for before the window was closed. Who closes it again does
 /// not wait. A hand has no forces by then.
@@ -38,7 +46,8 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
     }
     opening_.give_up();
-    if (auto written = write_settings(); !written.ok()) figures_.not_kept = written.error().message;
+    if (auto written = write_settings(); !written.ok())
+        warn("settings are not kept: " + written.error().message);
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     const Result<void> results =
         study_ ? study_->end(now_s(), std::chrono::system_clock::now()) : Result<void>();
@@ -50,10 +59,10 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     if (film_) figures_.film_left_out = film_->left_out();
     const Result<void> saved = finish_brush();
     figures_.materials = brush_.unsaved_words();
-    // Last: their disk may be another one, and not answer.
     kept = finish_screenshots(is_kept, std::move(kept));
-    if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
-    if (auto done = all_ok({ended, recorded, heard, filmed, kept, saved, results}); !done.ok())
+    const bool has_failed = failure_ && failure_->kind != ErrorKind::interrupted;
+    const Result<void> failed = has_failed ? Result<void>(*failure_) : Result<void>();
+    if (auto done = all_ok({failed, ended, recorded, heard, filmed, kept, saved, results}); !done.ok())
         return done.error();
     if (interrupted()) return interruption();
     return std::move(figures_);
@@ -61,12 +70,13 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
 
 /// Waits for their disk, but not for ever.
 Result<void> WindowLoop::write_settings() const {
+    if (!options_.settings_file) return {};
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
     const auto written =
         unless_stopped([file = settings_file_, kept = to_keep()] { return file.write(kept); },
                        [until] { return std::chrono::steady_clock::now() >= until; });
     if (written) return *written;
-    return input_error(options_.settings_file->string() + ": not finished: its disk does not answer");
+    return disk_does_not_answer(*options_.settings_file);
 }
 
 /// Of the clip that is there, or the device that is held.
@@ -84,7 +94,7 @@ Result<void> WindowLoop::finish_screenshots(bool is_kept, Result<void> kept) {
         if (is_kept && kept.ok())
             kept = written.error();
         else
-            std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
+            warn(written.error().message);
     }
     return kept;
 }

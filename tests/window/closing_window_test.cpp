@@ -118,21 +118,26 @@ TEST_F(WindowOnAHungDisk, ClosesAndSaysWhichFilesOfTheBrushAreNotFinished) {
     ASSERT_FALSE(played.ok());
     EXPECT_EQ(played.error().message, saved + ": not finished: its disk does not answer");
     EXPECT_EQ(lines_with(told_, (folder_ / "state").string()), 1) << told_;
-    EXPECT_EQ(lines_with(told_, "not finished"), 1) << told_;
+    EXPECT_EQ(lines_with(told_, "settings are not kept: " + (folder_ / "play.json").string()), 1) << told_;
+    EXPECT_EQ(lines_with(told_, "not finished"), 2) << told_;
     EXPECT_EQ(asked_, 2) << "the history's disk, and that of settings";
 }
 
-TEST_F(WindowOnAHungDisk, ClosesAndSaysThatWhatWasPaintedIsNowhere) {
+TEST_F(WindowOnAHungDisk, ClosesAndSaysThatNotAllOfWhatWasPaintedIsKept) {
     PlayOptions asked = options("0.2 material foam\n0.3 paint 20,32\n1.5 quit\n");
     asked.brush_history = folder_ / "state";
     asked.settings_file = folder_ / "play.json";
     const auto played = play(asked);
     EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
     ASSERT_TRUE(played.ok()) << played.error().message;
-    EXPECT_EQ(lines_with(told_, "not finished"), 1) << told_;
-    EXPECT_EQ(played->materials, "what was painted is not saved, and is lost");
-    EXPECT_EQ(played->not_kept,
-              (folder_ / "play.json").string() + ": not finished: its disk does not answer");
+    EXPECT_EQ(lines_with(told_, "not finished"), 2) << told_;
+    EXPECT_EQ(played->materials.rfind("what was painted is not saved; not all of it is in ", 0), 0U)
+        << played->materials;
+    EXPECT_EQ(
+        lines_with(told_, "touchable: warning: settings are not kept: " + (folder_ / "play.json").string() +
+                              ": not finished: its disk does not answer\n"),
+        1)
+        << told_;
 }
 
 }  // namespace
