@@ -121,6 +121,7 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
 
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
     const int port = test::unused_port();
+    if (port == 0) return Error{ErrorKind::check, "no port of this machine is free"};
     // By UDP the sender sends to the relay; by all others the receiver connects to it.
     const bool sends = stream.transport == "udp";
     const bool has_datagrams = sends || scheme_of(stream) == "srt";
@@ -189,6 +190,7 @@ private:
 
 Result<void> measure_listeners(int listeners, const LiveClip& clip, LiveClips& clips, Figures& figures) {
     const int port = test::unused_port();
+    if (port == 0) return Error{ErrorKind::check, "no port of this machine is free"};
     auto served = serve({"tcp", clip}, port, clips);
     if (!served.ok()) return served.error();
     Drains drains(listeners, port);
