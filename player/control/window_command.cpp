@@ -165,9 +165,13 @@ std::span<const KeyBinding> key_bindings() {
 }
 
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift) {
-    for (const KeyBinding& binding : key_bindings())
-        if (key == binding.key && control == binding.control && shift == binding.shift) return &binding;
-    return nullptr;
+    const KeyBinding* stop = nullptr;
+    for (const KeyBinding& binding : key_bindings()) {
+        if (key != binding.key) continue;
+        if (control == binding.control && shift == binding.shift) return &binding;
+        if (binding.verb == WindowVerb::force) stop = &binding;
+    }
+    return stop;
 }
 
 bool goes_by_steps(WindowVerb verb) {

@@ -95,7 +95,8 @@ std::span<const KeyGroup> key_groups();
 std::span<const KeyBinding> key_bindings();
 /// Keys of a study, beside key_bindings(), that a script may press.
 inline constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
-/// Of a key with what is held; null: it does nothing.
+/// Of a key with what is held; null: it does nothing. The key that takes the force off does so whatever is
+/// held.
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
 
 /// Whether a key that is held does it again and again: what goes on by steps, never what switches.

@@ -25,6 +25,11 @@ TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {
     EXPECT_EQ(binding_of("up", true, false)->verb, WindowVerb::tilt);
     EXPECT_EQ(binding_of("left", false, false)->verb, WindowVerb::seek_by);
     EXPECT_EQ(binding_of("up", false, false), nullptr);
+    for (const bool control : {false, true})
+        for (const bool shift : {false, true}) {
+            ASSERT_TRUE(binding_of("f", control, shift)) << "the stop, by whoever holds another key";
+            EXPECT_EQ(binding_of("f", control, shift)->verb, WindowVerb::force);
+        }
     EXPECT_TRUE(goes_by_steps(WindowVerb::turn) && goes_by_steps(WindowVerb::tilt));
 }
 
