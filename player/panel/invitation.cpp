@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace touchable {
 namespace {
@@ -13,6 +14,10 @@ constexpr const char* how_it_goes_on = "F brings it back";
 constexpr const char* all_words = "Force is off F brings it back";
 constexpr double fade_s = 1.2;
 
+ImFont& large_font() {
+    return *ImGui::GetIO().Fonts->Fonts.back();
+}
+
 ImU32 white(float opacity) {
     return IM_COL32(255, 255, 255, static_cast<int>(255 * opacity));
 }
@@ -20,21 +25,43 @@ ImU32 black(float opacity) {
     return IM_COL32(4, 7, 12, static_cast<int>(255 * opacity));
 }
 
-/// In the middle of the width, with a soft dark edge: it has to be read over any picture. Smaller where it
-/// would not fit.
-void draw_centred(ImDrawList& list, ImFont* font, float size, const std::string& words, float width,
-                  float top, float opacity) {
-    constexpr float smallest = 11;
-    float wide = font->CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
-    if (wide > 0.94F * width) {
-        size = std::max(smallest, size * 0.94F * width / wide);
-        wide = font->CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
-    }
-    const ImVec2 at((width - wide) / 2, top);
-    const float shift = std::max(1.0F, size / 28);
-    list.AddText(font, size, ImVec2(at.x, at.y + shift), black(0.7F * opacity), words.c_str());
-    list.AddText(font, size, at, white(opacity), words.c_str());
+float wide_at(float size, const std::string& words) {
+    return large_font().CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
 }
+
+/// Words in the middle of the width, with a soft dark edge: they have to be read over any picture. Smaller
+/// where they would not fit, down to a part of their size, and then in several lines.
+struct CentredWords {
+    std::vector<std::string> lines;
+    float size;
+
+    CentredWords(const std::string& words, float wanted, float width) : size(wanted) {
+        constexpr float smallest = 11, smallest_part = 0.7F;
+        const float room = 0.94F * width, wide = wide_at(size, words);
+        if (wide > room) size = std::max({smallest, smallest_part * size, size * room / wide});
+        constexpr float rounding = 1.01F;  // what has just been made to fit does
+        const char *from = words.data(), *const end = from + words.size();
+        while (from < end) {
+            const char* to =
+                large_font().CalcWordWrapPositionA(size / large_font().FontSize, from, end, rounding * room);
+            if (to == from) ++to;
+            lines.emplace_back(from, to);
+            for (from = to; from < end && *from == ' ';) ++from;
+        }
+    }
+    /// More than one line has.
+    float more() const { return lines.empty() ? 0 : 1.2F * size * static_cast<float>(lines.size() - 1); }
+    void draw(ImDrawList& list, float width, float top, float opacity) const {
+        const float shift = std::max(1.0F, size / 28);
+        for (const std::string& line : lines) {
+            const ImVec2 at((width - wide_at(size, line)) / 2, top);
+            list.AddText(&large_font(), size, ImVec2(at.x, at.y + shift), black(0.7F * opacity),
+                         line.c_str());
+            list.AddText(&large_font(), size, at, white(opacity), line.c_str());
+            top += 1.2F * size;
+        }
+    }
+};
 
 /// The lower part of the picture goes dark for words whose top is at that share of the height, without an
 /// edge.
@@ -48,29 +75,29 @@ void darken(ImDrawList& list, float opacity, float width, float height, float at
 
 /// As the window is large, as far as the letters are not blurred by it.
 float large_size(float width, float height) {
-    const float most = 1.75F * ImGui::GetIO().Fonts->Fonts.back()->FontSize;
+    const float most = 1.75F * large_font().FontSize;
     return std::clamp(std::min(height * 0.085F, width * 0.075F), 22.0F, std::max(most, 22.0F));
 }
 
-/// A line and a smaller one under it, whose top is at that share of the height.
+/// A line and a smaller one under it, whose top is at that share of the height; more lines of either go up.
 void draw_large(const std::string& words, const std::string& small_words, float opacity, float width,
                 float height, float at) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    ImFont* const font = ImGui::GetIO().Fonts->Fonts.back();
     const float large = large_size(width, height), small = std::max(large * 0.42F, 14.0F);
-    darken(list, opacity, width, height, at);
-    const float top = height * at;
-    draw_centred(list, font, large, words, width, top, opacity);
-    draw_centred(list, font, small, small_words, width, top + large * 1.25F, 0.85F * opacity);
+    const CentredWords first(words, large, width), second(small_words, small, width);
+    const float top = std::max(0.0F, height * at - first.more() - second.more());
+    darken(list, opacity, width, height, top / height);
+    first.draw(list, width, top, opacity);
+    second.draw(list, width, top + first.more() + large * 1.25F, 0.85F * opacity);
 }
 
 /// `room`: of the height, as of draw_kiosk_words.
 void draw_caption(const std::string& words, float width, float height, float room) {
-    const float at = 0.86F * room / height;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    darken(list, 0.8F, width, height, at);
-    draw_centred(list, ImGui::GetIO().Fonts->Fonts.back(), 0.75F * large_size(width, height), words, width,
-                 height * at, 1);
+    const CentredWords caption(words, 0.75F * large_size(width, height), width);
+    const float top = std::max(0.0F, 0.86F * room - caption.more());
+    darken(list, 0.8F, width, height, top / height);
+    caption.draw(list, width, top, 1);
 }
 
 }  // namespace

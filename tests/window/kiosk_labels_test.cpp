@@ -59,13 +59,13 @@ protected:
         return 2 * std::hypot(sine, cosine) / static_cast<double>(heard.size() - from);
     }
     /// Bright pixels where captions are; above the bar where there is one.
-    int written(int from = 200, int to = 236) const {
+    int written(int from = 200, int to = 236, int left = 20, int right = 300) const {
         const auto shot = read_image(folder_ / "shot.png");
         EXPECT_TRUE(shot.ok());
         if (!shot.ok()) return -1;
         int count = 0;
         for (int y = from; y < to; ++y)
-            for (int x = 20; x < 300; ++x) {
+            for (int x = left; x < right; ++x) {
                 const auto* const rgb = &shot->samples[static_cast<std::size_t>((y * shot->width + x) * 3)];
                 count += rgb[0] > 200 && rgb[1] > 200 && rgb[2] > 200;
             }
@@ -172,6 +172,21 @@ TEST_F(KioskLabels, TextsAreOfTheLanguageThatIsAskedForOrOfAFile) {
     EXPECT_EQ(none.code, 2);
     EXPECT_TRUE(none.one_line_of_error()) << none.err;
     EXPECT_NE(none.err.find("de, en"), std::string::npos) << none.err;
+}
+
+TEST_F(KioskLabels, ALongTextHasSeveralLines) {
+    std::string words;
+    while (words.size() < 190) words += "Etna ";
+    std::ofstream(folder_ / "texts.json")
+        << R"({"touchable_kiosk_texts": 1, "language": "en", "invitation": ")" << words << R"("})";
+    const auto played = run_touchable({"play", clip_, "--kiosk", "--headless", "--size", "320x240", "--idle",
+                                       "0.1", "9", "--kiosk-texts", (folder_ / "texts.json").string(),
+                                       "--screenshot", (folder_ / "shot.png").string(), "--at", "1.6"});
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(written(115, 240, 0, 5), 0) << "cut off on the left";
+    EXPECT_EQ(written(115, 240, 315, 320), 0) << "cut off on the right";
+    EXPECT_GT(written(130, 155), 60) << "one of its lines";
+    EXPECT_GT(written(180, 200), 60) << "another one";
 }
 
 TEST_F(KioskLabels, NoSettingLiftsAForceAboveTheMostThatWasAskedFor) {
