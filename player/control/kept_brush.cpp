@@ -12,7 +12,7 @@
 
 #include "engine/byte_hash.hpp"
 #include "engine/given_file.hpp"
-#include "engine/new_file.hpp"
+#include "player/control/set_aside.hpp"
 
 namespace touchable {
 namespace {
@@ -146,19 +146,10 @@ void KeptBrush::go_without_history(const std::string& why) {
     say(why + "; what is done now is not kept beyond this window, unless it is saved");
 }
 
-/// Never in the place of one that was set aside before.
-void KeptBrush::set_aside(const Error& why) {
-    constexpr int most_set_aside = 100;
-    const std::filesystem::path file = files_.history();
-    int failed = EEXIST;
-    for (int k = 1; k <= most_set_aside && failed == EEXIST; ++k) {
-        std::filesystem::path aside = file;
-        aside += k == 1 ? ".broken" : ".broken" + std::to_string(k);
-        failed = move_to_free_name(file, aside);
-        if (failed == 0) return say(why.message + "; set aside as " + aside.filename().string());
-    }
-    go_without_history(why.message + "; it stays there, for it cannot be set aside (" +
-                       std::generic_category().message(failed) + ")");
+void KeptBrush::set_history_aside(const Error& why) {
+    const auto aside = set_aside(files_.history());
+    if (aside.ok()) return say(why.message + "; set aside as " + aside->filename().string());
+    go_without_history(why.message + "; it stays there, for " + aside.error().message);
 }
 
 /// Whether it goes on with one.
@@ -180,7 +171,7 @@ Result<bool> KeptBrush::find_history(const std::optional<std::string>& saved) {
     const auto taken = take_history(*text, saved);
     if (!taken.ok() && taken.error().kind == ErrorKind::interrupted) return taken.error();
     if (!taken.ok()) {
-        set_aside(taken.error());
+        set_history_aside(taken.error());
         return false;
     }
     if (const std::size_t count = brush_.done(); count > 0)

@@ -60,7 +60,7 @@ private:
     Result<void> take_saved(const std::optional<std::string>& text);
     Result<bool> find_history(const std::optional<std::string>& saved);
     Result<void> take_history(const std::string& text, const std::optional<std::string>& saved);
-    void set_aside(const Error& why);
+    void set_history_aside(const Error& why);
     void go_without_history(const std::string& why);
     void say(const std::string& words);
 

@@ -1,5 +1,6 @@
 #include "player/control/kept_settings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "engine/printable.hpp"
 #include "player/control/own_folder.hpp"
 #include "player/control/pointer_fingers.hpp"
+#include "player/control/set_aside.hpp"
 
 namespace touchable {
 namespace {
@@ -62,6 +64,8 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
             complain("'" + printable(name) + "' is unknown");
     return wrong;
 }
+
+constexpr const char* members[] = {"panel", "dent", "fingers", "volume", "window", "a", "b", "overlay"};
 
 /// What is wrong with a member; empty: nothing.
 std::string read_member(const std::string& name, const Json& value, KeptSettings& kept) {
@@ -130,15 +134,19 @@ void SettingsFile::say(const std::string& words) {
 void SettingsFile::take(const std::string& text) {
     const Json json = Json::parse(text, nullptr, false);
     if (!json.is_object()) {
-        std::filesystem::path aside = file_;
-        aside += ".broken";
-        std::error_code failed;
-        std::filesystem::rename(file_, aside, failed);
-        is_foreign_ = static_cast<bool>(failed);
-        const std::string where =
-            failed ? "it stays there, and nothing is kept" : "set aside as " + aside.filename().string();
+        const auto aside = set_aside(file_);
+        is_foreign_ = !aside.ok();
+        const std::string where = aside.ok()
+                                      ? "set aside as " + aside->filename().string()
+                                      : "it stays there, and nothing is kept: " + aside.error().message;
         return say(file_.string() + ": is no JSON object; " + where);
     }
+    // Somebody's own file, named by mistake.
+    is_foreign_ =
+        !json.empty() && std::ranges::none_of(members, [&](const char* name) { return json.contains(name); });
+    if (is_foreign_)
+        return say(file_.string() +
+                   ": is no file of settings, for it has none; it is left alone, and nothing is kept");
     for (const auto& [name, value] : json.items())
         if (const std::string wrong = read_member(name, value, read_); !wrong.empty())
             say(file_.filename().string() + ": " + wrong + "; ignored");

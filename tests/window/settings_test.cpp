@@ -141,16 +141,33 @@ TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
 TEST(SettingsFile, ThatIsBrokenIsSetAside) {
     const TemporaryFolder folder;
     const fs::path file = folder / "play.json";
+    int count = 0;
     for (const char* words : {"", "{\"panel\": tr", "[1]", "\xff\xfe"}) {
+        const std::string aside = "play.json.broken" + (++count == 1 ? "" : std::to_string(count));
         put(file, words);
         const SettingsFile read(file);
         EXPECT_EQ(read.read(), KeptSettings());
-        EXPECT_NE(read.message().find("play.json.broken"), std::string::npos) << read.message();
+        EXPECT_NE(read.message().find(aside), std::string::npos) << read.message();
         EXPECT_FALSE(fs::exists(file));
-        EXPECT_EQ(words_in(folder / "play.json.broken"), words);
+        EXPECT_EQ(words_in(folder / aside), words) << "none that was set aside is lost";
         ASSERT_TRUE(read.write(KeptSettings()).ok());
         EXPECT_EQ(SettingsFile(file).message(), "");
     }
+}
+
+TEST(SettingsFile, ThatHasNoSettingIsSomebodysOwnFile) {
+    const TemporaryFolder folder;
+    const std::string labels = R"({"touchable_labels": 1, "labels": []})";
+    put(folder / "labels.json", labels);
+    const SettingsFile read(folder / "labels.json");
+    EXPECT_NE(read.message().find("no file of settings"), std::string::npos) << read.message();
+    KeptSettings kept;
+    kept.fingers = 2;
+    EXPECT_TRUE(read.write(kept).ok());
+    EXPECT_EQ(words_in(folder / "labels.json"), labels);
+    put(folder / "empty.json", "{}");
+    EXPECT_TRUE(SettingsFile(folder / "empty.json").write(kept).ok());
+    EXPECT_EQ(SettingsFile(folder / "empty.json").read().fingers, 2);
 }
 
 TEST(SettingsFile, ThatIsNoneOrCannotBeWrittenIsLeftAlone) {
