@@ -276,7 +276,6 @@ void print(const PlayFigures& figures) {
                     static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                     static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
     if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", figures.relief.c_str());
-    for (const std::string& line : figures.measured) std::printf("%-24s%s\n", "measured", line.c_str());
     if (!figures.materials.empty()) std::printf("%-24s%s\n", "materials", figures.materials.c_str());
 }
 

@@ -134,7 +134,6 @@ struct PlayFigures {
     std::string slow_reading;           ///< of the first clip whose pictures are read too slowly; empty: none
     std::string relief;                 ///< that was felt at the end, and what keeps it; empty: none
     std::string materials;              ///< what of those that were painted is not saved; empty: nothing
-    std::vector<std::string> measured;  ///< lines between two places, in words
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };
 

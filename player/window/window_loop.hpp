@@ -290,6 +290,7 @@ private:
     PictureGovernor governor_;
     bool coarse_saves_ = false;  // vertices of the last picture, if it is coarse
     PlayFigures figures_;
+    std::vector<std::string> measured_;  // lines between two places, in words
     WindowBrush brush_{options_};
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     LongWork<Ready> opening_{"clip-opening", "that opens clips"};  // ends before what it works on

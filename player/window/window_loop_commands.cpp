@@ -193,6 +193,7 @@ void WindowLoop::take_of_sound(const WindowCommand& command) {
 /// there was any.
 bool WindowLoop::leave_what_is_in_front() {
     if (std::exchange(panel_->help_shown, false) || notices_.dismiss()) return true;
+    notices_.clear_passing();  // the hint of a tool that is put away
     if (measure_.is_held() || measure_.has_line())
         measure_.let_go();
     else if (is_turning_)

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -52,6 +53,8 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     const Result<void> results =
         study_ ? study_->end(now_s(), std::chrono::system_clock::now()) : Result<void>();
     sum_up();
+    // However the window ends.
+    for (const std::string& line : measured_) std::printf("%-24s%s\n", "measured", line.c_str());
     note_last_failure();
     const bool is_filmed = film_ && (begun_ || !interrupted());
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();

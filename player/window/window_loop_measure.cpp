@@ -45,8 +45,8 @@ void WindowLoop::measure(const WatchedMoment& moment, const HeightField& field, 
     for (MeasureTool::News& news : measure_.take_news()) {
         if (news.is_bad)
             say(std::move(news.words), Tone::refusal);
-        else if (figures_.measured.size() < most_told)
-            figures_.measured.push_back(std::move(news.words));
+        else if (measured_.size() < most_told)
+            measured_.push_back(std::move(news.words));
     }
 }
 
