@@ -146,7 +146,7 @@ void SettingsFile::take(const std::string& text) {
         !json.empty() && std::ranges::none_of(members, [&](const char* name) { return json.contains(name); });
     if (is_foreign_)
         return say(file_.string() +
-                   ": is no file of settings, for it has none; it is left alone, and nothing is kept");
+                   ": is no file of settings: no member is one; it is left alone, and nothing is kept");
     for (const auto& [name, value] : json.items())
         if (const std::string wrong = read_member(name, value, read_); !wrong.empty())
             say(file_.filename().string() + ": " + wrong + "; ignored");

@@ -6,8 +6,8 @@
 
 namespace touchable {
 
-/// Gives a file that is no right one the name FILE.broken, or FILE.broken2 and so on where there are such:
-/// that name. Nobody's work is written over.
+/// Renames a file that cannot be used to FILE.broken, or FILE.broken2 and so on where there are such: the new
+/// name. A file that was set aside before stays.
 Result<std::filesystem::path> set_aside(const std::filesystem::path& file);
 
 }  // namespace touchable

@@ -39,7 +39,7 @@ struct CentredWords {
         constexpr float smallest = 11, smallest_part = 0.7F;
         const float room = 0.94F * width, wide = wide_at(size, words);
         if (wide > room) size = std::max({smallest, smallest_part * size, size * room / wide});
-        constexpr float rounding = 1.01F;  // what has just been made to fit does
+        constexpr float rounding = 1.01F;  // a line just made as wide as the room stays whole
         const char *from = words.data(), *const end = from + words.size();
         while (from < end) {
             const char* to =
