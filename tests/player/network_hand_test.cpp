@@ -259,16 +259,21 @@ TEST_F(NetworkTouch, ThePlotKeepsUpAndEndsWithItsInput) {
 
 TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
     Outcome live;
-    std::thread touchable([&] {
-        live = run_touchable({"touch", clip, "--live", "--device", device(), "--seconds", "1", "--json",
-                              report, "--forces", forces});
-    });
-    PressingHand hand(port);
-    for (int packet = 0; packet < 800; ++packet) EXPECT_EQ(hand.press().vectors[0], glm::dvec3(0));
-    touchable.join();
-    EXPECT_EQ(live.code, 0) << live.err;
+    nlohmann::json facts;
+    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+        std::atomic<bool> is_over = false;
+        std::thread touchable([&] {
+            live = run_touchable({"touch", clip, "--live", "--device", device(), "--seconds", "3",
+                                  "--overwrite", "--json", report, "--forces", forces});
+            is_over = true;
+        });
+        PressingHand hand(port);
+        while (!is_over) EXPECT_EQ(hand.press().vectors[0], glm::dvec3(0));
+        touchable.join();
+        ASSERT_EQ(live.code, 0) << live.err;
+        facts = nlohmann::json::parse(file_contents(report));
+    }
     EXPECT_NE(live.err.find("forces are off"), std::string::npos) << live.err;
-    const auto facts = nlohmann::json::parse(file_contents(report));
     EXPECT_EQ(facts["forces_on_ticks"], 0);
     // Nor is one told of, though the hand was pressed in.
     EXPECT_GT(facts["contact_ticks"], 0);
