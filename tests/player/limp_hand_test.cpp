@@ -95,6 +95,8 @@ protected:
         program_ = fork();
         if (program_ != 0) return;
         setpgid(0, 0);
+        // As from a terminal, though these tests may run in a shell's background, where they are ignored.
+        for (const int asked : {SIGINT, SIGTERM, SIGHUP}) std::signal(asked, SIG_DFL);
         const int nowhere = open("/dev/null", O_RDWR);
         const int errors = terminal < 0 ? open(said_.c_str(), O_WRONLY | O_CREAT, 0600) : terminal;
         for (const int stream : {0, 1}) dup2(nowhere, stream);

@@ -44,8 +44,17 @@ Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::pat
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+    // SIGINT ends it (end()), though this process may run in a shell's background, where it is ignored.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t asked;
+    sigemptyset(&asked);
+    sigaddset(&asked, SIGINT);
+    posix_spawnattr_setsigdefault(&attributes, &asked);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     pid_t process = 0;
-    const int failed = posix_spawn(&process, program, &actions, nullptr, words.data(), environ);
+    const int failed = posix_spawn(&process, program, &actions, &attributes, words.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
     if (failed != 0) {
