@@ -1,11 +1,11 @@
 #include "player/panel/imgui_layer.hpp"
 
-#include <fontconfig/fontconfig.h>
 #include <imgui.h>
 
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "player/panel/empty_page.hpp"
 #include "player/panel/invitation.hpp"
@@ -34,26 +34,64 @@ void colour(ImGuiStyle& style) {
     c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = ground;
 }
 
-/// The file of the system's usual typeface of this family; empty where there is none.
-std::string font_file(const char* family) {
-    std::string file;
-    FcPattern* const wanted = FcNameParse(reinterpret_cast<const FcChar8*>(family));
-    if (!wanted) return file;
-    FcConfigSubstitute(nullptr, wanted, FcMatchPattern);
-    FcDefaultSubstitute(wanted);
-    FcResult result = FcResultMatch;
-    FcPattern* const found = FcFontMatch(nullptr, wanted, &result);
-    FcChar8* name = nullptr;
-    if (found && FcPatternGetString(found, FC_FILE, 0, &name) == FcResultMatch && name)
-        file = reinterpret_cast<const char*>(name);
-    if (found) FcPatternDestroy(found);
-    FcPatternDestroy(wanted);
-    return file;
+/// Of both sizes of letters, and kept for as long as an atlas reads them.
+struct LetterRanges {
+    ImVector<ImWchar> text, large;
+    std::vector<ImVector<ImWchar>> others;
+};
+
+void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar* usual = nullptr) {
+    ImFontGlyphRangesBuilder builder;
+    if (usual) builder.AddRanges(usual);
+    builder.AddText(letters.c_str());
+    to.clear();
+    builder.BuildRanges(&to);
 }
 
-/// The current ImGui context's fonts, colours and distances; `scale` as in ScreenSize. Words are set in the
-/// system's own sans-serif typeface where it has one.
-void apply_theme(double scale, const std::string& kiosk_words) {
+/// The atlas's letters of both sizes: those of the usual typeface, and beside them those that others write.
+/// False where one of these cannot be read.
+bool build_letters(const FontFallback& found, const std::string& kiosk_words, double scale) {
+    static LetterRanges ranges;
+    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+    fonts.Clear();
+    if (found.usual.empty()) {
+        fonts.AddFontDefault();
+        ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
+        return fonts.Build();
+    }
+    // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign. Of the
+    // large size only what is written in it.
+    set_range(ranges.text, kiosk_words, fonts.GetGlyphRangesDefault());
+    set_range(ranges.large, std::string(invitation_words()) + empty_page_title() + kiosk_words);
+    ranges.others.resize(found.others.size());
+    for (std::size_t k = 0; k < found.others.size(); ++k)
+        set_range(ranges.others[k], found.others[k].letters);
+    for (const bool is_large : {false, true}) {
+        const auto pixels = static_cast<float>((is_large ? large_text_pixels : text_pixels) * scale);
+        const ImWchar* const own = (is_large ? ranges.large : ranges.text).Data;
+        if (!fonts.AddFontFromFileTTF(found.usual.c_str(), pixels, nullptr, own)) return false;
+        for (std::size_t k = 0; k < found.others.size(); ++k) {
+            const FallbackFont& other = found.others[k];
+            ImFontConfig beside;
+            beside.MergeMode = true;
+            beside.FontNo = other.index;
+            if (!fonts.AddFontFromFileTTF(other.file.c_str(), pixels, &beside, ranges.others[k].Data))
+                return false;
+        }
+    }
+    return fonts.Build();
+}
+
+/// The current ImGui context's fonts; `scale` as in ScreenSize. Words are set in the system's own sans-serif
+/// typeface where it has one.
+void set_fonts(FontFallback& found, const std::string& kiosk_words, double scale) {
+    if (build_letters(found, kiosk_words, scale)) return;
+    for (const FallbackFont& other : std::exchange(found.others, {})) found.unwritten += other.letters;
+    if (!build_letters(found, kiosk_words, scale)) build_letters({}, kiosk_words, scale);
+}
+
+/// The current ImGui context's colours and distances; `scale` as in ScreenSize.
+void apply_theme(double scale) {
     ImGuiStyle& style = ImGui::GetStyle();
     style = ImGuiStyle();
     colour(style);
@@ -65,33 +103,6 @@ void apply_theme(double scale, const std::string& kiosk_words) {
     style.ItemSpacing = ImVec2(8, 6);
     style.GrabMinSize = 12;
     style.ScaleAllSizes(static_cast<float>(scale));
-    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
-    fonts.Clear();
-    // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign.
-    const std::string file = font_file("sans");
-    ImFont* font = nullptr;
-    static ImVector<ImWchar> ranges, large_ranges;
-    const auto letters_of = [&kiosk_words](ImVector<ImWchar>& to, const char* words, const ImWchar* usual) {
-        ImFontGlyphRangesBuilder letters;
-        if (usual) letters.AddRanges(usual);
-        letters.AddText(words);
-        letters.AddText(kiosk_words.c_str());
-        to.clear();
-        letters.BuildRanges(&to);
-        return to.Data;
-    };
-    if (file.ends_with(".ttf") || file.ends_with(".otf"))
-        font = fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(text_pixels * scale), nullptr,
-                                        letters_of(ranges, "", fonts.GetGlyphRangesDefault()));
-    if (font) {
-        // Of the large size only what is written in it.
-        const std::string large_words = std::string(invitation_words()) + empty_page_title();
-        fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(large_text_pixels * scale), nullptr,
-                                 letters_of(large_ranges, large_words.c_str(), nullptr));
-    } else {
-        fonts.AddFontDefault();
-        ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
-    }
 }
 
 /// The keys that a text field or a slider knows, as ImGui 1.86 numbers what it is told.
@@ -150,19 +161,21 @@ void tell(ImGuiIO& io, const InputEvent& event) {
 
 }  // namespace
 
-ImGuiLayer::ImGuiLayer(double scale, const std::string& words)
-    : context_(ImGui::CreateContext()), words_(words), scale_(scale) {
+ImGuiLayer::ImGuiLayer(double scale, const std::string& words, const std::string& language)
+    : context_(ImGui::CreateContext()), words_(words), fonts_(find_fonts(words, language)), scale_(scale) {
     ImGui::SetCurrentContext(context_);
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     map_keys(io);
-    apply_theme(scale, words);
+    apply_theme(scale);
+    set_fonts(fonts_, words_, scale);
 }
 
 void ImGuiLayer::set_scale(double scale) {
     scale_ = scale;
-    apply_theme(scale, words_);
+    apply_theme(scale);
+    set_fonts(fonts_, words_, scale);
 }
 
 ImGuiLayer::~ImGuiLayer() {
@@ -191,8 +204,6 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
         is_released = is_released || event.kind == Kind::released;
         tell(io, event);
     }
-    // Words have a size even where nobody draws them.
-    if (!io.Fonts->IsBuilt()) io.Fonts->Build();
     ImGui::NewFrame();
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "player/control/input_event.hpp"
+#include "player/panel/font_fallback.hpp"
 
 struct ImGuiContext;
 
@@ -13,12 +14,15 @@ namespace touchable {
 /// Dear ImGui: its input, and what it lays out, whoever draws it then (ImGuiVulkan). One at a time.
 class ImGuiLayer {
 public:
-    /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says.
-    explicit ImGuiLayer(double scale, const std::string& words = "");
+    /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says;
+    /// `language` is theirs (find_fonts).
+    explicit ImGuiLayer(double scale, const std::string& words = "", const std::string& language = "");
     ~ImGuiLayer();
     ImGuiLayer(const ImGuiLayer&) = delete;
     ImGuiLayer& operator=(const ImGuiLayer&) = delete;
 
+    /// Which of `words` no typeface of this machine writes: UTF-8, each letter once.
+    const std::string& unwritten() const { return fonts_.unwritten; }
     double scale() const { return scale_; }
     /// Between pictures. Whoever draws them needs the letters anew.
     void set_scale(double scale);
@@ -32,6 +36,7 @@ public:
 private:
     ImGuiContext* context_;
     std::string words_;
+    FontFallback fonts_;
     double scale_;
     // What came after a button that was let go in the picture it was pressed in.
     std::vector<InputEvent> later_;

@@ -89,7 +89,8 @@ Result<void> WindowLoop::fit_words(const ScreenSize& size) {
 /// What draws.
 Result<void> WindowLoop::open_parts() {
     const double scale = scale_of_words(screen_->size());
-    layer_.emplace(scale, kiosk_letters());
+    layer_.emplace(scale, kiosk_letters(), options_.kiosk ? options_.kiosk->texts.language : "");
+    tell_of_letters();
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
     if (!options_.video) return {};

@@ -148,6 +148,7 @@ private:
     Result<void> finish_brush();
     Result<void> open_kiosk();
     std::string kiosk_letters() const;
+    void tell_of_letters();
     Result<void> check_labels() const;
     void watch_over();
     void look_for_labels(const WatchedMoment& moment);

@@ -71,6 +71,16 @@ std::string WindowLoop::kiosk_letters() const {
     return letters;
 }
 
+/// Whoever set it up learns what its visitors could not read.
+void WindowLoop::tell_of_letters() {
+    if (const std::string& unwritten = layer_->unwritten(); !unwritten.empty())
+        tell("no typeface of this machine has these letters of the kiosk's texts; visitors see boxes: " +
+             unwritten);
+    if (const std::string reversed = right_to_left_letters(kiosk_letters()); !reversed.empty())
+        tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
+             reversed);
+}
+
 /// Whether they go with the clip that they are of.
 Result<void> WindowLoop::check_labels() const {
     if (!options_.kiosk || clip_->choice().file != options_.session.clip.file) return {};
