@@ -43,11 +43,14 @@ protected:
         goes_on = device->turn();
         return hardware.force.z;
     }
-    /// (Where the machine stands still, it begins anew.)
+    /// (Where the machine stands still, it begins anew, and what was said of that is no news.)
     void rise() {
         for (int ticks = 0; ticks < 100'000 && tick() < 1; ++ticks) {
         }
         ASSERT_EQ(hardware.force.z, 1);
+        char word = 0;
+        while (recv(line[0], &word, 1, MSG_DONTWAIT) == 1) {
+        }
     }
 
     int line[2] = {-1, -1};
@@ -88,8 +91,6 @@ TEST_F(GuardedDevice, WhatComesInACallThatStoodStillIsNoPlace) {
     EXPECT_EQ(word, 'M');
     EXPECT_EQ(device->facts().samples, before);
     hardware.as_it_is_waited_for = {};
-    while (recv(line[0], &word, 1, MSG_DONTWAIT) == 1) {
-    }
     rise();
     EXPECT_GT(device->facts().samples, before);
 }

@@ -68,7 +68,7 @@ TEST_F(Live, ASessionOfPausesSeeksLoopsAndOtherSpeedsReplaysToItsHash) {
                            "0.5 unloop\n0.52 seek 0\n0.521 seek 0.2\n0.6 rate 0.2\n";
     for (const Words& filter : {Words{}, Words{"--temporal", "5"}}) {
         Words words{clip,        "--live", "--start-buried", "--play",           play,
-                    "--seconds", "0.7",    "--record",       folder / "live.rec"};
+                    "--seconds", "2",      "--record",       folder / "live.rec"};
         words.insert(words.end(), filter.begin(), filter.end());
         const auto live = touch(words);
         const RecordingBytes raw(file_contents(folder / "live.rec"));

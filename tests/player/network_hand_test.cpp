@@ -106,6 +106,23 @@ std::array<double, 3> sent_of(const std::string& row) {
     return {cells[7], cells[8], cells[9]};
 }
 
+/// Touches with these words, and starts `hand`, a command, once the program waits for one; ends the program
+/// once the hand has ended. `said`: as said_by().
+Outcome touch_with(const std::string& hand, const Words& words, std::string& said) {
+    std::thread beside;
+    std::atomic<bool> has_ended = false;
+    const Outcome outcome = run_on_terminal(words, [&](const std::string& shown) {
+        if (!beside.joinable() && shown.find("waiting for a hand at UDP") != std::string::npos)
+            beside = std::thread([&] {
+                said = said_by(hand);
+                has_ended = true;
+            });
+        return has_ended.load();
+    });
+    if (beside.joinable()) beside.join();
+    return outcome;
+}
+
 class NetworkTouch : public ::testing::Test {
 protected:
     NetworkTouch() {
@@ -125,15 +142,13 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     std::string said;
     Outcome live;
     for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
-        std::thread touchable([&] {
-            live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
-                                  "3.5", "--overwrite", "--verbose", "--json", report, "--device-log", log,
-                                  "--record", record, "--forces", forces});
-        });
-        said = said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
-                       std::to_string(port));
-        touchable.join();
-        ASSERT_EQ(live.code, 0) << live.err;
+        live = touch_with(
+            "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
+                std::to_string(port),
+            {"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "60", "--overwrite",
+             "--verbose", "--json", report, "--device-log", log, "--record", record, "--forces", forces},
+            said);
+        ASSERT_EQ(live.code, 130) << live.err;
         facts = nlohmann::json::parse(file_contents(report));
     }
     EXPECT_NE(said.find("ms p99, largest force "), std::string::npos) << said;
@@ -194,14 +209,11 @@ TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
     std::string said;
     nlohmann::json facts;
     for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
-        Outcome live;
-        std::thread touchable([&] {
-            live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
-                                  "3.5", "--overwrite", "--json", report});
-        });
-        said = said_by("/usr/bin/python3 " + (folder / "hand.py").string());
-        touchable.join();
-        EXPECT_EQ(live.code, 0) << live.err;
+        const Outcome live = touch_with("/usr/bin/python3 " + (folder / "hand.py").string(),
+                                        {"touch", clip, "--live", "--device", device(), "--force-on",
+                                         "--seconds", "60", "--overwrite", "--json", report},
+                                        said);
+        EXPECT_EQ(live.code, 130) << live.err;
         facts = nlohmann::json::parse(file_contents(report), nullptr, false);
     }
     EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
@@ -227,9 +239,9 @@ TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
 }
 
 TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
-    const std::string command = std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip +
-                                " --live --device " + device() +
-                                " --seconds 8 --device-log - | (sleep 9; cat > " + log + ")";
+    const std::string command =
+        std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip + " --live --device " +
+        device() + " --seconds 8 --device-log - | (IFS= read -r header; sleep 9; cat > " + log + ")";
     // Where the machine stood still there were too few ticks to be too many.
     std::string said;
     for (int go = 0; go < most_standstills && said.find("exit 3") == std::string::npos; ++go) {

@@ -129,12 +129,11 @@ TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
 
 /// The last frame stands still, the hand goes on, and no force jumps.
 TEST_F(PluggedCamera, ThatIsUnpluggedIsFeltToTheEnd) {
-    plug_in([](std::uint32_t n) { return n == 60 ? Fate::unplugged : Fate::good; });
-    const auto lived = touch(live(0.5));
-    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 500);
+    plug_in([](std::uint32_t n) { return n == 200 ? Fate::unplugged : Fate::good; });
+    const auto lived = touch(live(2.5));
+    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 2500);
     const std::string warnings = lived["warnings"].dump();
-    EXPECT_NE(warnings.find("the camera, " + node + ", was unplugged after 0."), std::string::npos)
-        << warnings;
+    EXPECT_NE(warnings.find("the camera, " + node + ", was unplugged after "), std::string::npos) << warnings;
     EXPECT_NE(warnings.find("its last frame stands still"), std::string::npos) << warnings;
     EXPECT_EQ(touch(replay())["force_hash"], lived["force_hash"]);
 }
@@ -246,7 +245,7 @@ TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
         OpenedClip& clip = **opened;
         ASSERT_EQ(message(clip.begin()), "");
         const auto goes_on = [&](std::int64_t frames) {
-            for (int k = 0; k < 5000 && clip.session().figures().feed.frames < frames; ++k)
+            for (int k = 0; k < 60'000 && clip.session().figures().feed.frames < frames; ++k)
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
             return clip.session().figures().feed.frames >= frames;
         };

@@ -26,7 +26,7 @@ protected:
     }
     /// The same from every sender: a ball that moves, felt, kept, and felt again without the sender.
     void is_touched(const std::string& name, const std::string& unit) const {
-        const auto lived = touch({"--live", "--camera", sender(name), "--seconds", "0.4", "--hand", "press",
+        const auto lived = touch({"--live", "--camera", sender(name), "--seconds", "1.2", "--hand", "press",
                                   "--fingers", "2", "--record", record});
         EXPECT_EQ(lived["camera"], sender(name));
         EXPECT_GT(lived["frames_shown"], 0) << said;
@@ -68,7 +68,7 @@ TEST_F(SenderCamera, TheDocumentedOneIsTouched) {
     out.close();
     const std::string started = folder / "started";
     const auto lived = touch({"--live", "--camera", "pipe:echo >>" + started + "; exec python3 " + script,
-                              "--seconds", "0.4", "--hand", "press", "--record", record});
+                              "--seconds", "1.2", "--hand", "press", "--record", record});
     EXPECT_GT(lived["frames_shown"], 0);
     EXPECT_GT(lived["contact_ticks"], 0);
     const std::string starts = file_contents(started);
@@ -123,8 +123,8 @@ TEST_F(SenderCamera, ThatEndsIsFeltToTheEnd) {
     // 6244 bytes a frameset: 8 to find out what it is, 2 of before, 20 of the run.
     const std::string camera = "pipe:(" + sender("oak").substr(5) + ") | head -c 187320";
     const auto lived =
-        touch({"--live", "--camera", camera, "--seconds", "0.6", "--hand", "press", "--record", record});
-    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 600);
+        touch({"--live", "--camera", camera, "--seconds", "3", "--hand", "press", "--record", record});
+    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 3000);
     EXPECT_NE(lived["warnings"].dump().find("its last frame stands still"), std::string::npos)
         << lived["warnings"];
     EXPECT_EQ(touch({"--replay", record})["force_hash"], lived["force_hash"]);

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "player/record/recording.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/standstill.hpp"
 
 namespace touchable::test {
 namespace {
@@ -49,22 +51,35 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordi
     EXPECT_TRUE(says(live.err, "touchable: warning: --record " + record + ": cannot be written: "))
         << live.err;
     EXPECT_TRUE(says(live.err, "touchable: --record " + record + ": cannot be written: ")) << live.err;
-    EXPECT_TRUE(says(live.err, "; it is kept, and replays, up to 0.")) << live.err;
-    // A busy machine skips ticks, which are counted: none is missing besides.
+    // A busy machine skips ticks, which are counted, those behind the end with the last ones: none is missing
+    // besides.
     const auto figures = nlohmann::json::parse(file_contents(report));
     const auto skipped = figures.at("skipped_ticks").get<std::int64_t>();
-    EXPECT_EQ(std::count(live.out.begin(), live.out.end(), '\n') - 1 + skipped, 2500)
-        << "the run is as long as it was to be";
+    const auto ticks = std::count(live.out.begin(), live.out.end(), '\n') - 1;
+    EXPECT_LE(ticks, 2500);
+    EXPECT_GE(ticks + skipped, 2500) << "the run is as long as it was to be";
     constexpr std::uintmax_t two_ticks = 2 * 92;
     EXPECT_LE(fs::file_size(record), kibibytes * 1024);
     EXPECT_GT(fs::file_size(record) + two_ticks, kibibytes * 1024) << "there was room for more";
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%.3f",
+                  1e-9 * static_cast<double>(recording->front().ticks.back().time_ns));
+    EXPECT_TRUE(says(live.err, std::string("; it is kept, and replays, up to ") + seconds + " s"))
+        << live.err;
     expect_replayed(live.err);
 }
 
 TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheForcesKeepsTheRecordingAndWholeRows) {
-    const Outcome live = run_on_full_disk({"touch", clip, "--live", "--seconds", "1", "--record", record,
-                                           "--forces", forces, "--fingers", "2", "--json", report},
-                                          190);
+    Outcome live;
+    nlohmann::json figures;
+    for (int go = 0; go == 0 || (stood_still(figures) && go < most_standstills); ++go) {
+        live = run_on_full_disk({"touch", clip, "--live", "--seconds", "1", "--overwrite", "--record", record,
+                                 "--forces", forces, "--fingers", "2", "--json", report},
+                                190);
+        figures = nlohmann::json::parse(file_contents(report), nullptr, false);
+    }
     EXPECT_EQ(live.code, 3) << live.err;
     EXPECT_TRUE(says(live.err, "--forces " + forces + ": cannot be written: ")) << live.err;
     EXPECT_TRUE(says(live.err, "; it is kept up to there")) << live.err;
@@ -73,7 +88,7 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheForcesKeepsTheRecordingAndWholeRows)
     ASSERT_TRUE(rows.ends_with('\n'));
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n') % 2, 1) << "a header, and ticks of two fingers";
     EXPECT_GT(last_tick(rows), 200);
-    EXPECT_TRUE(nlohmann::json::accept(file_contents(report)));
+    EXPECT_TRUE(figures.is_object());
     expect_replayed(live.err);
 }
 

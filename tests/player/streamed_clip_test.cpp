@@ -72,7 +72,7 @@ TEST_F(StreamedClip, ALiveRunReplaysToItsHashWithoutIt) {
     {
         const auto sender = paced_sender();
         url = sender->url();
-        lived = touch({"--live", url, "--seconds", "0.7", "--hand", "press", "--fingers", "2", "--latency",
+        lived = touch({"--live", url, "--seconds", "2", "--hand", "press", "--fingers", "2", "--latency",
                        "50", "--record", record});
     }
     EXPECT_EQ(lived["camera"], "stream:" + url);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/player/program.hpp"
+#include "tests/player/standstill.hpp"
 
 namespace touchable::test {
 
@@ -38,9 +39,13 @@ nlohmann::json touch(const std::vector<std::string>& more) {
     const TemporaryFolder folder;
     std::vector<std::string> words{"touch", "--overwrite", "--json", folder / "report.json"};
     words.insert(words.end(), more.begin(), more.end());
-    const Outcome run = run_touchable(words);
-    EXPECT_EQ(run.code, 0) << run.err;
-    return nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
+    nlohmann::json report;
+    for (int go = 0; go == 0 || (stood_still(report) && go < most_standstills); ++go) {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 0) << run.err;
+        report = nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
+    }
+    return report;
 }
 
 std::string force_hash(const std::vector<std::string>& words) {

@@ -29,7 +29,7 @@ protected:
     /// What the window shows once the script is done; drawn by the CPU, without words.
     Image shot(const std::string& script, const std::vector<std::string>& more = {}) {
         std::vector<std::string> words{"--screenshot", (folder_ / "shot.png").string(),
-                                       "--at",         "1",
+                                       "--at",         "2",
                                        "--painter",    "cpu",
                                        "--builder",    "cpu",
                                        "--overwrite"};

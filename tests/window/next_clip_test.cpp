@@ -17,7 +17,8 @@
 namespace touchable::test {
 namespace {
 
-/// To open the second of two clips, a globe that turns, takes two seconds.
+/// The second of two clips, a globe that turns, is opened once the window has taken what the script says of
+/// the time before.
 class NextClip : public ::testing::Test {
 protected:
     struct Seen {
@@ -29,8 +30,12 @@ protected:
         options.session.builder.name = "cpu";
         options.session.clip.file = first_;
         options.next_clips.emplace_back().file = second_;
-        options.session.late_playback = [openings = std::make_shared<int>(0)] {
-            if ((*openings)++ == 1) std::this_thread::sleep_for(std::chrono::seconds(2));
+        const std::string taken = picture("taken");
+        std::filesystem::remove(taken);
+        options.session.late_playback = [taken, openings = std::make_shared<int>(0)] {
+            if ((*openings)++ == 1)
+                for (int k = 0; k < 60'000 && !std::filesystem::exists(taken); ++k)
+                    std::this_thread::sleep_for(std::chrono::milliseconds(1));
             return std::vector<PlaybackCommand>();
         };
         options.painter = "cpu";
@@ -39,8 +44,9 @@ protected:
         options.screen.width = 320;
         options.screen.height = 240;
         options.kiosk = kiosk_;
-        std::ofstream(folder_ / "script") << script << "3.2 screenshot " << picture("first")
-                                          << "\n3.7 screenshot " << picture("later") << "\n3.8 quit\n";
+        std::ofstream(folder_ / "script")
+            << script << "1.5 screenshot " << taken << "\n3.5 screenshot " << picture("first")
+            << "\n4.0 screenshot " << picture("later") << "\n4.1 quit\n";
         auto inputs = read_window_script(folder_ / "script");
         EXPECT_TRUE(inputs.ok());
         options.script = std::move(*inputs);

@@ -248,9 +248,13 @@ image = fixes.XFixesGetCursorImage(display).contents
 print("seen" if any(image.pixels[k] >> 24 for k in range(image.width * image.height)) else "hidden")
 )";
     const int code = with_display(folder, "play globe.mkv --size 400x300 --painter cpu", R"(
-xdotool mousemove 200 120 sleep 0.6; python3 pointer.py >>pointers
-xdotool key f sleep 0.6; python3 pointer.py >>pointers
-xdotool key f sleep 0.6; python3 pointer.py >>pointers
+is() {
+    for k in $(seq 30); do [[ $(python3 pointer.py) == "$1" ]] && break; sleep 0.3; done
+    python3 pointer.py >>pointers
+}
+xdotool mousemove 200 120; is hidden
+xdotool key f; is seen
+xdotool key f; is hidden
 xdotool key Escape
 )");
     EXPECT_EQ(code, 0) << file_contents(folder / "err");

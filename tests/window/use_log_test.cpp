@@ -119,14 +119,14 @@ TEST_F(KioskLog, OfAProgramCountsWhoCameAndSaysOnceThatItsDiskIsFull) {
     const std::string clip = (folder_ / "globe.mkv").string();
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
     std::string script;  // three visitors
-    for (const double come_s : {0.1, 1.3, 2.5})
+    for (const double come_s : {0.1, 2.3, 4.5})
         script += std::to_string(come_s) + " move 80 60\n" + std::to_string(come_s + 0.2) + " move 90 60\n";
     std::ofstream(folder_ / "script") << script;
     const std::vector<std::string> words{
         "play",      clip,        "--headless",   "--painter", "cpu",
-        "--size",    "160x120",   "--kiosk",      "--idle",    "0.6",
-        "0.7",       "--use-log", file_.string(), "--script",  (folder_ / "script").string(),
-        "--seconds", "3.4"};
+        "--size",    "160x120",   "--kiosk",      "--idle",    "1.4",
+        "1.5",       "--use-log", file_.string(), "--script",  (folder_ / "script").string(),
+        "--seconds", "6.4"};
     const auto played = run_touchable(words);
     ASSERT_EQ(played.code, 0) << played.err;
     EXPECT_EQ(played.err, "");
