@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <memory>
+#include <optional>
 #include <set>
 
 namespace touchable {
@@ -37,14 +38,17 @@ std::string utf8(const Letters& letters) {
 }
 
 /// Of a kind that Dear ImGui reads: outlines of one colour.
-std::string file_of(FcPattern* font) {
+std::optional<FontFace> face_of(FcPattern* font) {
     FcChar8* name = nullptr;
     if (FcPatternGetString(font, FC_FILE, 0, &name) != FcResultMatch || !name) return {};
     FcBool has_colours = FcFalse;
     if (FcPatternGetBool(font, FC_COLOR, 0, &has_colours) == FcResultMatch && has_colours) return {};
     const std::string file = reinterpret_cast<const char*>(name);
-    const bool is_read = file.ends_with(".ttf") || file.ends_with(".otf") || file.ends_with(".ttc");
-    return is_read ? file : std::string();
+    if (!file.ends_with(".ttf") && !file.ends_with(".otf") && !file.ends_with(".ttc")) return {};
+    int index = 0;
+    FcPatternGetInteger(font, FC_INDEX, 0, &index);
+    // Above 16 bits an index names an instance of a variable typeface: the file's own form does.
+    return FontFace{file, index & 0xFFFF};
 }
 
 /// Those that a typeface has go from `wanted`, and are what is returned.
@@ -81,26 +85,24 @@ FontFallback find_fonts(const std::string& words, const std::string& language) {
     const Pattern sans = sans_of("");
     FcResult result = FcResultMatch;
     const Pattern usual(sans ? FcFontMatch(nullptr, sans.get(), &result) : nullptr, &FcPatternDestroy);
-    if (usual) fonts.usual = file_of(usual.get());
-    if (!fonts.usual.empty())
-        taken_by(usual.get(), wanted);
-    else  // Dear ImGui's own typeface
-        std::erase_if(wanted, [](char32_t letter) { return letter < 0x100; });
+    if (usual) fonts.usual = face_of(usual.get());
+    if (fonts.usual) taken_by(usual.get(), wanted);
     // The nearest to the usual one first, of those for that language.
     const Pattern near = sans_of(language);
+    const bool has_all = fonts.usual && wanted.empty();
     FcFontSet* const sorted =
-        near && !wanted.empty() ? FcFontSort(nullptr, near.get(), FcTrue, nullptr, &result) : nullptr;
-    for (int k = 0; sorted && k < sorted->nfont && !wanted.empty(); ++k) {
-        FcPattern* const font = sorted->fonts[k];
-        const std::string file = file_of(font);
-        if (file.empty()) continue;
-        int index = 0;
-        FcPatternGetInteger(font, FC_INDEX, 0, &index);
-        const Letters taken = taken_by(font, wanted);
-        // Above 16 bits an index names an instance of a variable typeface: the file's own form does.
-        if (!taken.empty()) fonts.others.push_back({file, index & 0xFFFF, utf8(taken)});
+        near && !has_all ? FcFontSort(nullptr, near.get(), FcTrue, nullptr, &result) : nullptr;
+    for (int k = 0; sorted && k < sorted->nfont; ++k) {
+        const auto face = face_of(sorted->fonts[k]);
+        if (!face) continue;
+        const Letters taken = taken_by(sorted->fonts[k], wanted);
+        if (!fonts.usual)
+            fonts.usual = face;
+        else if (!taken.empty())
+            fonts.others.push_back({*face, utf8(taken)});
     }
     if (sorted) FcFontSetDestroy(sorted);
+    if (!fonts.usual) std::erase_if(wanted, [](char32_t letter) { return letter < 0x100; });
     wanted.merge(beyond);
     fonts.unwritten = utf8(wanted);
     return fonts;

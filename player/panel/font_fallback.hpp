@@ -1,20 +1,27 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace touchable {
 
-/// A typeface of the system that writes what the usual one cannot.
+/// A typeface of the system.
+struct FontFace {
+    std::string file;  ///< TrueType or OpenType
+    int index = 0;     ///< in that file, which may be a collection
+    bool operator==(const FontFace&) const = default;
+};
+
+/// One that writes what the usual one cannot.
 struct FallbackFont {
-    std::string file;     ///< TrueType or OpenType
-    int index = 0;        ///< of the face in that file, which may be a collection
+    FontFace face;
     std::string letters;  ///< UTF-8: those that are taken of it
 };
 
 /// Which of the system's typefaces write some words, as fontconfig knows them.
 struct FontFallback {
-    std::string usual;                 ///< the file of the usual sans-serif typeface; empty: there is none
+    std::optional<FontFace> usual;     ///< sans serif; nothing: Dear ImGui's own, which has Latin-1
     std::vector<FallbackFont> others;  ///< each for letters that the usual one has not
     std::string unwritten;             ///< UTF-8: letters that no typeface has, each once
 };

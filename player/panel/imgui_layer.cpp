@@ -48,13 +48,21 @@ void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar*
     builder.BuildRanges(&to);
 }
 
+/// `merged`: into the font that was added last.
+bool add_font(const FontFace& face, float pixels, const ImWchar* letters, bool merged) {
+    ImFontConfig config;
+    config.FontNo = face.index;
+    config.MergeMode = merged;
+    return ImGui::GetIO().Fonts->AddFontFromFileTTF(face.file.c_str(), pixels, &config, letters);
+}
+
 /// The atlas's letters of both sizes: those of the usual typeface, and beside them those that others write.
 /// False where one of these cannot be read.
 bool build_letters(const FontFallback& found, const std::string& kiosk_words, double scale) {
     static LetterRanges ranges;
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
     fonts.Clear();
-    if (found.usual.empty()) {
+    if (!found.usual) {
         fonts.AddFontDefault();
         ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
         return fonts.Build();
@@ -69,15 +77,9 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
     for (const bool is_large : {false, true}) {
         const auto pixels = static_cast<float>((is_large ? large_text_pixels : text_pixels) * scale);
         const ImWchar* const own = (is_large ? ranges.large : ranges.text).Data;
-        if (!fonts.AddFontFromFileTTF(found.usual.c_str(), pixels, nullptr, own)) return false;
-        for (std::size_t k = 0; k < found.others.size(); ++k) {
-            const FallbackFont& other = found.others[k];
-            ImFontConfig beside;
-            beside.MergeMode = true;
-            beside.FontNo = other.index;
-            if (!fonts.AddFontFromFileTTF(other.file.c_str(), pixels, &beside, ranges.others[k].Data))
-                return false;
-        }
+        if (!add_font(*found.usual, pixels, own, false)) return false;
+        for (std::size_t k = 0; k < found.others.size(); ++k)
+            if (!add_font(found.others[k].face, pixels, ranges.others[k].Data, true)) return false;
     }
     return fonts.Build();
 }

@@ -19,13 +19,13 @@ const std::string hebrew = "\u05d0\u05d1";
 
 TEST(FontFallback, WhatTheUsualTypefaceHasNotAnotherWrites) {
     const FontFallback latin = find_fonts("Touch the picture, Größe, Ελλάδα");
-    EXPECT_FALSE(latin.usual.empty());
+    ASSERT_TRUE(latin.usual);
     EXPECT_EQ(latin.unwritten, "");
     const FontFallback both = find_fonts("a" + of_mono + "b" + of_mono);
     EXPECT_EQ(both.usual, latin.usual);
     ASSERT_EQ(both.others.size(), 1U);
     EXPECT_EQ(both.others[0].letters, of_mono);
-    EXPECT_NE(both.others[0].file, both.usual);
+    EXPECT_NE(both.others[0].face, both.usual);
     EXPECT_EQ(both.unwritten, "");
 }
 
