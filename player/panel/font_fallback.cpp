@@ -2,6 +2,7 @@
 
 #include <fontconfig/fontconfig.h>
 #include <imgui.h>
+#include <unistd.h>
 
 #include <memory>
 #include <optional>
@@ -37,21 +38,27 @@ std::string utf8(const Letters& letters) {
     return text;
 }
 
-/// Of a kind that Dear ImGui reads: outlines of one colour.
+/// Nothing: this process may not read it, or Dear ImGui cannot, which takes outlines of one colour.
 std::optional<FontFace> face_of(FcPattern* font) {
-    FcChar8* name = nullptr;
-    if (FcPatternGetString(font, FC_FILE, 0, &name) != FcResultMatch || !name) return {};
-    FcBool has_colours = FcFalse;
-    if (FcPatternGetBool(font, FC_COLOR, 0, &has_colours) == FcResultMatch && has_colours) return {};
-    const std::string file = reinterpret_cast<const char*>(name);
-    if (!file.ends_with(".ttf") && !file.ends_with(".otf") && !file.ends_with(".ttc")) return {};
-    int index = 0;
-    FcPatternGetInteger(font, FC_INDEX, 0, &index);
-    // Above 16 bits an index names an instance of a variable typeface: the file's own form does.
-    return FontFace{file, index & 0xFFFF};
+    const auto is = [font](const char* what) {
+        FcBool value = FcFalse;
+        return FcPatternGetBool(font, what, 0, &value) == FcResultMatch && value;
+    };
+    const auto words = [font](const char* what) {
+        FcChar8* value = nullptr;
+        const bool is_there = FcPatternGetString(font, what, 0, &value) == FcResultMatch && value;
+        return is_there ? std::string(reinterpret_cast<const char*>(value)) : std::string();
+    };
+    const std::string format = words(FC_FONTFORMAT);
+    if ((format != "TrueType" && format != "CFF") || !is(FC_OUTLINE) || is(FC_COLOR)) return {};
+    FontFace face{words(FC_FILE)};
+    if (::access(face.file.c_str(), R_OK) != 0) return {};
+    FcPatternGetInteger(font, FC_INDEX, 0, &face.index);
+    face.index &= 0xFFFF;  // the upper bits name an instance of a variable font; ImGui draws its default one
+    return face;
 }
 
-/// Those that a typeface has go from `wanted`, and are what is returned.
+/// Moves from `wanted` to what is returned the letters that a typeface has.
 Letters taken_by(FcPattern* font, Letters& wanted) {
     Letters taken;
     FcCharSet* has = nullptr;
@@ -86,23 +93,21 @@ FontFallback find_fonts(const std::string& words, const std::string& language) {
     FcResult result = FcResultMatch;
     const Pattern usual(sans ? FcFontMatch(nullptr, sans.get(), &result) : nullptr, &FcPatternDestroy);
     if (usual) fonts.usual = face_of(usual.get());
-    if (fonts.usual) taken_by(usual.get(), wanted);
-    // The nearest to the usual one first, of those for that language.
+    if (fonts.usual)
+        taken_by(usual.get(), wanted);
+    else
+        std::erase_if(wanted, [](char32_t letter) { return letter < 0x100; });
+    // Typefaces for that language first, nearest to the usual one.
     const Pattern near = sans_of(language);
-    const bool has_all = fonts.usual && wanted.empty();
-    FcFontSet* const sorted =
-        near && !has_all ? FcFontSort(nullptr, near.get(), FcTrue, nullptr, &result) : nullptr;
-    for (int k = 0; sorted && k < sorted->nfont; ++k) {
+    FcFontSet* const sorted = near && fonts.usual && !wanted.empty()
+                                  ? FcFontSort(nullptr, near.get(), FcFalse, nullptr, &result)
+                                  : nullptr;
+    for (int k = 0; sorted && k < sorted->nfont && !wanted.empty(); ++k) {
         const auto face = face_of(sorted->fonts[k]);
-        if (!face) continue;
-        const Letters taken = taken_by(sorted->fonts[k], wanted);
-        if (!fonts.usual)
-            fonts.usual = face;
-        else if (!taken.empty())
-            fonts.others.push_back({*face, utf8(taken)});
+        const Letters taken = face ? taken_by(sorted->fonts[k], wanted) : Letters();
+        if (!taken.empty()) fonts.others.push_back({*face, utf8(taken)});
     }
     if (sorted) FcFontSetDestroy(sorted);
-    if (!fonts.usual) std::erase_if(wanted, [](char32_t letter) { return letter < 0x100; });
     wanted.merge(beyond);
     fonts.unwritten = utf8(wanted);
     return fonts;

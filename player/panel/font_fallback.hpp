@@ -26,9 +26,9 @@ struct FontFallback {
     std::string unwritten;             ///< UTF-8: letters that no typeface has, each once
 };
 
-/// `words`: UTF-8, of the language `language` ("ja"; empty: of whoever is logged in), as Chinese and Japanese
-/// write one letter in two ways. Letters beyond U+FFFF are unwritten: Dear ImGui has none of them where its
-/// letters are of 16 bits, as in Debian.
+/// `words`: UTF-8. `language` ("ja"; empty: of whoever is logged in): of letters that the usual typeface
+/// lacks its form is taken, as Chinese and Japanese write one letter in two ways. Letters beyond U+FFFF are
+/// unwritten: Dear ImGui has none of them where its letters are of 16 bits, as in Debian.
 FontFallback find_fonts(const std::string& words, const std::string& language = "");
 
 /// The letters among `words` (UTF-8), each once, that are written from right to left, as Hebrew and Arabic

@@ -1,6 +1,7 @@
 #include "player/panel/imgui_layer.hpp"
 
 #include <imgui.h>
+#include <unistd.h>
 
 #include <set>
 #include <string>
@@ -43,6 +44,9 @@ struct LetterRanges {
 void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar* usual = nullptr) {
     ImFontGlyphRangesBuilder builder;
     if (usual) builder.AddRanges(usual);
+    // What Dear ImGui writes in place of a letter that is not there.
+    builder.AddChar(IM_UNICODE_CODEPOINT_INVALID);
+    builder.AddChar('?');
     builder.AddText(letters.c_str());
     to.clear();
     builder.BuildRanges(&to);
@@ -53,6 +57,8 @@ bool add_font(const FontFace& face, float pixels, const ImWchar* letters, bool m
     ImFontConfig config;
     config.FontNo = face.index;
     config.MergeMode = merged;
+    // Dear ImGui would end the program.
+    if (::access(face.file.c_str(), R_OK) != 0) return false;
     return ImGui::GetIO().Fonts->AddFontFromFileTTF(face.file.c_str(), pixels, &config, letters);
 }
 
@@ -62,6 +68,7 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
     static LetterRanges ranges;
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
     fonts.Clear();
+    ImGui::GetIO().FontGlobalScale = 1;
     if (!found.usual) {
         fonts.AddFontDefault();
         ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
@@ -81,7 +88,9 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
         for (std::size_t k = 0; k < found.others.size(); ++k)
             if (!add_font(found.others[k].face, pixels, ranges.others[k].Data, true)) return false;
     }
-    return fonts.Build();
+    const bool is_built = fonts.Build();
+    fonts.ClearInputData();  // a file of Chinese has 20 MB, and is there twice
+    return is_built;
 }
 
 /// The current ImGui context's fonts; `scale` as in ScreenSize. Words are set in the system's own sans-serif
@@ -89,7 +98,9 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
 void set_fonts(FontFallback& found, const std::string& kiosk_words, double scale) {
     if (build_letters(found, kiosk_words, scale)) return;
     for (const FallbackFont& other : std::exchange(found.others, {})) found.unwritten += other.letters;
-    if (!build_letters(found, kiosk_words, scale)) build_letters({}, kiosk_words, scale);
+    if (build_letters(found, kiosk_words, scale)) return;
+    found.usual.reset();
+    build_letters(found, kiosk_words, scale);
 }
 
 /// The current ImGui context's colours and distances; `scale` as in ScreenSize.

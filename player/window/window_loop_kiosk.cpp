@@ -74,8 +74,10 @@ std::string WindowLoop::kiosk_letters() const {
 /// Whoever set it up learns what its visitors could not read.
 void WindowLoop::tell_of_letters() {
     if (const std::string& unwritten = layer_->unwritten(); !unwritten.empty())
-        tell("no typeface of this machine has these letters of the kiosk's texts; visitors see boxes: " +
-             unwritten);
+        tell(
+            "no typeface of this machine has these letters of the kiosk's texts; visitors see a sign in "
+            "their place: " +
+            unwritten);
     if (const std::string reversed = right_to_left_letters(kiosk_letters()); !reversed.empty())
         tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
              reversed);

@@ -43,14 +43,17 @@ protected:
         goes_on = device->turn();
         return hardware.force.z;
     }
-    /// (Where the machine stands still, it begins anew, and what was said of that is no news.)
+    /// Where the machine stands still, it begins anew. What the watchdog said of earlier standstills is
+    /// thrown away: the last tick shows that there was none since.
     void rise() {
-        for (int ticks = 0; ticks < 100'000 && tick() < 1; ++ticks) {
+        char word = 0;
+        double force = 0;
+        for (int ticks = 0; ticks < 100'000 && force < 1; ++ticks) {
+            while (recv(line[0], &word, 1, MSG_DONTWAIT) == 1) {
+            }
+            force = tick();
         }
         ASSERT_EQ(hardware.force.z, 1);
-        char word = 0;
-        while (recv(line[0], &word, 1, MSG_DONTWAIT) == 1) {
-        }
     }
 
     int line[2] = {-1, -1};

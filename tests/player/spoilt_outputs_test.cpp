@@ -51,7 +51,7 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordi
     EXPECT_TRUE(says(live.err, "touchable: warning: --record " + record + ": cannot be written: "))
         << live.err;
     EXPECT_TRUE(says(live.err, "touchable: --record " + record + ": cannot be written: ")) << live.err;
-    // A busy machine skips ticks, which are counted, those behind the end with the last ones: none is missing
+    // A busy machine skips ticks, and counts them; the last skip may reach beyond the end. None is missing
     // besides.
     const auto figures = nlohmann::json::parse(file_contents(report));
     const auto skipped = figures.at("skipped_ticks").get<std::int64_t>();

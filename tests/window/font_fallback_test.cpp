@@ -3,18 +3,20 @@
 #include "player/panel/font_fallback.hpp"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <fstream>
 #include <string>
 
+#include "player/panel/imgui_layer.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {
 namespace {
 
-// Of DejaVu, which every Debian with this program has, Mono alone has the first; what is for private use no
-// typeface has to have, and letters of mathematics lie beyond 16 bits.
-const std::string of_mono = "\u2312", of_nobody = "\uf8f0", beyond = "\U0001d4d0";
+// Of DejaVu, which every Debian with this program has, Mono alone has the first; the second is no letter yet,
+// and letters of mathematics lie beyond 16 bits.
+const std::string of_mono = "\u2312", of_nobody = "\u2fe0", beyond = "\U0001d4d0";
 const std::string hebrew = "\u05d0\u05d1";
 
 TEST(FontFallback, WhatTheUsualTypefaceHasNotAnotherWrites) {
@@ -27,6 +29,23 @@ TEST(FontFallback, WhatTheUsualTypefaceHasNotAnotherWrites) {
     EXPECT_EQ(both.others[0].letters, of_mono);
     EXPECT_NE(both.others[0].face, both.usual);
     EXPECT_EQ(both.unwritten, "");
+}
+
+TEST(FontFallback, AnotherTypefacesLettersAreDrawnInBothSizes) {
+    ImGuiLayer layer(1, "a" + of_mono + of_nobody);
+    for (const double scale : {1.0, 2.0}) {
+        if (scale > 1) layer.set_scale(scale);
+        const auto& fonts = ImGui::GetIO().Fonts->Fonts;
+        ASSERT_EQ(fonts.size(), 2);
+        EXPECT_LT(fonts[0]->FontSize, fonts[1]->FontSize);
+        for (const ImFont* font : fonts) {
+            EXPECT_NE(font->FindGlyphNoFallback(0x2312), nullptr);
+            EXPECT_EQ(font->FindGlyphNoFallback(0x2fe0), nullptr);
+            ASSERT_NE(font->FallbackGlyph, nullptr);
+            EXPECT_TRUE(font->FallbackGlyph->Visible) << "a letter that is not there is seen as a sign";
+        }
+    }
+    EXPECT_EQ(layer.unwritten(), of_nobody);
 }
 
 TEST(FontFallback, LettersThatNobodyWritesAreNamedOnce) {

@@ -18,8 +18,8 @@
 namespace touchable::test {
 namespace {
 
-/// The second of two clips, a globe that turns, is opened once the window has taken what the script says of
-/// the time before.
+/// The second of two clips, a globe that turns, is opened only once there is a picture of 1.5 s, so that
+/// earlier keys come while it is being opened.
 class NextClip : public ::testing::Test {
 protected:
     void SetUp() override {
