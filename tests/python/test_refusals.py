@@ -20,6 +20,11 @@ from touchable import _library
 class Refusals(unittest.TestCase):
     """Whatever cannot be gives an exception of the right kind, with one line that says what would be right."""
 
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.file = self.folder.name + "/x.mkv"  # which nobody writes
+
     def refuses(self, kind, words, called, *arguments, **options):
         with self.assertRaisesRegex(kind, words) as refused:
             called(*arguments, **options)
@@ -75,13 +80,13 @@ class Refusals(unittest.TestCase):
         depth, camera = hill()
         self.refuses(TypeError, "camera is NoneType.*Camera", touchable.Surface, depth)
         self.refuses(TypeError, "camera is dict", touchable.Surface, depth, {"fx": 3})
-        self.refuses(ValueError, "camera=touchable.Camera", touchable.write, "/tmp/x.mkv", [depth])
-        self.refuses(ValueError, "one of them", touchable.write, "/tmp/x.mkv", [depth], camera=camera,
+        self.refuses(ValueError, "camera=touchable.Camera", touchable.write, self.file, [depth])
+        self.refuses(ValueError, "one of them", touchable.write, self.file, [depth], camera=camera,
                      scene=touchable.Scene.from_camera(camera))
-        self.refuses(ValueError, "no frames", touchable.write, "/tmp/x.mkv", [], camera=camera)
-        self.refuses(ValueError, "x.avi.*mkv", touchable.write, "/tmp/x.avi", [depth], camera=camera)
-        self.refuses(ValueError, "times_ns", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera, times_ns=[0, 0])
-        self.refuses(ValueError, "nanoseconds", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera, times_ns=[0, 0.5])
+        self.refuses(ValueError, "no frames", touchable.write, self.file, [], camera=camera)
+        self.refuses(ValueError, "x.avi.*mkv", touchable.write, self.folder.name + "/x.avi", [depth], camera=camera)
+        self.refuses(ValueError, "times_ns", touchable.write, self.file, [depth] * 2, camera=camera, times_ns=[0, 0])
+        self.refuses(ValueError, "nanoseconds", touchable.write, self.file, [depth] * 2, camera=camera, times_ns=[0, 0.5])
 
     def test_Cameras(self):
         for words, wrong in {"size|width": {"width": 0}, "far_m": {"far_m": -1}, "metres_per_code": {"metres_per_code": 0},
@@ -98,7 +103,7 @@ class Refusals(unittest.TestCase):
         for rate in float("nan"), float("inf"), "25", None:
             self.refuses(touchable.UsageError, f"frames_per_second is {rate!r}.*number", scene.with_rate, rate)
             if rate is not None:
-                self.refuses(touchable.UsageError, "is .*number", touchable.write, "/tmp/x.mkv", [hill()[0]],
+                self.refuses(touchable.UsageError, "is .*number", touchable.write, self.file, [hill()[0]],
                              camera=hill()[1], fps=rate)
         self.refuses(touchable.Error, "depht", touchable.Scene.from_text, '{"touchable_scene": 1, "depht": 3}')
 
@@ -180,7 +185,7 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, f"epoch is {2**64 + 1}", surface.begin_epoch, 2**64 + 1)
         with touchable.open(globe()) as clip:
             self.refuses(ValueError, f"index is {2**64}", clip.read, 2**64)
-        self.refuses(ValueError, f"times_ns has {2**63 + 5}", touchable.write, "/tmp/x.mkv", [depth] * 2, camera=camera,
+        self.refuses(ValueError, f"times_ns has {2**63 + 5}", touchable.write, self.file, [depth] * 2, camera=camera,
                      times_ns=numpy.array([0, 2**63 + 5], numpy.uint64))
 
     def test_WhatIsClosed(self):
