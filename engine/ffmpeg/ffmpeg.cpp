@@ -20,4 +20,28 @@ void silence_ffmpeg() {
     std::call_once(once, [] { av_log_set_level(AV_LOG_QUIET); });
 }
 
+bool is_key_frame(const AVFrame& frame) {
+#if LIBAVUTIL_VERSION_MAJOR >= 59
+    return (frame.flags & AV_FRAME_FLAG_KEY) != 0;
+#else
+    return frame.key_frame != 0;
+#endif
+}
+
+bool encodes(const AVCodec& codec, AVPixelFormat format) {
+    const AVPixelFormat* formats = nullptr;
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
+    const void* listed = nullptr;
+    if (avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_PIX_FORMAT, 0, &listed, nullptr) < 0)
+        return false;
+    formats = static_cast<const AVPixelFormat*>(listed);
+#else
+    formats = codec.pix_fmts;
+#endif
+    if (!formats) return true;
+    while (*formats != AV_PIX_FMT_NONE)
+        if (*formats++ == format) return true;
+    return false;
+}
+
 }  // namespace touchable

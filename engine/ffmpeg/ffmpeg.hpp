@@ -9,6 +9,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -35,5 +36,20 @@ std::string file_url(const std::filesystem::path& path);
 /// Errors come back as Results, so FFmpeg itself prints nothing. Holds for the whole process; called wherever
 /// a file or a codec is opened.
 void silence_ffmpeg();
+
+// --- What FFmpeg's versions have in different ways: no other file asks for the version.
+
+/// The bytes that an AVIOContext hands to its `write` callback: FFmpeg 7 made them const.
+#if LIBAVFORMAT_VERSION_MAJOR >= 61
+using MuxedBytes = const std::uint8_t;
+#else
+using MuxedBytes = std::uint8_t;
+#endif
+
+/// Whether a decoder needs no earlier frame for this one (a flag from FFmpeg 6.1 on).
+bool is_key_frame(const AVFrame& frame);
+
+/// Whether an encoder takes pictures of this format. One that lists none takes any.
+bool encodes(const AVCodec& codec, AVPixelFormat format);
 
 }  // namespace touchable

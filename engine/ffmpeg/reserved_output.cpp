@@ -56,7 +56,7 @@ void ReservedOutput::reserve() {
         can_reserve_ = false;
 }
 
-int ReservedOutput::write(void* self, std::uint8_t* bytes, int size) {
+int ReservedOutput::write(void* self, MuxedBytes* bytes, int size) {
     auto& it = *static_cast<ReservedOutput*>(self);
     for (int done = 0; done < size;) {
         const ssize_t count =

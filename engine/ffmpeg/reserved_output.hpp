@@ -29,7 +29,7 @@ public:
     int close();
 
 private:
-    static int write(void* self, std::uint8_t* bytes, int size);
+    static int write(void* self, MuxedBytes* bytes, int size);
     static std::int64_t seek(void* self, std::int64_t to, int whence);
     void reserve();
 

@@ -148,7 +148,7 @@ Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictu
         return {};
     }
     const PictureMessage message = said.picture->picture.value();
-    LabelledPicture picture{message.role, message.label, frame->key_frame != 0, 0, {}, std::move(said.scene)};
+    LabelledPicture picture{message.role, message.label, is_key_frame(*frame), 0, {}, std::move(said.scene)};
     if (frame->best_effort_timestamp != AV_NOPTS_VALUE)
         picture.time_ns = av_rescale_q(frame->best_effort_timestamp, track.time_base, nanosecond);
     if (!follows(track, message, picture.is_key)) {

@@ -30,7 +30,7 @@ MemoryMuxer::~MemoryMuxer() {
     avformat_free_context(context_);
 }
 
-int MemoryMuxer::append(void* own, std::uint8_t* bytes, int count) {
+int MemoryMuxer::append(void* own, MuxedBytes* bytes, int count) {
     auto& all = static_cast<MemoryMuxer*>(own)->bytes_;
     try {
         all.insert(all.end(), bytes, bytes + count);

@@ -34,7 +34,7 @@ public:
 
 private:
     explicit MemoryMuxer(AVFormatContext* context) : context_(context) {}
-    static int append(void* own, std::uint8_t* bytes, int count);
+    static int append(void* own, MuxedBytes* bytes, int count);
     Result<void> check(int status) const;
 
     AVFormatContext* context_;

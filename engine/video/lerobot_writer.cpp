@@ -11,13 +11,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// x265 is built for 8, 10 and 12 bits, each or not.
-bool encodes(const AVCodec& codec, AVPixelFormat format) {
-    for (const AVPixelFormat* each = codec.pix_fmts; each != nullptr && *each != AV_PIX_FMT_NONE; ++each)
-        if (*each == format) return true;
-    return codec.pix_fmts == nullptr;
-}
-
 class LeRobotWriter final : public MuxedClipWriter {
 public:
     LeRobotWriter(const std::filesystem::path& path, const SceneDescription& described,
@@ -55,6 +48,7 @@ private:
 Result<void> LeRobotWriter::begin() {
     const AVCodec* const codec = avcodec_find_encoder_by_name("libx265");
     if (!codec) return failed("this FFmpeg has none (libx265)");
+    // x265 is built for 8, 10 and 12 bits, each or not.
     if (!encodes(*codec, AV_PIX_FMT_GRAY12))
         return failed("this machine's libx265 was built without 12 bits (gray12le)");
     encoder_.reset(avcodec_alloc_context3(codec));

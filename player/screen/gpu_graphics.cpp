@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -138,11 +139,25 @@ Result<void> ImGuiVulkan::start() {
     info.MinImageCount = 2;
     info.ImageCount = 2;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+#if IMGUI_VERSION_NUM >= 19003
+    info.RenderPass = pass_;
+    is_started_ = ImGui_ImplVulkan_Init(&info);
+#else
     is_started_ = ImGui_ImplVulkan_Init(&info, pass_);
+#endif
     if (!is_started_) return Error{ErrorKind::gpu, "the panel cannot be drawn on " + gpu.facts.name};
     return upload_fonts();
 }
 
+// ImGui 1.90 submits the upload itself, and waits for it.
+#if IMGUI_VERSION_NUM >= 19000
+Result<void> ImGuiVulkan::upload_fonts() {
+    VulkanDevice& gpu = *device_->vulkan();
+    const std::lock_guard lock(gpu.queue_mutex);
+    if (ImGui_ImplVulkan_CreateFontsTexture()) return {};
+    return Error{ErrorKind::gpu, "the panel's letters cannot be uploaded to " + gpu.facts.name};
+}
+#else
 Result<void> ImGuiVulkan::upload_fonts() {
     auto commands = GpuCommands::begin(device_, "fonts", GpuTiming::none);
     if (!commands.ok()) return commands.error();
@@ -153,6 +168,7 @@ Result<void> ImGuiVulkan::upload_fonts() {
     ImGui_ImplVulkan_DestroyFontUploadObjects();
     return {};
 }
+#endif
 
 Result<VkFramebuffer> ImGuiVulkan::framebuffer_of(const GpuImage& canvas) {
     if (framebuffer_ && canvas_ == canvas.keep_alive()) return framebuffer_;
