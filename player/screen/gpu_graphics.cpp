@@ -139,12 +139,7 @@ Result<void> ImGuiVulkan::start() {
     info.MinImageCount = 2;
     info.ImageCount = 2;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-#if IMGUI_VERSION_NUM >= 19003
-    info.RenderPass = pass_;
-    is_started_ = ImGui_ImplVulkan_Init(&info);
-#else
     is_started_ = ImGui_ImplVulkan_Init(&info, pass_);
-#endif
     if (!is_started_) return Error{ErrorKind::gpu, "the panel cannot be drawn on " + gpu.facts.name};
     return upload_fonts();
 }
