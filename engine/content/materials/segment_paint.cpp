@@ -10,10 +10,10 @@ SegmentPaint paint_of(const Segment& segment, std::int32_t of_pixels, const Labe
         const NamedSegment& name = known->second;
         return {name.name, name.material, name.feel, name.is_guess};
     }
-    const PaletteMaterial& material =
-        otherwise != nullptr ? *otherwise
-                             : guess_material({segment.colour, segment.contrast, segment.pixels, of_pixels});
-    return {"", std::string(material.name), material.feel(), otherwise == nullptr};
+    const PaletteMaterial* const material =
+        otherwise != nullptr ? otherwise
+                             : &guess_material({segment.colour, segment.contrast, segment.pixels, of_pixels});
+    return {"", std::string(material->name), material->feel(), otherwise == nullptr};
 }
 
 }  // namespace touchable
