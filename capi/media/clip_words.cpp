@@ -41,7 +41,7 @@ Error with_members(const Error& error) {
 
 std::string note_with_members(const Remark& remark) {
     const std::string members = members_of(remark.hints);
-    if (!remark.is_guess || members.empty()) return remark_in_words(remark);
+    if (members.empty()) return remark_in_words(remark);
     Remark with = remark;
     with.otherwise =
         remark.otherwise.empty() ? members + " says otherwise" : remark.otherwise + ": " + members;

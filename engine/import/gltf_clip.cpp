@@ -204,7 +204,7 @@ SceneDescription GltfClip::assumed() const {
     Scene& scene = guessed->scene;
     scene.name = gltf_.file().stem().string();
     for (Remark& remark : scene.remarks)
-        if (remark.is_guess) remark.hints = {{Setting::scene_file, "FILE"}};
+        if (remark.is_guess || !remark.hints.empty()) remark.hints = {{Setting::scene_file, "FILE"}};
     add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
                                true,
                                "a scene file's depth.near and far say otherwise",

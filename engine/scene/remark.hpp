@@ -12,10 +12,10 @@ namespace touchable {
 /// What a person should know of how a scene came to mean what it means.
 struct Remark {
     std::string what;       ///< "the camera sees 60 degrees from left to right"
-    bool is_guess = false;  ///< nobody said it
+    bool is_guess = false;  ///< neither a person nor a file said it
     std::string
-        otherwise{};  ///< of a guess just made: what says another, "a scene file's rate says otherwise"
-    Hints hints{};    ///< likewise, the settings that do
+        otherwise{};  ///< of one just made: what says another, as in "a scene file's rate says otherwise"
+    Hints hints{};    ///< of one just made: the settings that do
 };
 
 /// What a scene file holds of them at most.

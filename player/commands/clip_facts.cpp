@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "engine/trigonometry.hpp"
@@ -70,7 +71,16 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
     facts.tracks = clip->reader->tracks();
     facts.frames = clip->reader->frame_count();
-    facts.notes = remarks_with_options(remarks_of(*clip->reader));
+    std::vector<Remark> remarks = remarks_of(*clip->reader);
+    if (facts.measured)
+        if (auto doubt = unit_doubt(facts.measured->median * facts.scene.metres_per_unit,
+                                    "a scene file's metres_per_unit and depth say otherwise",
+                                    {{Setting::scene_file, "FILE"}})) {
+            const auto there = std::find_if(remarks.begin(), remarks.end(), doubts_unit);
+            if (there == remarks.end()) remarks.push_back(*doubt);
+            facts.unit_doubt = remark_with_options(there == remarks.end() ? *doubt : *there);
+        }
+    facts.notes = remarks_with_options(remarks);
     add_first_frame(**first, facts);
 
     const Camera& camera = facts.scene.camera;

@@ -27,6 +27,7 @@ struct ClipFacts {
     std::vector<TrackInfo> tracks;
     std::optional<std::int64_t> frames;
     std::vector<std::string> notes;
+    std::string unit_doubt;  ///< one of the notes; empty: the unit may be right
     double fov_x_degrees = 0, fov_y_degrees = 0;
     double invalid_pct = 0;  ///< of the first frame's stored values
     double nearest = 0,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
@@ -334,6 +335,8 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     const bool is_absent = setup.control && was_never_there(report);
     report["warnings"] = touch_warnings(report, *setup.feed, live,
                                         is_absent ? setup.held_device->why_no_position() : std::string());
+    for (const Remark& remark : setup.notes)
+        if (doubts_unit(remark)) report["warnings"].push_back(remark_with_options(remark));
     return report;
 }
 

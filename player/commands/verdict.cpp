@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
@@ -17,7 +18,7 @@ constexpr double many_holes_pct = 60;
 /// The guess about the camera; null: somebody told what it sees.
 const Remark* guess_of_the_camera(const ClipFacts& facts) {
     for (const Remark& remark : facts.scene.remarks)
-        if (remark.is_guess && remark.what.starts_with("the camera sees ")) return &remark;
+        if (guesses_camera(remark)) return &remark;
     return nullptr;
 }
 
@@ -30,6 +31,7 @@ std::string degrees(double value) {
 std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* findings) {
     const std::string clip = shell_word(facts.clip);
     if (facts.nearest == 0 && facts.farthest == 0) return "nothing to touch: the first frame has no depth";
+    if (!facts.unit_doubt.empty()) return facts.unit_doubt;
     const auto* const measured = facts.measured ? &*facts.measured : nullptr;
     const TriedFilters* const now = measured ? found_among(measured->tried, facts.scene.filter) : nullptr;
     const TriedFilters* const best =

@@ -96,7 +96,7 @@ std::string message_with_options(const Error& error, const KnowsOption& knows) {
 }
 
 std::string remark_with_options(const Remark& remark) {
-    if (!remark.is_guess || (remark.hints.empty() && !remark.otherwise.empty()))
+    if (remark.hints.empty() && (!remark.is_guess || !remark.otherwise.empty()))
         return remark_in_words(remark);
     std::string options;
     const Hints anything{{Setting::scene_file}};  // says what no other option does

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <utility>
 
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/scene/remark.hpp"
 #include "engine/unless_stopped.hpp"
 #include "player/window/window_loop.hpp"
@@ -284,18 +285,25 @@ Result<void> WindowLoop::show(Ready& ready) {
     return {};
 }
 
-/// What nobody said of the clip: one who touches it is to know that its size may be another.
+/// What else could be true of the clip's camera and unit: the surface would have another size then.
 void WindowLoop::tell_guesses() {
-    bool any = false;
+    std::string guessed, doubt;
     for (const Remark& remark : clip_->scene().remarks) {
-        if (!remark.is_guess) continue;
-        any = true;
+        const bool is_doubt = doubts_unit(remark);
+        if (!remark.is_guess && !is_doubt && remark.hints.empty()) continue;
         std::cerr << "touchable: " << options_.names.remark(remark) << '\n';
+        if (is_doubt) doubt = remark.what;
+        if (!remark.is_guess) continue;
+        const bool is_unit = std::any_of(remark.hints.begin(), remark.hints.end(), [](const Hint& hint) {
+            return hint.setting == Setting::depth_unit;
+        });
+        const std::string_view what = guesses_camera(remark) ? "the camera" : is_unit ? "the unit" : "";
+        if (guessed.find(what) == std::string::npos)
+            guessed += std::string(guessed.empty() ? "" : " and ") + std::string(what);
     }
-    if (any && !kiosk_)
-        say(clip_->is_camera()
-                ? "what nobody said of the camera is guessed; the terminal tells what and how to say it"
-                : "camera and unit are guessed: touchable info tells how to say them");
+    if (kiosk_ || (doubt.empty() && guessed.empty())) return;
+    say((doubt.empty() ? "guessed: " + guessed : doubt) +
+        (clip_->is_camera() ? "; the terminal tells how to say it" : "; touchable info tells how to say it"));
 }
 
 /// Whether what is painted is felt by the set of settings that is in effect.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/import/guess/guessed_scene.hpp"
+#include "engine/import/guess/known_camera.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -109,11 +110,22 @@ TEST_F(GuessedFolder, TakesTheCameraThatLiesThere) {
     EXPECT_EQ(guessed.scene.camera.cy, 6.5);
     const auto& remarks = guessed.scene.remarks;
     EXPECT_TRUE(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
-        return remark.is_guess &&
-               remark_in_words(remark) ==
-                   "guessed: the camera is that of camera_info.yaml (a scene file says otherwise)" &&
+        return !remark.is_guess && remark.what == "the camera is that of camera_info.yaml" &&
                remark.hints.at(0).setting == Setting::intrinsics;
     }));
+}
+
+TEST(UnitDoubt, HasBounds) {
+    for (const double plausible : {0.01, 0.5, 30.0, 300.0}) EXPECT_FALSE(unit_doubt(plausible, "", {}));
+    const std::pair<double, const char*> cases[] = {
+        {0.0002, "0.2 mm"}, {0.0099, "9.9 mm"}, {301, "301 m"}, {1861, "1861 m"}, {1.861e6, "1861 km"}};
+    for (const auto& [median, words] : cases) {
+        const auto doubt = unit_doubt(median, "", {});
+        ASSERT_TRUE(doubt) << median;
+        EXPECT_EQ(remark_in_words(*doubt),
+                  std::string("the median depth is ") + words + ": the unit may be wrong");
+        EXPECT_TRUE(doubts_unit(remark_of_text(remark_text(*doubt)))) << "as a scene file keeps it";
+    }
 }
 
 TEST_F(GuessedFolder, OpensTheSameFromTheSceneFileThatIsWritten) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +65,61 @@ TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
     ASSERT_EQ(wide.code, 0) << wide.err;
     EXPECT_EQ(run_touchable({"touch", "--replay", recording}).code, 0);
     EXPECT_EQ(run_touchable({"info", picture(), "--preset", "none"}).code, 2);
+}
+
+TEST_F(BarePicture, CameraFileIsNoGuess) {
+    std::ofstream(folder / "camera.json")
+        << R"({"width": 120, "height": 80, "fx": 100, "fy": 100, "cx": 59.5, "cy": 39.5})";
+    const std::string own = "the camera is that of camera.json (--intrinsics FX,FY,CX,CY says otherwise)\n",
+                      scaled =
+                          "camera.json is of 120x80 pixels and is scaled to these pictures (--intrinsics";
+    const Outcome told = run_touchable({"info", picture()});
+    EXPECT_NE(told.out.find("  note         " + own), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("  note         " + scaled), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("verdict      good to touch: touchable play "), std::string::npos) << told.out;
+    const Outcome window = run_touchable(
+        {"play", picture(), "--headless", "--seconds", "0.1", "--painter", "cpu", "--builder", "cpu"});
+    ASSERT_EQ(window.code, 0) << window.err;
+    EXPECT_NE(window.err.find("touchable: " + own), std::string::npos) << window.err;
+    const Outcome typed = run_touchable({"info", picture(), "--intrinsics", "100,100,59.5,39.5"});
+    EXPECT_EQ(typed.out.find("guessed: the camera"), std::string::npos) << typed.out << typed.err;
+}
+
+TEST_F(BarePicture, ImplausibleUnitIsDoubted) {
+    const auto facts = [&](const Words& more) {
+        return nlohmann::json::parse(run({"info", picture(), "--json"}, more).out, nullptr, false);
+    };
+    const auto verdict_begins = [](const nlohmann::json& facts, const std::string& words) {
+        return facts["verdict"].get<std::string>().starts_with(words);
+    };
+    const std::string doubt = ": the unit may be wrong (",
+                      mend = "0.418 m if values are millimetres: --depth-unit 0.001)";
+    const auto with_unit = [&](const char* unit) { return Words{"--fov", "60", "--depth-unit", unit}; };
+    for (const auto& [unit, depth] :
+         {std::pair{"1000", "418 km"}, {"1", "418 m"}, {"0.000001", "0.418 mm"}}) {
+        const auto told = facts(with_unit(unit));
+        EXPECT_EQ(told["verdict"], std::string("the median depth is ") + depth + doubt + mend);
+        EXPECT_EQ(std::count(told["notes"].begin(), told["notes"].end(), told["verdict"]), 1)
+            << told["notes"];
+    }
+    for (const char* plausible : {"0.001", "0.0001", "0.1"})
+        EXPECT_TRUE(verdict_begins(facts(with_unit(plausible)), "good to touch: ")) << plausible;
+    const Outcome touched = run({"touch", picture(), "--seconds", "0.05"}, with_unit("1000"));
+    EXPECT_NE(touched.out.find("the median depth is 418 km" + doubt + mend), std::string::npos)
+        << touched.out << touched.err;
+    // Packed, or with a scene file of its own, it has no --depth-unit.
+    const std::string clip = folder / "packed.mkv", scene = folder / "far.json";
+    ASSERT_EQ(run({"convert", picture(), clip}, with_unit("1000")).code, 0);
+    EXPECT_TRUE(
+        verdict_begins(nlohmann::json::parse(run_touchable({"info", clip, "--json"}).out, nullptr, false),
+                       "the median depth is 418 km: the unit "));
+    ASSERT_EQ(run({"init-scene", picture(), "--out", scene}, with_unit("0.001")).code, 0);
+    auto described = nlohmann::json::parse(file_contents(scene));
+    described["metres_per_unit"] = 1000;
+    std::ofstream(scene) << described.dump();
+    EXPECT_EQ(facts({"--scene", scene})["verdict"],
+              "the median depth is 418 m" + doubt +
+                  "a scene file's metres_per_unit and depth say otherwise: --scene FILE)");
 }
 
 TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {

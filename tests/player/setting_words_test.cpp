@@ -40,6 +40,8 @@ TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
         {{"wide", true, "a scene file's camera says otherwise"},
          "guessed: wide (a scene file's camera says otherwise)"},
         {{"wide", true}, "guessed: wide (--scene FILE says otherwise)"},
+        {{"as camera.json says", false, "", {{Setting::intrinsics}}},
+         "as camera.json says (--intrinsics FX,FY,CX,CY says otherwise)"},
         {{"recorded by hand"}, "recorded by hand"}};
     for (const auto& [remark, words] : cases) EXPECT_EQ(remark_with_options(remark), words);
     EXPECT_EQ(remark_in_words(cases[0].first), "guessed: wide (a scene file says otherwise)");

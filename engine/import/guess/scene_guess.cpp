@@ -41,9 +41,9 @@ bool holds_words(const StoredImage& picture) {
 void SceneGuess::take(const Intrinsics& intrinsics, const std::string& whose) {
     if (intrinsics.width > 0 && intrinsics.height > 0 &&
         (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
-        say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
-                " pixels and is scaled to these pictures",
-            Hints{{Setting::intrinsics}});
+        tell(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
+                 " pixels and is scaled to these pictures",
+             {}, {{Setting::intrinsics}});
     scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
 }
 
@@ -72,35 +72,35 @@ Result<void> SceneGuess::find_camera(const fs::path& folder) {
         take_fov(*known_.fov);
     } else if (frames_) {
         scene_.camera = frames_->median;
-        say("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
-            Hints{{Setting::intrinsics}});
+        tell("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"), {},
+             {{Setting::intrinsics}});
     } else if (beside_.camera) {
         const std::string name = printable(beside_.file.filename().string());
         take(file_.intrinsics, name);
         std::error_code ignored;
         const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
-        std::string guess =
+        std::string whose =
             "the camera is that of " + printable(beside_.file.lexically_relative(here).string());
-        if (!file_.name.empty()) guess += " (" + printable(file_.name, 60) + ')';
-        if (!beside_.doubt.empty()) guess += ", " + beside_.doubt;
-        if (file_.has_distortion) guess += "; its lens's distortion is not undone";
-        say_whose_camera(std::move(guess), Hints{{Setting::intrinsics}});
+        if (!file_.name.empty()) whose += " (" + printable(file_.name, 60) + ')';
+        if (!beside_.doubt.empty()) whose += ", " + beside_.doubt;
+        if (file_.has_distortion) whose += "; its lens's distortion is not undone";
+        tell(whose + not_understood(), {}, {{Setting::intrinsics}});
     } else if (preset_ && preset_->intrinsics.fx > 0) {
         take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
-        say_whose_camera(guessed_field_of_view(fov), Hints{{Setting::field_of_view}, {Setting::intrinsics}});
+        say(guessed_field_of_view(fov) + not_understood(),
+            Hints{{Setting::field_of_view}, {Setting::intrinsics}});
     }
     return {};
 }
 
 /// Names files that look like a camera's and are not understood.
-void SceneGuess::say_whose_camera(std::string guess, Hints hints) {
+std::string SceneGuess::not_understood() const {
     std::string names;
     for (const std::string& name : beside_.not_understood) names += (names.empty() ? "" : ", ") + name;
-    if (!names.empty()) guess += "; not understood as a camera's file: " + printable(names, 200);
-    say(std::move(guess), std::move(hints));
+    return names.empty() ? "" : "; not understood as a camera's file: " + printable(names, 200);
 }
 
 void SceneGuess::set_metric(double metres_per_code) {
@@ -137,10 +137,6 @@ Result<void> SceneGuess::find_unit(const EstimatedValues& values) {
                 : "has no depth: all values are 0 or 65535, or none is finite");
     if (known_.metres_per_code) {
         set_metric(*known_.metres_per_code);
-        const double median = values.median * *known_.metres_per_code;
-        if (!(median > 1e-3 && median < 1000))
-            say("the median depth is " + short_number(median) + " m",
-                "a unit is the metres that a stored 1 stands for, such as 0.001", {{Setting::depth_unit}});
         return {};
     }
     if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
@@ -176,6 +172,23 @@ Result<void> SceneGuess::find_unit(const EstimatedValues& values) {
     }
     guess_unit(values);
     return {};
+}
+
+/// Names a unit by which the values would be lengths that a hand reaches, if there is one.
+void SceneGuess::doubt_unit(const EstimatedValues& values) {
+    if (scene_.depth.kind != DepthCodingKind::metric || !scene_.stored.is_plain()) return;
+    std::string otherwise = "a unit is the metres that a stored 1 stands for, such as 0.001";
+    Hint hint{Setting::depth_unit};
+    constexpr std::pair<const char*, const char*> usual[] = {
+        {"0.0001", "tenths of a millimetre"}, {"1", "metres"}, {"0.001", "millimetres"}};
+    for (const auto& [unit, name] : usual) {
+        const double median = values.median * *parsed_number(unit);
+        if (median < 0.1 || median > 10) continue;
+        otherwise = short_number(median) + " m if values are " + name;
+        hint.value = unit;
+    }
+    if (auto doubt = unit_doubt(values.median * scene_.depth.scale, std::move(otherwise), {std::move(hint)}))
+        add_remark(scene_.remarks, std::move(*doubt));
 }
 
 /// Cameras measure in whole millimetres, and files may have these times 5, 10 or 100. Whether that settles
@@ -263,6 +276,7 @@ Result<void> SceneGuess::describe(const fs::path& folder, const StoredImage& dep
     } else {
         const EstimatedValues values = estimate_values(depth);
         if (auto found = find_unit(values); !found) return found;
+        doubt_unit(values);
         set_invalid(depth, values.has_negative_none);
     }
     derive_valid_range(scene_.depth);
@@ -283,19 +297,20 @@ Result<void> SceneGuess::find_rate(const fs::path& folder) {
     if (!rate && beside_.frames_per_second >= slowest) {
         scene_.rate = stated_rate(beside_.frames_per_second);
         if (inputs_.empty() || inputs_.back() != beside_.rate_file) inputs_.push_back(beside_.rate_file);
-        say(short_number(scene_.rate.per_second()) + " frames a second, as " +
-                printable(beside_.rate_file.filename().string()) + " says",
-            "a scene file's rate says otherwise");
+        tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
+                 printable(beside_.rate_file.filename().string()) + " says",
+             "a scene file's rate says otherwise");
         return {};
     }
     if (rate) scene_.rate = *rate;
     const std::string why = unusable_times(*files);
-    say(short_number(scene_.rate.per_second()) + " frames a second" +
-            (scene_.rate.own_times ? " on average, each at its own time"
-             : rate        ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
-             : why.empty() ? ""
-                           : ", as " + why),
-        "a scene file's rate says otherwise");
+    const std::string words =
+        short_number(scene_.rate.per_second()) + " frames a second" +
+        (scene_.rate.own_times ? " on average, each at its own time"
+         : rate                ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+         : why.empty()         ? ""
+                               : ", as " + why);
+    add_remark(scene_.remarks, {words, !rate, "a scene file's rate says otherwise"});
     return {};
 }
 

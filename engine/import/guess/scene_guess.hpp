@@ -34,6 +34,10 @@ public:
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
     }
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
+    /// What a file or a person said, and the settings that say another.
+    void tell(std::string fact, std::string otherwise = {}, Hints hints = {}) {
+        add_remark(scene_.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
+    }
     /// Of a rendering, which may have colour in depth's own files.
     void tell_of_layers(const BesideDepth& beside, bool has_colour);
     void tell_of_preset(const EvidentPreset& evident);
@@ -50,7 +54,8 @@ public:
 
 private:
     Result<void> find_camera(const std::filesystem::path& folder);
-    void say_whose_camera(std::string guess, Hints hints);
+    std::string not_understood() const;
+    void doubt_unit(const EstimatedValues& values);
     void take(const Intrinsics& intrinsics, const std::string& whose);
     void take_fov(double degrees);
     Result<void> find_unit(const EstimatedValues& values);
