@@ -37,6 +37,11 @@ std::string words_of(int error) {
                            : "cannot be read (" + std::generic_category().message(error) + ")";
 }
 
+/// Behind the file's name, where there is one.
+Error named_error(const std::string& named, const std::string& why) {
+    return input_error(named.empty() ? why : named + ": " + why);
+}
+
 Error interrupted_reading() {
     return {ErrorKind::interrupted, "interrupted while it was read"};
 }
@@ -71,7 +76,7 @@ private:
 Result<GivenFile> GivenFile::open(const std::filesystem::path& file, const std::string& named,
                                   const std::string& right) {
     const auto refused = [&](const std::string& why) {
-        return input_error(named + ": " + why + "; right would be " + right);
+        return named_error(named, why + "; right would be " + right);
     };
     // Opening a device may do something to it, so first a look; then another, at what was opened.
     struct stat about = {};
@@ -106,6 +111,7 @@ Result<void> GivenFile::fill(std::uint64_t at) {
     block.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(got, 0)));
     block_ = std::move(block);
     block_at_ = at;
+    if (got == -ETIMEDOUT) return input_error("cannot be read: its server sends it too slowly");
     if (got < 0)
         return input_error("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
     return got > 0 ? Result<void>() : input_error("is cut short");
@@ -132,9 +138,10 @@ Result<std::string> all_of(Result<GivenFile> given, const std::string& named, co
                            std::size_t largest) {
     if (!given) return given.error();
     if (given->size() > largest)
-        return input_error(named + ": is larger than " + in_bytes(largest) + "; right would be " + right);
+        return named_error(named, "is larger than " + in_bytes(largest) + "; right would be " + right);
     std::string bytes(static_cast<std::size_t>(given->size()), '\0');
-    if (auto read = given->read(0, bytes.data(), bytes.size()); !read) return error_at(named, read.error());
+    if (auto read = given->read(0, bytes.data(), bytes.size()); !read)
+        return named.empty() ? read.error() : error_at(named, read.error());
     return bytes;
 }
 

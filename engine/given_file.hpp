@@ -17,8 +17,8 @@ namespace touchable {
 /// (ErrorKind::input): reading it may have no end, and opening it may wait for somebody for ever.
 class GivenFile {
 public:
-    /// `named`: the file as messages name it, behind the option that names it, if one does; `right`: what
-    /// would be right.
+    /// `named`: the file as messages name it, behind the option that names it, if one does; empty: the caller
+    /// puts the name before the message (error_at). `right`: what would be right.
     static Result<GivenFile> open(const std::filesystem::path& file, const std::string& named,
                                   const std::string& right);
 

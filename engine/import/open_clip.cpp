@@ -123,6 +123,7 @@ Opened open_url(const std::filesystem::path& path, const std::optional<std::file
             if (auto refused = names_others(*found->file)) return std::move(*refused);
             auto reader =
                 open_file(*found->file, source.described, known.value_or(SourceDescription()), wanted);
+            if (const auto failure = found->end_opening()) return error_at(url->name(), *failure);
             if (reader) (*reader)->forget_inputs();
             return scene_file ? with_inputs(std::move(reader), {*scene_file}) : std::move(reader);
         }

@@ -9,7 +9,6 @@
 
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/given_file.hpp"
-#include "engine/stop_request.hpp"
 #include "engine/unless_stopped.hpp"
 
 namespace touchable {
@@ -85,7 +84,7 @@ Result<std::string> fetch_place(const std::string& place, std::size_t most, cons
         unless_stopped([place, most, range, wait] { return fetch_from_web(place, most, range, *wait); },
                        [&] { return is_over() || wait->is_late(); });
     wait->is_given_up = true;
-    if (is_over()) return interrupted_error();
+    if (is_over()) return Error{ErrorKind::interrupted, "did not come in time"};
     if (!fetched) return fetch_failure(*wait, AVERROR_EXIT);
     return std::move(*fetched);
 }

@@ -21,7 +21,7 @@ struct ByteRange {
 
 /// All that a web server has at a place (hls_playlist.hpp), or a file. Takes 10 s at most. Refused
 /// (ErrorKind::input, behind the place and a colon): more than `most` bytes, less than the server promised,
-/// what a server sends elsewhere for. ErrorKind::interrupted once `is_over` says so.
+/// what a server sends elsewhere for. ErrorKind::interrupted once `is_over` says so: "did not come in time".
 Result<std::string> fetch_place(const std::string& place, std::size_t most, const WaitIsOver& is_over,
                                 const ByteRange& range = {});
 

@@ -1,13 +1,17 @@
 #include "engine/stream/hls_input.hpp"
 
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
-#include "engine/stop_request.hpp"
 #include "engine/stream/hls_rendition.hpp"
 
 namespace touchable {
 namespace {
+
+/// While a stream is opened: what is felt needs the rest of the time.
+constexpr std::chrono::seconds longest_wait_for_colour{4};
 
 class BothRenditions final : public HlsInput {
 public:
@@ -85,15 +89,20 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitI
     const auto places = places_in_playlist(*text, place, hosts);
     if (!places) return error_at(named, places.error());
     // Colour first: of a live stream it then begins no later.
+    const auto is_opening = std::make_shared<bool>(true);
+    const auto without_colour = std::chrono::steady_clock::now() + longest_wait_for_colour;
+    const WaitIsOver is_over_for_colour = [is_over, is_opening, without_colour] {
+        return is_over() || (*is_opening && std::chrono::steady_clock::now() > without_colour);
+    };
     auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsRendition>>(nullptr)
-                                         : HlsRendition::open(places->colour, is_over, hosts);
+                                         : HlsRendition::open(places->colour, is_over_for_colour, hosts);
+    *is_opening = false;
     const bool is_media = places->touch == place;
     auto touch = HlsRendition::open(places->touch, is_over, hosts,
                                     is_media ? std::optional(std::move(*text)) : std::nullopt);
     if (!touch) return touch.error();
     auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over);
     input->add_colour(std::move(colour));
-    if (is_over()) return interrupted_error();
     return std::unique_ptr<HlsInput>(std::move(input));
 }
 

@@ -12,7 +12,6 @@
 #include "engine/byte_source.hpp"
 #include "engine/ffmpeg/box_tables.hpp"
 #include "engine/mpeg4/boxes.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -152,8 +151,9 @@ Result<void> HlsRendition::begin(std::optional<std::string> text) {
 }
 
 Error HlsRendition::failure(int status) const {
-    if (is_over_()) return interrupted_error();
-    return fault_ ? *fault_ : error_at(place_, input_error(ffmpeg_text(status)));
+    if (fault_) return *fault_;
+    if (is_over_()) return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
+    return error_at(place_, input_error(ffmpeg_text(status)));
 }
 
 int HlsRendition::is_over(void* own) {
@@ -175,7 +175,10 @@ int HlsRendition::open_io(AVFormatContext* context, AVIOContext** io, const char
             bytes = it.playlist_;
         } else {
             auto segment = it.read_segment(url, range_in(options ? *options : nullptr));
-            if (it.is_over_()) return AVERROR_EXIT;
+            if (!segment && segment.error().kind == ErrorKind::interrupted) {
+                it.fault_ = error_at(url, segment.error());
+                return AVERROR_EXIT;
+            }
             if (!segment) {
                 ++it.segments_lost_;
                 return AVERROR(ENOENT);  // FFmpeg goes on with the next one

@@ -54,6 +54,7 @@ public:
         if (choice.connection && choice.connection->is_unread()) {
             source_.connection = choice.connection;
             source_.wait = choice.connection->waits();
+            source_.wait->each_alone();  // it may have been made long before
         }
     }
     ~LiveStream() override;

@@ -155,7 +155,7 @@ Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWai
         },
         [wait] { return wait->is_over(); });
     if (wait->is_interrupted()) return interrupted_error();
-    if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it took too long");
+    if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
     if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status));
     return std::move(opened->io);
 }

@@ -38,6 +38,7 @@ private:
     const std::chrono::milliseconds patience_;
     std::unique_ptr<StreamReceiver> receiver_;
     std::optional<Received> coming_;
+    std::optional<Error> fault_;  // for which nothing more is read
     std::optional<RawFrame> newest_;
     std::int64_t first_number_ = 0;  // the stream's, of frame 0
     std::int64_t read_ = 0;          // frames
@@ -49,12 +50,14 @@ private:
 };
 
 Result<std::optional<RawFrame>> StreamClip::read() {
+    if (fault_) return *fault_;
     if (!coming_) {
         auto received = receiver_->next(patience_);
-        if (!received)
-            return received.error().kind == ErrorKind::interrupted
-                       ? received.error()
-                       : error_at(url_.name() + ": frame " + std::to_string(read_), received.error());
+        if (!received && received.error().kind == ErrorKind::interrupted) return received.error();
+        if (!received) {
+            fault_ = error_at(url_.name() + ": frame " + std::to_string(read_), received.error());
+            return *fault_;
+        }
         if (!*received && receiver_->was_broken_off() && !ends_by_itself())
             return input_error(url_.name() + ": frame " + std::to_string(read_) + ": the sender " +
                                receiver_->how_it_ended() + " in the middle of it");

@@ -19,14 +19,20 @@ std::size_t bytes_of_planes(const RawFrame& frame) {
 
 Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource& source) {
     std::unique_ptr<StreamReceiver> receiver(new StreamReceiver(source));
-    if (auto connected = receiver->connect(source); !connected) return connected.error();
-    if (auto read = receiver->read_first(); !read) return read.error();
+    const bool is_called =
+        source.url.transport == StreamTransport::srt && source.url.value("mode") == "listener";
+    const auto until_called = is_called ? source.patience.caller : std::chrono::milliseconds(0);
+    if (!source.wait->is_together()) source.wait->together_at_most(until_called + source.patience.opening);
+    auto begun = receiver->connect(source);
+    if (begun) begun = receiver->read_first();
+    source.wait->each_alone();
+    if (!begun) return begun.error();
     return receiver;
 }
 
 Result<void> StreamReceiver::connect(const StreamSource& source) {
     if (source.url.is_playlist()) {
-        wait_->at_most(source.patience.connection + source.patience.frameset);
+        wait_->at_most(source.patience.opening);
         auto pictures = open_hls_stream(source.url, wait_, source.described);
         if (!pictures) return pictures.error();
         pictures_ = std::move(*pictures);

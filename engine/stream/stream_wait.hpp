@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -14,6 +15,7 @@ namespace touchable {
 struct StreamPatience {
     std::chrono::milliseconds connection{5'000};  ///< for a connection
     std::chrono::milliseconds caller{60'000};     ///< for one who calls, where this end listens
+    std::chrono::milliseconds opening{10'000};    ///< from the call to the first whole frameset, all in all
     std::chrono::milliseconds frameset{10'000};   ///< for the next whole frameset
     std::chrono::milliseconds silence{20'000};    ///< in a live run, until the connection is given up
     std::chrono::milliseconds back_off{500};      ///< before connecting again; doubles up to 16 times that
@@ -23,15 +25,25 @@ struct StreamPatience {
 class StreamWait {
 public:
     using Clock = std::chrono::steady_clock;
-    void at_most(std::chrono::milliseconds longest) { until_ = ns(Clock::now() + longest); }
+    /// The next wait, which also ends when `together_at_most` does.
+    void at_most(std::chrono::milliseconds longest) {
+        until_ = std::min<std::int64_t>(ns(Clock::now() + longest), together_until_);
+    }
+    /// All waits from now on together, until this or `each_alone` is called.
+    void together_at_most(std::chrono::milliseconds longest) {
+        until_ = together_until_ = ns(Clock::now() + longest);
+    }
+    void each_alone() { together_until_ = std::numeric_limits<std::int64_t>::max(); }
+    bool is_together() const { return together_until_ != std::numeric_limits<std::int64_t>::max(); }
     void interrupt() { interrupted_ = true; }
     /// By whoever waits, or by somebody who asks the program to stop.
     bool is_interrupted() const { return interrupted_ || stop_requested(); }
     bool is_too_long() const { return ns(Clock::now()) > until_; }
-    /// What went wrong, where that may be that it took too long.
+    /// What went wrong, where that may be that this wait is over (ErrorKind::interrupted).
     Error in_time(Error error) const {
         if (is_interrupted()) return interrupted_error();
-        return is_too_long() ? input_error("sent no whole frameset in time") : std::move(error);
+        if (error.kind == ErrorKind::interrupted) error.kind = ErrorKind::input;
+        return error;
     }
     bool is_over() const { return is_interrupted() || is_too_long(); }
 
@@ -41,6 +53,7 @@ private:
     }
     std::atomic<bool> interrupted_{false};
     std::atomic<std::int64_t> until_{std::numeric_limits<std::int64_t>::max()};
+    std::atomic<std::int64_t> together_until_{std::numeric_limits<std::int64_t>::max()};
 };
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 // HTTP Live Streaming, received: as a clip and as a live source.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <memory>
 
 #include "engine/film/film_writer.hpp"
@@ -87,6 +88,51 @@ TEST(SegmentedClip, WithoutOneOfItsSegmentsIsNotWhole) {
         EXPECT_NE(frames.error().message.find("left out 1 of its segments"), std::string::npos)
             << frames.error().message;
     }
+}
+
+/// Which one it was is said.
+TEST(SegmentedClip, IsOpenedWithinATimeForAllOfIt) {
+    const SegmentedStream sent(40, {true, true, false, false});
+    for (const std::string silent : {"/master.m3u8", "/touch.m3u8", "-0.m4s"}) {
+        const auto answer = sent.answer();
+        const WebServer server([&](const std::string& path) {
+            const bool is_colour = path.find("colour") != std::string::npos;
+            return path.ends_with(silent) && !is_colour ? WebReply{.is_silent = true} : answer(path);
+        });
+        StreamSource source{.url = *read_stream_url(server.url("/master.m3u8"))};
+        source.patience.opening = std::chrono::seconds(2);
+        source.patience.frameset = std::chrono::hours(1);
+        const auto clip = open_stream_clip(source);
+        ASSERT_FALSE(clip.ok()) << silent;
+        EXPECT_EQ(clip.error().kind, ErrorKind::input);
+        EXPECT_TRUE(message(clip).starts_with(server.url("/"))) << message(clip);
+        EXPECT_TRUE(message(clip).ends_with(silent + ": did not come in time")) << message(clip);
+    }
+}
+
+TEST(SegmentedClip, OpensWithoutColourThatDoesNotCome) {
+    const SegmentedStream sent(40, {true, true, false, false});
+    for (const char* silent : {"/colour.m3u8", "-0.m4s"}) {
+        const auto answer = sent.answer();
+        const WebServer server([&](const std::string& path) {
+            const bool is_colour = path.find("colour") != std::string::npos;
+            return is_colour && path.ends_with(silent) ? WebReply{.is_silent = true} : answer(path);
+        });
+        const auto clip = open_clip(server.url("/master.m3u8"));
+        ASSERT_EQ(message(clip), "") << silent;
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "") << silent;
+        EXPECT_TRUE(same_plane((*frame)->depth, sent.frames[0].depth)) << silent;
+        EXPECT_TRUE((*frame)->colour.empty()) << silent;
+    }
+}
+
+TEST(SegmentedClip, PlaylistThatIsTooLargeIsNamed) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "b.m3u8";
+    std::ofstream(file) << "#EXTM3U\n" << std::string(2 << 20, '#');
+    const auto clip = open_clip(file);
+    EXPECT_TRUE(message(clip).starts_with(file + ": is larger than 1 MiB; right would be")) << message(clip);
 }
 
 TEST(SegmentedClip, IsTouchedLiveToItsEnd) {

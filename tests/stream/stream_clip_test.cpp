@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "engine/stop_request.hpp"
+#include "engine/stream/http_source.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 
@@ -268,6 +269,114 @@ TEST(StreamClip, ARedirectIsNotFollowed) {
         EXPECT_EQ(clip.error().kind, ErrorKind::input);
         EXPECT_EQ(sender.connections(), 1);
     }
+}
+
+/// A web server that has a file, gives its first bytes at once, and from there on a byte now and then.
+class DrippingServer {
+public:
+    DrippingServer(std::string file, std::size_t at_once)
+        : file_(std::move(file)), sender_([this, at_once](const LoopbackSender::Listener& to, int) {
+              const std::string asked = to.request();
+              std::size_t at = 0;
+              if (const auto range = asked.find("Range: bytes="); range != std::string::npos)
+                  at = std::stoul(asked.substr(range + 13));
+              const auto size = std::to_string(file_.size());
+              (void)to.send("HTTP/1.1 206 Partial Content\r\nAccept-Ranges: bytes\r\nContent-Range: bytes " +
+                            std::to_string(at) + "-" + std::to_string(file_.size() - 1) + "/" + size +
+                            "\r\nContent-Length: " + std::to_string(file_.size() - at) +
+                            "\r\nConnection: close\r\n\r\n");
+              if (at < at_once) (void)to.send(file_.substr(at, at_once - at));
+              for (std::size_t n = std::max(at, at_once); n < file_.size(); ++n)
+                  if (to.is_gone() || !to.wait(milliseconds(20)) || !to.send(file_.substr(n, 1))) return;
+          }) {}
+    StreamUrl url() const { return *read_stream_url(sender_.url("http", "/clip.mkv")); }
+    int connections() const { return sender_.connections(); }
+
+private:
+    const std::string file_;
+    LoopbackSender sender_;
+};
+
+/// The one wait of ten seconds is all that it costs.
+TEST(HttpFile, ThatDripsIsRefusedOnce) {
+    const DrippingServer server(std::string(1 << 20, 'x'), 0);
+    const auto clip = open_clip(server.url().text);
+    ASSERT_FALSE(clip.ok());
+    EXPECT_EQ(clip.error().kind, ErrorKind::input);
+    EXPECT_EQ(message(clip), server.url().name() +
+                                 ": comes too slowly: its clip was not open within 10 s; save it first, and "
+                                 "open it here");
+    EXPECT_EQ(server.connections(), 1);
+}
+
+TEST(HttpFile, FailsAtOnceAfterAFailedRead) {
+    const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
+    StreamPatience patience;
+    patience.frameset = milliseconds(1'000);
+    const auto opened = open_http(server.url(), patience);
+    ASSERT_EQ(message(opened), "");
+    ASSERT_TRUE(opened->file);
+    ASSERT_EQ(opened->end_opening(), std::nullopt);
+    auto file = opened->file->open("a clip");
+    ASSERT_EQ(message(file), "");
+    char bytes[16];
+    ASSERT_EQ(message(file->read(1000, bytes, sizeof bytes)), "");
+    const auto first = file->read(2 << 20, bytes, sizeof bytes);
+    EXPECT_NE(message(first).find("too slowly"), std::string::npos) << message(first);
+    const int connections = server.connections();
+    const auto begun = std::chrono::steady_clock::now();
+    for (std::uint64_t at = 1; at < 40; ++at)
+        EXPECT_NE(message(file->read(at * 100'000, bytes, sizeof bytes)), "");
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20))
+        << "39 waits are as many seconds";
+    EXPECT_EQ(server.connections(), connections);
+}
+
+TEST(HttpFile, IsOpenedWithinATimeForAllOfIt) {
+    const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
+    StreamPatience patience;
+    patience.opening = milliseconds(3'000);
+    patience.frameset = std::chrono::hours(1);
+    const auto opened = open_http(server.url(), patience);
+    ASSERT_EQ(message(opened), "");
+    auto file = opened->file->open("a clip");
+    char byte = 0;
+    EXPECT_NE(message(file->read(2 << 20, &byte, 1)), "");
+    const auto why = opened->end_opening();
+    ASSERT_TRUE(why);
+    EXPECT_EQ(why->message,
+              "comes too slowly: its clip was not open within 3 s; save it first, and open it here");
+}
+
+TEST(StreamClip, FailsAtOnceAfterAFailedRead) {
+    const auto sent = make_stream(small_scene(64, 48), 3, {});
+    const LoopbackSender stalls([&](const LoopbackSender::Listener& to, int) {
+        (void)to.send(sent.header + sent.blocks[0]);
+        while (to.wait(milliseconds(20)) && to.send("\xec")) {
+        }
+    });
+    const auto clip = open(stalls.url(), milliseconds(1'000));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->next()), "");
+    const std::string first = message((*clip)->next());
+    EXPECT_NE(first.find("frame 1: "), std::string::npos);
+    const auto begun = std::chrono::steady_clock::now();
+    for (int n = 0; n < 30; ++n) EXPECT_EQ(message((*clip)->next()), first);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20))
+        << "30 waits are as many seconds";
+}
+
+TEST(StreamClip, IsOpenedWithinATimeForAllOfIt) {
+    const auto sent = make_stream(small_scene(64, 48), 3, {});
+    const LoopbackSender slow([&](const LoopbackSender::Listener& to, int) {
+        (void)to.send(sent.header);
+        (void)to.wait(std::chrono::hours(1));
+    });
+    StreamSource source = source_of(slow.url());
+    source.patience.opening = milliseconds(2'000);
+    source.patience.frameset = std::chrono::hours(1);
+    const auto clip = open_stream_clip(source);
+    EXPECT_NE(message(clip).find("sent no whole frameset in time"), std::string::npos) << message(clip);
 }
 
 }  // namespace
