@@ -61,4 +61,11 @@ touch_status fail_stale(touch_error* error, const char* kind) {
                 std::string(kind) + ": this handle was destroyed, or never was one of this kind");
 }
 
+touch_status fail_forked(touch_error* error, const char* kind) {
+    return fail(
+        error, TOUCH_FORKED,
+        "the " + std::string(kind) +
+            " belongs to the parent process; right would be to open or make another one after fork()");
+}
+
 }  // namespace touchable::capi

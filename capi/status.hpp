@@ -23,6 +23,17 @@ touch_status fail(touch_error* error, touch_status status, std::string_view line
 touch_status fail(touch_error* error, const Error& what) noexcept;
 /// Of a handle of this kind, such as "surface".
 touch_status fail_stale(touch_error* error, const char* kind);
+touch_status fail_forked(touch_error* error, const char* kind);
+
+/// Why a table gives no object (HandleTable::Use).
+template <class Use>
+touch_status status_without(const Use& use) noexcept {
+    return use.is_of_parent() ? TOUCH_FORKED : TOUCH_STALE;
+}
+template <class Use>
+touch_status fail_without(const Use& use, touch_error* error, const char* kind) {
+    return use.is_of_parent() ? fail_forked(error, kind) : fail_stale(error, kind);
+}
 
 /// Of an object that was to be destroyed.
 touch_status status_of(Removal removal) noexcept;

@@ -27,6 +27,9 @@
  *   - No exception comes out, nothing is printed, no thread starts unless you ask for threads, and neither locale
  *     nor signals are touched.
  *   - "Real-time" in a description: it does not allocate, lock, wait or call the system. All others may do.
+ *   - fork(): clips, writers, surfaces and solvers belong to the process that made them, as their threads and files
+ *     do. In a child process they give TOUCH_FORKED; ending them there is TOUCH_OK, and only forgets them. Scenes and
+ *     framesets are memory, which a child has too. A child makes objects of its own.
  *   - "Threads": two threads may use different objects at once. Use one object from one thread at a time, unless
  *     its functions say otherwise; a second thread gets TOUCH_BUSY.
  */
@@ -64,6 +67,7 @@ typedef int32_t touch_status;
 #define TOUCH_FULL 18         /**< no room for another frame yet; try again once ticks have gone on */
 #define TOUCH_END 19          /**< there are no more frames */
 #define TOUCH_NO_MEMORY 20    /**< there is not enough memory, or there are too many objects */
+#define TOUCH_FORKED 21       /**< the object was made before fork(), by the parent process */
 
 /** What went wrong, in one line of UTF-8 without a newline. */
 typedef struct touch_error {

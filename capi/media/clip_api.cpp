@@ -26,7 +26,7 @@ using FramesetObject = RawFrame;
 constexpr std::size_t most_framesets = 65536;
 
 HandleTable<FramesetObject, most_framesets>& framesets() {
-    static auto& table = *new HandleTable<FramesetObject, most_framesets>(5);
+    static auto& table = *new HandleTable<FramesetObject, most_framesets>(5, Forked::usable);
     return table;
 }
 
@@ -104,7 +104,7 @@ touch_status choose_scene(ClipObject& clip, touch_scene& scene, touch_error* err
 template <class Function>
 touch_status with_reader(touch_clip handle, touch_error* error, Function&& read) {
     const auto use = clips().find(handle.id);
-    if (!use) return fail_stale(error, "clip");
+    if (!use) return fail_without(use, error, "clip");
     const TryLock lock(use->reading);
     if (!lock) return fail(error, TOUCH_BUSY, "another thread is reading this clip");
     if (!use->reader)
@@ -145,7 +145,7 @@ touch_status touch_clip_open(const char* path, const touch_clip_settings* settin
 touch_status touch_clip_describe(touch_clip clip, touch_clip_facts* facts) {
     if (!has_known_size(facts)) return TOUCH_USAGE;
     const auto use = clips().find(clip.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     hand_out(facts_of(*use), *facts);
     return TOUCH_OK;
 }
@@ -153,7 +153,7 @@ touch_status touch_clip_describe(touch_clip clip, touch_clip_facts* facts) {
 touch_status touch_clip_time(touch_clip clip, int64_t frame, int64_t* time_ns) {
     if (!time_ns || frame < 0 || frame > last_with_a_time) return TOUCH_USAGE;
     const auto use = clips().find(clip.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     *time_ns = use->described.scene.rate.time_ns(frame);
     return TOUCH_OK;
 }
@@ -161,7 +161,7 @@ touch_status touch_clip_time(touch_clip clip, int64_t frame, int64_t* time_ns) {
 touch_status touch_clip_note(touch_clip clip, int32_t index, char* text, size_t capacity, size_t* length) {
     if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
     const auto use = clips().find(clip.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     if (index < 0) return TOUCH_USAGE;
     if (static_cast<std::size_t>(index) >= use->notes.size()) return TOUCH_END;
     write_text(use->notes[static_cast<std::size_t>(index)], text, capacity, *length);
@@ -177,7 +177,7 @@ touch_status touch_clip_scene(touch_clip clip, int32_t filters, touch_scene* sce
             return with_reader(clip, error,
                                [&](ClipObject& object) { return choose_scene(object, *scene, error); });
         const auto use = clips().find(clip.id);
-        if (!use) return fail_stale(error, "clip");
+        if (!use) return fail_without(use, error, "clip");
         return hand_out_scene(use->described, *scene, error);
     });
 }
@@ -217,7 +217,7 @@ touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error)
 touch_status touch_clip_interrupt(touch_clip clip) {
     return without_exceptions(nullptr, [&]() -> touch_status {
         const auto use = clips().find(clip.id);
-        if (!use) return TOUCH_STALE;
+        if (!use) return status_without(use);
         use->stop.request_stop();
         return TOUCH_OK;
     });
@@ -230,7 +230,7 @@ touch_status touch_clip_close(touch_clip clip) {
 touch_status touch_frameset_frame(touch_frameset frameset, touch_frame* frame) {
     if (!has_known_size(frame)) return TOUCH_USAGE;
     const auto use = framesets().find(frameset.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     touch_frame out{};
     out.number = use->number;
     out.time_ns = use->time_ns;

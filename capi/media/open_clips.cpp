@@ -28,7 +28,7 @@ std::vector<std::filesystem::path> absolute(const std::vector<std::filesystem::p
 }  // namespace
 
 HandleTable<ClipObject>& clips() {
-    static auto& table = *new HandleTable<ClipObject>(4);
+    static auto& table = *new HandleTable<ClipObject>(4, Forked::refused);
     return table;
 }
 

@@ -34,7 +34,7 @@ struct WriterObject {
 };
 
 HandleTable<WriterObject>& writers() {
-    static auto& table = *new HandleTable<WriterObject>(6);
+    static auto& table = *new HandleTable<WriterObject>(6, Forked::refused);
     return table;
 }
 
@@ -171,7 +171,7 @@ touch_status touch_writer_write(touch_writer writer, const touch_frame* frame, t
         if (!has_known_size(frame))
             return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
         const auto use = writers().find(writer.id);
-        if (!use) return fail_stale(error, "writer");
+        if (!use) return fail_without(use, error, "writer");
         const TryLock lock(use->writing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
         return write(*use, *frame, error);
@@ -183,7 +183,7 @@ touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
         std::shared_ptr<WriterObject> object;
         {
             const auto use = writers().find(writer.id);
-            if (!use) return fail_stale(error, "writer");
+            if (!use) return fail_without(use, error, "writer");
             object = use.shared();
         }
         switch (writers().remove(writer.id)) {

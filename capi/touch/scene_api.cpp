@@ -20,7 +20,7 @@ using namespace touchable::capi;
 namespace touchable::capi {
 
 HandleTable<SceneObject>& scenes() {
-    static auto& table = *new HandleTable<SceneObject>(1);
+    static auto& table = *new HandleTable<SceneObject>(1, Forked::usable);
     return table;
 }
 
@@ -183,7 +183,7 @@ touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, si
     return without_exceptions(nullptr, [&]() -> touch_status {
         if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
         const auto use = scenes().find(scene.id);
-        if (!use) return TOUCH_STALE;
+        if (!use) return status_without(use);
         write_text(scene_to_json(use->described), text, capacity, *length);
         return TOUCH_OK;
     });
@@ -192,7 +192,7 @@ touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, si
 touch_status touch_scene_describe(touch_scene scene, touch_scene_facts* facts) {
     if (!has_known_size(facts)) return TOUCH_USAGE;
     const auto use = scenes().find(scene.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     hand_out(facts_of(*use), *facts);
     return TOUCH_OK;
 }
@@ -208,7 +208,7 @@ touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, flo
         if (!depth || !depth->data || !metres)
             return fail(error, TOUCH_USAGE, "depth, its data or metres is NULL");
         const auto use = scenes().find(scene.id);
-        if (!use) return fail_stale(error, "scene");
+        if (!use) return fail_without(use, error, "scene");
         const std::int64_t row = std::int64_t{use->scene().width} * std::int64_t{sizeof(float)};
         if (stride_bytes < -longest || stride_bytes > longest || std::abs(stride_bytes) < row)
             return fail(error, TOUCH_USAGE,
@@ -229,7 +229,7 @@ touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* fram
         if (!filtered || (!frames && count > 0) || (count > 1 && !holds_frames(frame_stride_bytes)))
             return fail(error, TOUCH_USAGE, "frames or filtered is NULL, or frame_stride_bytes is too small");
         const auto use = scenes().find(scene.id);
-        if (!use) return fail_stale(error, "scene");
+        if (!use) return fail_without(use, error, "scene");
         Scene chosen = use->scene();
         auto measured =
             measure(chosen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count);

@@ -12,7 +12,7 @@ using namespace touchable::capi;
 namespace touchable::capi {
 
 HandleTable<SolverObject>& solvers() {
-    static auto& table = *new HandleTable<SolverObject>(3);
+    static auto& table = *new HandleTable<SolverObject>(3, Forked::refused);
     return table;
 }
 
@@ -139,7 +139,7 @@ touch_status touch_solver_create(touch_surface surface, const touch_solver_setti
         if (wanted.fingers < 1 || wanted.fingers > most_fingers)
             return fail(error, TOUCH_USAGE, "fingers is out of range; right would be 1 to 256");
         auto use = surfaces().find(surface.id);
-        if (!use) return fail_stale(error, "surface");
+        if (!use) return fail_without(use, error, "surface");
         return create(std::move(use), wanted, *solver, error);
     });
 }
@@ -158,7 +158,7 @@ touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size
     const touch_tick begin = over_defaults(*first, touch_tick{});
     if (!is_sound(begin)) return TOUCH_USAGE;
     const auto use = solvers().find(solver.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     const TryLock lock(use->ticking);
     if (!lock) return TOUCH_BUSY;
     if (use->last_tick && begin.tick <= *use->last_tick) return TOUCH_USAGE;
@@ -175,7 +175,7 @@ touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size
 
 touch_status touch_solver_come_back(touch_solver solver) {
     const auto use = solvers().find(solver.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     const TryLock lock(use->ticking);
     if (!lock) return TOUCH_BUSY;
     use->step.come_back();
@@ -185,7 +185,7 @@ touch_status touch_solver_come_back(touch_solver solver) {
 touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
     if (!hash) return TOUCH_USAGE;
     const auto use = solvers().find(solver.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     const TryLock lock(use->ticking);
     if (!lock) return TOUCH_BUSY;
     *hash = use->hash.value();

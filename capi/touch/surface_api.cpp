@@ -12,7 +12,7 @@ using namespace touchable::capi;
 namespace touchable::capi {
 
 HandleTable<SurfaceObject>& surfaces() {
-    static auto& table = *new HandleTable<SurfaceObject>(2);
+    static auto& table = *new HandleTable<SurfaceObject>(2, Forked::refused);
     return table;
 }
 
@@ -70,7 +70,7 @@ touch_status touch_surface_create(touch_scene scene, const touch_surface_setting
         if (wanted.frames < 4 || wanted.frames > 64)
             return fail(error, TOUCH_USAGE, "frames is out of range; right would be 4 to 64");
         const auto use = scenes().find(scene.id);
-        if (!use) return fail_stale(error, "scene");
+        if (!use) return fail_without(use, error, "scene");
         return give_handle(surfaces(),
                            std::make_shared<SurfaceObject>(use->scene(), wanted.threads, wanted.frames),
                            *surface, error);
@@ -82,7 +82,7 @@ touch_status touch_surface_push(touch_surface surface, const touch_frame* frame,
         if (!has_known_size(frame))
             return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
         const auto use = surfaces().find(surface.id);
-        if (!use) return fail_stale(error, "surface");
+        if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
         return push(*use, *frame, error);
@@ -92,7 +92,7 @@ touch_status touch_surface_push(touch_surface surface, const touch_frame* frame,
 touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, touch_error* error) {
     return without_exceptions(error, [&]() -> touch_status {
         const auto use = surfaces().find(surface.id);
-        if (!use) return fail_stale(error, "surface");
+        if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
         if (epoch <= use->epoch || epoch == std::numeric_limits<std::uint64_t>::max())
@@ -107,7 +107,7 @@ touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, to
 
 touch_status touch_surface_end_epoch(touch_surface surface) {
     const auto use = surfaces().find(surface.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     const TryLock lock(use->pushing);
     if (!lock) return TOUCH_BUSY;
     use->timeline.end_epoch();
@@ -118,7 +118,7 @@ touch_status touch_surface_end_epoch(touch_surface surface) {
 touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
     if (!time_ns) return TOUCH_USAGE;
     const auto use = surfaces().find(surface.id);
-    if (!use) return TOUCH_STALE;
+    if (!use) return status_without(use);
     *time_ns = use->timeline.newest_time();
     return TOUCH_OK;
 }
@@ -128,7 +128,7 @@ touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_
     return without_exceptions(error, [&]() -> touch_status {
         if (!metres_per_scene_unit) return fail(error, TOUCH_USAGE, "metres_per_scene_unit is NULL");
         const auto use = surfaces().find(surface.id);
-        if (!use) return fail_stale(error, "surface");
+        if (!use) return fail_without(use, error, "surface");
         const double scale = use->hand_scale.load(std::memory_order_acquire);
         if (scale == 0) return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
         *metres_per_scene_unit = scale;

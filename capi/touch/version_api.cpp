@@ -27,6 +27,8 @@ const char* touch_status_name(touch_status status) {
             return "no more frames";
         case TOUCH_NO_MEMORY:
             return "not enough memory";
+        case TOUCH_FORKED:
+            return "belongs to the parent process";
         default:
             return "unknown status";
     }

@@ -215,8 +215,9 @@ def function(name: str) -> Any:
     return _functions[name] if name in _functions else _media()[name]
 
 
-def line_of(status: int) -> str:
-    return _solver_library.touch_status_name(status).decode()
+def line_of(status: int, kind: str = "object") -> str:
+    line = _solver_library.touch_status_name(status).decode()
+    return f"the {kind} {line}; right would be to open or make another one after fork()" if status == Status.FORKED else line
 
 
 def status_of(name: str, *arguments: Any) -> tuple[int, str]:
@@ -224,7 +225,7 @@ def status_of(name: str, *arguments: Any) -> tuple[int, str]:
     called = function(name)
     if called.argtypes[-1] is not _error:
         status = called(*arguments)
-        return status, line_of(status) if status else ""
+        return status, line_of(status, name.partition("_")[0]) if status else ""
     error = ErrorLine()
     status = called(*arguments, error)
     return status, error.line.decode("utf-8", "replace") or line_of(status) if status else ""
@@ -246,28 +247,12 @@ def text_of(name: str, *arguments: Any) -> str:
     return text.value.decode()
 
 
-_forks = 0  # that lie between the first process and this one
-
-
-def _count_fork() -> None:
-    global _forks
-    _forks += 1
-
-
-os.register_at_fork(after_in_child=_count_fork)
-
-# What has threads and files by what ends it: a forked child has neither. Scenes and framesets are memory, which it has.
-_of_one_process = {"clip_close": "clip", "surface_destroy": "surface", "solver_destroy": "solver",
-                   "writer_abandon": "clip that is written"}
-
-
-def _end(end: Callable[..., int], number: int, kept: tuple, forks: int) -> None:
-    if forks == _forks:
-        try:
-            end(number)
-        except KeyboardInterrupt:  # before the call, or after it: then there is no such object, which does no harm
-            end(number)
-            raise
+def _end(end: Callable[..., int], number: int, kept: tuple) -> None:
+    try:
+        end(number)
+    except KeyboardInterrupt:  # before the call, or after it: then there is no such object, which does no harm
+        end(number)
+        raise
 
 
 def refuse_copies(held: Any) -> NoReturn:
@@ -277,38 +262,27 @@ def refuse_copies(held: Any) -> NoReturn:
 
 
 class Handle:
-    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then. In a
-    forked child it never ends."""
+    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then."""
 
     __reduce__ = refuse_copies
 
     def __init__(self, number: int, end: str, *needs: Any, at_exit: bool = True) -> None:
         """`at_exit`: False: it stays when Python exits, as arrays may lie over its memory until the very end."""
-        self._number = number
+        self.number = number  # what C knows it by
         self._name_of_end = end
-        self._forks = _forks
-        self._end = weakref.finalize(self, _end, function(end), number, needs, _forks)
+        self._end = weakref.finalize(self, _end, function(end), number, needs)
         self._end.atexit = at_exit
-
-    @property
-    def number(self) -> int:
-        """What C knows it by. Raises ClosedError in a forked child, where it cannot be used."""
-        if self._forks != _forks and (what := _of_one_process.get(self._name_of_end)):
-            raise ClosedError(Status.STALE, f"the {what} belongs to the parent process; right would be to open or make "
-                                            "another one in this process, which was forked")
-        return self._number
 
     def check_open(self, line: str) -> None:
         """Raises ClosedError: with `line` where it was closed."""
         if self.closed:
-            self.number
             raise ClosedError(Status.STALE, line)
 
     def close(self, busy: str) -> None:
         """Ends it. Where it cannot yet, raises Error with Status.BUSY and the line `busy`, and it stays open."""
         if self.closed:
             return
-        status, line = status_of(self._name_of_end, self._number)
+        status, line = status_of(self._name_of_end, self.number)
         if status:
             raise error_of(status, busy if status == Status.BUSY else line)
         self._end.detach()
@@ -319,7 +293,7 @@ class Handle:
 
     @property
     def closed(self) -> bool:
-        return not self._end.alive or self._forks != _forks
+        return not self._end.alive
 
 
 def made(name: str, end: str, *arguments: Any, needs: tuple = (), at_exit: bool = True) -> Handle:

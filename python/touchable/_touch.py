@@ -301,7 +301,7 @@ class Solver:
             raise error_of(status, "another thread is using the solver; right would be one thread for each solver")
         if status == Status.USAGE:
             raise _planes.refuse(f"tick {self._tick.tick} cannot be; right would be {self.next_tick} or a later one")
-        raise error_of(status, _library.line_of(status))
+        raise error_of(status, _library.line_of(status, "solver"))
 
     def come_back(self) -> None:
         """The hand was away before the next tick: its force comes back by a ramp. Raises ClosedError."""

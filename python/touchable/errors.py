@@ -17,6 +17,7 @@ class Status(enum.IntEnum):
     FULL: no room for another frame yet; try again once ticks have gone on.
     END: there are no more frames; a loop ends then.
     NO_MEMORY: there is not enough memory, or there are too many objects.
+    FORKED: the object belongs to the parent process.
     INTERRUPTED: somebody asked to stop.
     """
 
@@ -29,6 +30,7 @@ class Status(enum.IntEnum):
     FULL = 18
     END = 19
     NO_MEMORY = 20
+    FORKED = 21
     INTERRUPTED = 130
 
 
@@ -58,7 +60,8 @@ class UsageError(Error, ValueError):
 
 
 class ClosedError(Error, ValueError):
-    """The clip, surface or solver was closed: Status.STALE, and a ValueError."""
+    """The clip, surface or solver was closed (Status.STALE), or belongs to the process from which this one was forked
+    (Status.FORKED); and a ValueError."""
 
 
 class MissingFileError(Error, FileNotFoundError):
@@ -69,7 +72,7 @@ class ExistingFileError(Error, FileExistsError):
     """The file is there already: Status.USAGE, and a FileExistsError. overwrite=True replaces it."""
 
 
-_kinds: dict[int, type[Error]] = {Status.USAGE: UsageError, Status.STALE: ClosedError}
+_kinds: dict[int, type[Error]] = {Status.USAGE: UsageError, Status.STALE: ClosedError, Status.FORKED: ClosedError}
 
 
 def error_of(status: int, line: str) -> Error:
