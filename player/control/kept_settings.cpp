@@ -65,7 +65,8 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
     return wrong;
 }
 
-constexpr const char* members[] = {"panel", "dent", "fingers", "volume", "window", "a", "b", "overlay"};
+/// What every file of settings has that a window wrote.
+constexpr const char* always_written[] = {"panel", "fingers", "a"};
 
 /// What is wrong with a member; empty: nothing.
 std::string read_member(const std::string& name, const Json& value, KeptSettings& kept) {
@@ -124,11 +125,7 @@ SettingsFile::SettingsFile(std::filesystem::path file) : file_(std::move(file)) 
         return;
     }
     is_foreign_ = true;
-    say(text.error().message + "; it is left alone");
-}
-
-void SettingsFile::say(const std::string& words) {
-    message_ += (message_.empty() ? "" : "\n") + words;
+    message_ = text.error().message + "; it is left alone";
 }
 
 void SettingsFile::take(const std::string& text) {
@@ -139,17 +136,23 @@ void SettingsFile::take(const std::string& text) {
         const std::string where = aside.ok()
                                       ? "set aside as " + aside->filename().string()
                                       : "it stays there, and nothing is kept: " + aside.error().message;
-        return say(file_.string() + ": is no JSON object; " + where);
+        message_ = file_.string() + ": is no JSON object; " + where;
+        return;
     }
-    // Somebody's own file, named by mistake.
-    is_foreign_ =
-        !json.empty() && std::ranges::none_of(members, [&](const char* name) { return json.contains(name); });
-    if (is_foreign_)
-        return say(file_.string() +
-                   ": is no file of settings: no member is one; it is left alone, and nothing is kept");
+    // Another program's file, named by mistake, may share a name or two with ours.
+    const bool was_written_here =
+        std::ranges::all_of(always_written, [&](const char* name) { return json.contains(name); });
+    std::string wrong_members;
     for (const auto& [name, value] : json.items())
         if (const std::string wrong = read_member(name, value, read_); !wrong.empty())
-            say(file_.filename().string() + ": " + wrong + "; ignored");
+            wrong_members += (wrong_members.empty() ? "" : "; ") + wrong;
+    if (wrong_members.empty()) return;
+    is_foreign_ = !was_written_here;
+    message_ = is_foreign_
+                   ? file_.string() +
+                         ": is no file of settings, or another program's: " + printable(wrong_members, 200) +
+                         "; it is left alone, and nothing is kept in it"
+                   : file_.filename().string() + ": " + wrong_members + "; ignored";
 }
 
 Result<void> SettingsFile::write(const KeptSettings& settings) const {

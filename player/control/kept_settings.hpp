@@ -28,8 +28,9 @@ public:
 
     /// Kept nowhere.
     SettingsFile() = default;
-    /// Reads what is there. What cannot be used of it is ignored and said; a file that is no settings at all
-    /// is set aside, as FILE.broken.
+    /// Reads what is there. What cannot be used of it is ignored and said. JSON with such members that lacks
+    /// one of those that every window writes may be another program's: it is never written. What is no JSON
+    /// object is set aside, as FILE.broken.
     explicit SettingsFile(std::filesystem::path file);
 
     const KeptSettings& read() const { return read_; }
@@ -40,13 +41,12 @@ public:
     Result<void> write(const KeptSettings& settings) const;
 
 private:
-    void say(const std::string& words);
     void take(const std::string& text);
 
     std::filesystem::path file_;
     KeptSettings read_;
     std::string message_;
-    bool is_foreign_ = false;  // something is there that could neither be read nor set aside
+    bool is_foreign_ = false;  // what is there is not ours to write
 };
 
 /// play.json of this person: in $XDG_CONFIG_HOME/touchable, otherwise in ~/.config/touchable. Refused where

@@ -134,6 +134,7 @@ TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
     for (const char* word :
          {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0, 3 or 5", "'taste'", "object"})
         EXPECT_NE(read.message().find(word), std::string::npos) << word << " in " << read.message();
+    EXPECT_EQ(read.message().find('\n'), std::string::npos) << "a warning has one line";
     ASSERT_TRUE(read.write(read.read()).ok());
     EXPECT_EQ(SettingsFile(file).message(), "");
 }
@@ -165,6 +166,22 @@ TEST(SettingsFile, ThatHasNoSettingIsSomebodysOwnFile) {
     kept.fingers = 2;
     EXPECT_TRUE(read.write(kept).ok());
     EXPECT_EQ(words_in(folder / "labels.json"), labels);
+    // Another program's, which shares names with ours: neither its other members nor its values are lost.
+    for (const std::string& shared :
+         {std::string(R"({"panel": true, "fingers": 2, "theme": "dark"})"),
+          std::string(R"({"window": {"x": 1, "y": 2}, "volume": 50})"), std::string(R"({"a": "alpha"})")}) {
+        put(folder / "other.json", shared);
+        const SettingsFile other(folder / "other.json");
+        EXPECT_NE(other.message().find("left alone"), std::string::npos) << other.message();
+        EXPECT_EQ(other.message().find('\n'), std::string::npos);
+        EXPECT_TRUE(other.write(kept).ok());
+        EXPECT_EQ(words_in(folder / "other.json"), shared);
+    }
+    // One of ours by hand, of which nothing is lost.
+    put(folder / "own.json", R"({"fingers": 4, "volume": 30})");
+    EXPECT_EQ(SettingsFile(folder / "own.json").message(), "");
+    EXPECT_TRUE(SettingsFile(folder / "own.json").write(kept).ok());
+    EXPECT_EQ(SettingsFile(folder / "own.json").read().fingers, 2);
     put(folder / "empty.json", "{}");
     EXPECT_TRUE(SettingsFile(folder / "empty.json").write(kept).ok());
     EXPECT_EQ(SettingsFile(folder / "empty.json").read().fingers, 2);
