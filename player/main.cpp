@@ -40,7 +40,7 @@ int fail(const CLI::App& app, const Error& error) {
 /// What the program can do, on one screen.
 Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION
-              << ": touch a depth video and feel its forces. Options: touchable help COMMAND\n";
+              << ". touchable FILE opens a window in which it is touched. Options: touchable help COMMAND\n";
     for (const CLI::App* command : app.get_subcommands({})) {
         const std::string& name = command->get_name();
         if (name == "cameras")  // a line for both
@@ -92,11 +92,17 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     std::string message = error.what();
     const auto chosen = app.get_subcommands();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // which names them from the last to the first
-        message = "not expected:";
         const auto words = app.remaining(true);
-        for (const std::string& word : words) message += ' ' + word;
-        const std::string meant = nearest_word(words.empty() ? "" : words.front(), known_words(app));
-        if (!meant.empty()) message += "; did you mean " + meant + '?';
+        const std::string first = words.empty() ? "" : words.front();
+        const std::string meant = nearest_word(first, known_words(app));
+        if (chosen.empty() && !first.starts_with('-')) {
+            message = "unknown command or file '" + first + '\'';
+            if (!meant.empty()) message += " (did you mean " + meant + "?)";
+        } else {
+            message = "not expected:";
+            for (const std::string& word : words) message += ' ' + word;
+            if (!meant.empty()) message += "; did you mean " + meant + '?';
+        }
     }
     std::error_code ignored;
     for (const std::string& word : app.remaining(true))
@@ -109,13 +115,18 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app{"Touch a depth video and feel its forces.", "touchable"};
+    CLI::App app{
+        "Touch a depth video and feel its forces.\n"
+        "touchable FILE opens a window, as touchable play FILE does.",
+        "touchable"};
     app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
     app.require_subcommand(0, 1);
     Command command;
     add_make_command(app, command);
     add_play_command(app, command);
     add_touch_command(app, command);
+    add_cameras_command(app, command);
+    add_devices_command(app, command);
     add_info_command(app, command);
     add_formats_command(app, command);
     add_init_scene_command(app, command);
@@ -126,8 +137,6 @@ int run(int argc, char** argv) {
     add_serve_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
-    add_cameras_command(app, command);
-    add_devices_command(app, command);
     add_check_command(app, command);
 
     try {

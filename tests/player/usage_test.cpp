@@ -14,11 +14,18 @@ TEST(Usage, WithoutArgumentsSaysWhatItCanDoOnHalfAScreen) {
     for (const char* command : {"make", "info", "export", "check"})
         EXPECT_NE(run.out.find(command), std::string::npos) << command;
     EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 16);
+    EXPECT_NE(run.out.find("touchable FILE opens a window"), std::string::npos) << run.out;
+    EXPECT_LT(run.out.find("\n  touch "), run.out.find("\n  cameras, devices ")) << run.out;
+    EXPECT_LT(run.out.find("\n  cameras, devices "), run.out.find("\n  info ")) << run.out;
     EXPECT_EQ(run.err, "");
 }
 
 TEST(Usage, HelpAndVersionAreNoErrors) {
-    EXPECT_EQ(run_touchable({"-h"}).code, 0);
+    const Outcome help = run_touchable({"--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.out.find("touchable FILE opens a window"), std::string::npos) << help.out;
+    EXPECT_LT(help.out.find("\n  cameras "), help.out.find("\n  serve ")) << help.out;
+    EXPECT_EQ(run_touchable({"-h"}).out, help.out);
     EXPECT_EQ(run_touchable({"--version"}).code, 0);
     for (const char* command : {"make", "info", "export", "check"}) {
         const Outcome run = run_touchable({command, "-h"});
@@ -40,7 +47,8 @@ TEST(Usage, HelpIsACommandToo) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("there are make, play, touch, info"), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("there are make, play, touch, cameras, devices, info"), std::string::npos)
+            << run.err;
     }
 }
 
@@ -146,10 +154,14 @@ TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
 }
 
 TEST(Usage, MistypedWordsNameTheNearest) {
-    EXPECT_NE(run_touchable({"tuoch", "clip.mkv"}).err.find("did you mean touch?"), std::string::npos);
+    EXPECT_NE(run_touchable({"tuoch", "clip.mkv"})
+                  .err.find("unknown command or file 'tuoch' (did you mean touch?); see touchable -h"),
+              std::string::npos);
     EXPECT_NE(run_touchable({"touch", "clip.mkv", "--figners", "3"}).err.find("did you mean --fingers?"),
               std::string::npos);
-    EXPECT_EQ(run_touchable({"paint"}).err.find("did you mean"), std::string::npos);
+    EXPECT_NE(run_touchable({"paint", "--much"}).err.find("unknown command or file 'paint'; see"),
+              std::string::npos);
+    EXPECT_EQ(run_touchable({"--nothing"}).err.find("unknown command"), std::string::npos);
 }
 
 TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
