@@ -105,10 +105,7 @@ void HandControl::go_on_from(const HandControl& before) {
 }
 
 void HandControl::close_gates() {
-    for (Finger& finger : fingers_) {
-        finger.risen = 0;
-        finger.free = false;
-    }
+    for (Finger& finger : fingers_) finger.close_gate();
 }
 
 void HandControl::come_back(std::int64_t alone_ms) {
@@ -144,8 +141,11 @@ void HandControl::take_buttons(std::uint32_t buttons, bool known) {
 void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface) {
     assert(places.size() == count_);
     for (std::size_t finger = 0; finger < count_; ++finger) {
-        fingers_[finger].known = is_known(places[finger]);
-        if (fingers_[finger].known) fingers_[finger].place = mapping_.turn * places[finger];
+        Finger& one = fingers_[finger];
+        one.known = is_known(places[finger]);
+        if (!one.known) continue;
+        one.place = mapping_.turn * places[finger];
+        if (one.placeless >= away_ticks) one.close_gate();
     }
     const auto hand = centre();
     take_buttons(buttons, hand.has_value());
@@ -187,6 +187,7 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
     bool waits = false;
     for (std::size_t finger = 0; finger < count_; ++finger) {
         Finger& one = fingers_[finger];
+        one.placeless = one.known ? 0 : std::min(away_ticks, one.placeless + ticks);
         if (one.free) one.risen = std::min(rise_ticks, one.risen + ticks);
         one.free = passes_ && (one.free || glm::dot(guarded[finger], guarded[finger]) == 0);
         waits = waits || (passes_ && one.known && !one.free);

@@ -35,8 +35,9 @@ struct HandFigures {
 ///   they rise over `rise_ticks`. Off is at once.
 /// - They are off again once no finger's place was known for a second: another person may take the device
 /// then.
-///   (Not after `insist_on_force`.) After a gap without ticks (`come_back`) it is as if forces had just been
-///   asked for.
+///   (Not after `insist_on_force`.)
+/// - After a gap of more than 50 ms it is as if forces had just been asked for: a gap without ticks
+///   (`come_back`), or of a finger without a place (`away_ticks`), whatever device it is on.
 /// - The fingers are held still in the scene while the device is repositioned (clutch): no force, and then
 ///   as if forces had just been asked for. A finger that is inside the surface then comes out of it, towards
 ///   the camera, and the others with it: so it is free, and what it presses next is felt.
@@ -49,6 +50,9 @@ public:
     static constexpr int most_fingers = 80;  // eight devices of ten
     static constexpr int rise_ticks = 300;
     static constexpr int longest_away_ticks = 1000;
+    /// A finger that had no place for so long has to be free once more. A device gives its last place for
+    /// 20 ms (HapticDevice::oldest_s), so this is 50 ms after that place: the same as a gap without ticks.
+    static constexpr int away_ticks = 30;
     static constexpr double out_of_it = 0.001;  ///< m, before the surface: where a finger comes out to
 
     HandControl(int fingers, const HandMapping& mapping);
@@ -110,8 +114,13 @@ private:
         glm::dvec3 goal{0.0};                 // where it is held
         std::optional<glm::dvec3> gripped{};  // its place when the clutch began
         int risen = 0;                        // of rise_ticks: the share of its force that reaches the hand
+        int placeless = 0;                    // ticks that have passed since its place was known
         bool free = false;                    // has been, since forces were asked for
         bool known = false;
+        void close_gate() {
+            risen = 0;
+            free = false;
+        }
     };
     std::optional<glm::dvec3> centre() const;
     glm::dvec3 moved() const;

@@ -42,7 +42,7 @@ public:
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
     /// A hand that got no tick for longer was left alone: the program was stopped, the machine was suspended
     /// or had other work. By then it has no force any more; the next tick begins with TouchStep::come_back.
-    static constexpr std::int64_t longest_gap_ns = 100'000'000;
+    static constexpr std::int64_t longest_gap_ns = 50'000'000;
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
                MomentOfTick moment_of_tick = {});

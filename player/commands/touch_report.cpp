@@ -432,7 +432,7 @@ std::string report_to_text(const Json& r) {
     if (r["clock"] == "wall") {
         line("on the wall clock",
              count("late_ticks") + " ticks late by 1 ms or more, " + count("skipped_ticks") + " skipped" +
-                 (r["gaps"] == 0 ? "" : ", with " + count("gaps") + " gaps of over 100 ms") + "; began " +
+                 (r["gaps"] == 0 ? "" : ", with " + count("gaps") + " gaps of over 50 ms") + "; began " +
                  spread(r["late_us"]) + " us after their time; " + r["scheduling"].get<std::string>());
     }
     if (r.contains("late_frames"))

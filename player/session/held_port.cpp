@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics_cpu/haptic_loop.hpp"
 #include "player/run/field_probe.hpp"
 
 namespace touchable {
+
+// One rule for a hand that fell silent and for a program that stood still.
+static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
+                  static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
+              HapticLoop::longest_gap_ns);
 
 HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
     : device_(device),

@@ -148,5 +148,10 @@ TEST(FalconFaults, AtRandomMoments) {
     run_fault_sessions(falcon);
 }
 
+TEST(FalconFaults, ForceAfterSilence) {
+    FaultyFalcon falcon;
+    expect_force_after_silence(falcon);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "device/driven_device.hpp"
+#include "device/hand_control.hpp"
 #include "device/steady_time.hpp"
 #include "tests/sanitizers.hpp"
 #include "tests/sweep.hpp"
@@ -171,6 +172,60 @@ unsigned fault_seed() {
 
 void run_fault_sessions(FaultyDevice& device) {
     FaultSessions(device).run();
+}
+
+void expect_force_after_silence(FaultyDevice& device) {
+    HandControl control(1, {});
+    control.ask_force(true);
+    VirtualTime& time = device.time;
+    DrivenDevice driven(
+        device.driver(),
+        {.look_again_s = 0.01, .clock = [&time] { return time.now_ns(); }, .own_thread = false});
+    bool is_inside = false;
+    time.on_tick = [&] {
+        device.live(static_cast<double>(time.now_ns()) * 7.5e-9);
+        glm::dvec3 place(0), newtons(0);
+        if (!driven.read_positions(std::span(&place, 1))) return;
+        glm::dvec3 goal = place;
+        control.to_goals(std::span(&goal, 1), driven.buttons());
+        const glm::dvec3 guarded(0, 0, is_inside ? 1 : 0);
+        control.to_device(std::span(&guarded, 1), 1, std::span(&newtons, 1));
+        if (std::isnan(place.x)) newtons = glm::dvec3(0);
+        EXPECT_TRUE(driven.write_forces(std::span(&newtons, 1)));
+    };
+    double silence_s = 0;
+    const auto play = [&](std::int64_t ms, bool inside) {
+        is_inside = inside;
+        device.tend(driven.prompt());
+        for (const std::int64_t until = time.now_ns() + ms * a_millisecond; time.now_ns() < until;) {
+            const std::int64_t before = time.now_ns();
+            ASSERT_TRUE(driven.turn());
+            if (time.now_ns() == before) time.pass(a_millisecond / 4);
+            silence_s = std::max(silence_s, device.line.silence_s());
+        }
+    };
+    ASSERT_TRUE(driven.open().ok());
+    play(100, false);
+    int returned = 0, waited = 0;
+    for (std::int64_t ms = 10; ms <= 100; ms += 3) {
+        play(50, false);
+        play(500, true);
+        ASSERT_GT(device.line.force(), 0) << device.name << " before a silence of " << ms << " ms";
+        silence_s = 0;
+        device.line.begin(FaultyDevice::Fault::stalled, ms * a_millisecond);
+        play(ms + 600, true);
+        if (std::abs(silence_s - 0.05) < 0.002) continue;  // a turn of the device's thread
+        const bool is_short = silence_s < 0.05;
+        EXPECT_EQ(device.line.force() > 0, is_short) << device.name << " after " << silence_s << " s";
+        ++(is_short ? returned : waited);
+    }
+    play(50, false);
+    play(500, true);
+    EXPECT_GT(device.line.force(), 0);
+    EXPECT_GT(returned, 8);
+    EXPECT_GT(waited, 8);
+    driven.close();
+    time.on_tick = {};
 }
 
 }  // namespace touchable::test

@@ -50,4 +50,8 @@ public:
 /// with the longest call of the haptic thread.
 void run_fault_sessions(FaultyDevice& device);
 
+/// A hand that presses falls silent for 10 to 100 ms, in virtual time: below 50 ms its force returns by
+/// itself, above that only once the finger has been free. It is judged by the last bytes that went out.
+void expect_force_after_silence(FaultyDevice& device);
+
 }  // namespace touchable::test

@@ -48,6 +48,7 @@ void FaultyLine::tell(Message message, const glm::dvec3& place) {
     std::int64_t due_ns = time_.now_ns() + manner_.answers_after_ns;
     // Of what overtakes each other each has a delay of its own.
     if (now == Fault::late) due_ns += manner_.reorders ? below(40) * VirtualTime::ms : delay_ns_;
+    if (now == Fault::stalled) due_ns = std::max(due_ns, until_ns_);
     if (!manner_.reorders) due_ns = std::max(due_ns, last_due_ns_);
     last_due_ns_ = due_ns;
     const bool strikes = now != Fault::none && now != Fault::refuses;

@@ -19,7 +19,19 @@ namespace touchable::test {
 class FaultyLine {
 public:
     using Message = std::vector<std::byte>;
-    enum class Fault { none, lost, late, cut, damaged, twice, in_pieces, babble, refuses, unplugged };
+    enum class Fault {
+        none,
+        lost,
+        late,
+        cut,
+        damaged,
+        twice,
+        in_pieces,
+        babble,
+        refuses,
+        unplugged,
+        stalled
+    };
 
     struct Manner {
         std::int64_t answers_after_ns = VirtualTime::ms;
@@ -34,7 +46,8 @@ public:
         : manner_(manner), time_(time), chance_(chance) {}
 
     const Manner& manner() const { return manner_; }
-    /// From now on, for so long. A fault of `refuses` is one transfer that fails.
+    /// From now on, for so long. A fault of `refuses` is one transfer that fails; what is told while the line
+    /// is `stalled` arrives at its end.
     void begin(Fault fault, std::int64_t lasts_ns);
     void end() { until_ns_ = 0; }
     void forget() { struck_ = false; }

@@ -193,6 +193,47 @@ TEST_F(Control, ForcesOfAHandThatWasLeftAloneForASecondAreOffUnlessSomebodyInsis
     EXPECT_TRUE(control.force_is_asked());
 }
 
+TEST_F(Control, AFingerWithoutPlaceMustBeFree) {
+    for (const int skipped : {1, 5}) {
+        for (const int placeless : {HandControl::away_ticks - skipped, int{HandControl::away_ticks}}) {
+            goal({0, 0, 0});
+            ask();
+            for (int ticks = 0; ticks < placeless; ticks += skipped) {
+                goal({0, nowhere, 0});
+                felt({0, 0, 5}, skipped);
+            }
+            goal({0, 0, 0});
+            const bool is_short = placeless < HandControl::away_ticks;
+            EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0, 0, is_short ? 5 : 0)) << placeless;
+            EXPECT_EQ(control.waits_to_be_free(), !is_short) << placeless;
+            for (int tick = 0; tick < 1000; ++tick) {
+                goal({0, 0, 0});
+                ASSERT_EQ(felt({0, 0, 5}), glm::dvec3(0, 0, is_short ? 5 : 0)) << placeless;
+            }
+            felt({0, 0, 0});
+            EXPECT_GT(felt({0, 0, 5}).z, 0) << placeless;
+        }
+    }
+}
+
+TEST(ControlOfTwo, OnlyTheFingerWithoutPlaceWaits) {
+    HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
+    control.ask_force(true);
+    const auto felt = [&](double one_place, double force) {
+        std::array<glm::dvec3, 2> places{glm::dvec3(one_place), glm::dvec3(0)}, newtons{};
+        control.to_goals(places, 0);
+        const std::array<glm::dvec3, 2> guarded{glm::dvec3(0, 0, force), glm::dvec3(0, 0, force)};
+        control.to_device(guarded, 1, newtons);
+        return newtons;
+    };
+    felt(0, 0);
+    for (int tick = 0; tick < HandControl::rise_ticks; ++tick) felt(0, 1);
+    for (int tick = 0; tick < HandControl::away_ticks; ++tick) felt(nowhere, 1);
+    const auto newtons = felt(0, 1);
+    EXPECT_EQ(newtons[0].z, 0);
+    EXPECT_EQ(newtons[1].z, 1);
+}
+
 TEST_F(Control, WhatIsPressedWhileTheHandIsLeftAloneAsksForNothing) {
     goal({0, 0, 0}, 0);
     control.come_back(HandControl::longest_away_ticks + 1);

@@ -144,6 +144,11 @@ TEST(WoodenFaults, AtRandomMoments) {
     run_fault_sessions(wooden);
 }
 
+TEST(WoodenFaults, ForceAfterSilence) {
+    FaultyWooden wooden;
+    expect_force_after_silence(wooden);
+}
+
 TEST(SpaceMouseFaults, AtRandomMoments) {
     FaultySpaceMouse puck;
     run_fault_sessions(puck);

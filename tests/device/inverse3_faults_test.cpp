@@ -99,5 +99,10 @@ TEST(Inverse3Faults, AtRandomMoments) {
     run_fault_sessions(arm);
 }
 
+TEST(Inverse3Faults, ForceAfterSilence) {
+    FaultyInverse3 arm;
+    expect_force_after_silence(arm);
+}
+
 }  // namespace
 }  // namespace touchable::test

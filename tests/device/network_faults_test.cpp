@@ -107,5 +107,10 @@ TEST(NetworkFaults, AtRandomMoments) {
     run_fault_sessions(network);
 }
 
+TEST(NetworkFaults, ForceAfterSilence) {
+    FaultyNetwork network;
+    expect_force_after_silence(network);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -256,7 +256,7 @@ TEST(HapticLoop, AHandThatWasLeftAloneComesBackWhicheverClockKnows) {
     std::int64_t now_ns = 5, reads = 0;
     loop.see_gaps_by([&] {
         ++reads;
-        return now_ns += reads == 150 ? 3'000'000'000 : reads == 200 ? 100'000'000 : 1'000'000;
+        return now_ns += reads == 150 ? 3'000'000'000 : reads == 200 ? 50'000'000 : 1'000'000;
     });
     ASSERT_TRUE(loop.start().ok());
     wait_for_the_end(loop);

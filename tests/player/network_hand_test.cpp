@@ -388,6 +388,28 @@ TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
     EXPECT_EQ(replay.code, 0) << replay.err;
 }
 
+/// docs/network-hand.md: after more than 50 ms, which a slow machine only makes longer.
+TEST_F(NetworkTouch, ForceAfterSilenceNeedsFreeFinger) {
+    const RunningProgram program(clip, device(), record);
+    PressingHand hand(port);
+    ASSERT_TRUE(hand.feels_something());
+    const double inside = hand.place() - 0.004;
+    std::this_thread::sleep_for(std::chrono::milliseconds(70));
+    hand.forget();
+    std::uint32_t answered = 0;
+    int answers = 0;
+    for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
+        const NetworkPacket answer = hand.rest_at(inside);
+        ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
+                  glm::dvec3(0))
+            << "answer " << answers;
+        if (answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
+    }
+    EXPECT_EQ(answers, 600) << "the program does not answer any more";
+    hand.go_out();
+    EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
+}
+
 TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
     for (const int signal : {SIGKILL, SIGSEGV, SIGABRT, SIGTERM}) {
         // Another each time: the guardian of the program before may hold its own for a while.
