@@ -327,8 +327,8 @@ TOUCH_API touch_status touch_solver_tick(touch_solver solver, const touch_tick *
  * length. */
 TOUCH_API touch_status touch_solver_run(touch_solver solver, const touch_tick *first, size_t count,
                                         const touch_vec3 *goals, touch_contact *contacts, size_t contact_stride_bytes);
-/** The hand was away before the next tick: as after a gap, force comes back by its ramp, and with waits_to_be_free
- * only to fingers that have been free. Real-time. */
+/** The hand was away before the next tick, for more than 50 ms or with its clutch held: force comes back by its ramp,
+ * and with waits_to_be_free only to fingers that have been free. Real-time. */
 TOUCH_API touch_status touch_solver_come_back(touch_solver solver);
 /** XXH64 of all forces since the solver was made, the figure that the program prints as "force hash": equal hashes mean
  * equal forces to the last bit. Real-time. */

@@ -40,6 +40,17 @@ TEST(Examples, OwnDeviceIsHeldUp) {
     EXPECT_EQ(ran.code, 0) << ran.out;
 }
 
+TEST(Examples, OwnDeviceReturnsAfterStall) {
+    for (const int stall_ms : {20, 49, 50, 300, 1000}) {
+        const Ran ran = run_example("own_device " + std::to_string(stall_ms));
+        EXPECT_EQ(ran.code, 0) << stall_ms << '\n' << ran.out;
+        // The tick after a stall is one more late.
+        EXPECT_EQ(ran.out.find("no tick for " + std::to_string(stall_ms + 1) + " ms") != std::string::npos,
+                  stall_ms >= 50)
+            << ran.out;
+    }
+}
+
 TEST(Examples, OwnImporterMakesAClipOfRawDepth) {
     const TemporaryFolder folder;
     const Hill hill;
