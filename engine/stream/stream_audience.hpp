@@ -5,9 +5,13 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace touchable {
+
+/// What begins the one line that a listener by TCP gets in place of a stream; the reason follows.
+inline constexpr std::string_view stream_refusal = "touchable serve: ";
 
 /// What one listener was given.
 struct ListenerFigures {

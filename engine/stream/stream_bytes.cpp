@@ -122,10 +122,12 @@ private:
     const int descriptor_;
 };
 
-Error no_connection(const StreamUrl& url, const std::string& why) {
-    const char* hint = url.transport == StreamTransport::http  ? "; is it there, and not elsewhere?"
-                       : url.transport == StreamTransport::udp ? ""
-                                                               : "; does the sender listen there?";
+Error no_connection(const StreamUrl& url, const std::string& why, int status = 0) {
+    const char* hint = status == AVERROR_HTTP_SERVER_ERROR
+                           ? "; its listeners may be too many, try again later"
+                       : url.transport == StreamTransport::http ? "; is it there, and not elsewhere?"
+                       : url.transport == StreamTransport::udp  ? ""
+                                                                : "; does the sender listen there?";
     return input_error("no connection: " + why + hint);
 }
 
@@ -156,7 +158,7 @@ Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWai
         [wait] { return wait->is_over(); });
     if (wait->is_interrupted()) return interrupted_error();
     if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
-    if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status));
+    if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status), opened->status);
     return std::move(opened->io);
 }
 

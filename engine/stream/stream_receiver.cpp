@@ -4,10 +4,30 @@
 #include <utility>
 
 #include "engine/clip/plane_role.hpp"
+#include "engine/printable.hpp"
+#include "engine/stream/stream_audience.hpp"
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/plane_notes.hpp"
 
 namespace touchable {
+namespace {
+
+/// Why a sender refuses a listener (StreamServer), behind its first byte; empty: it sends something else.
+std::string refusal_in(StreamBytes& bytes) {
+    constexpr std::size_t longest = 200;
+    std::string line;
+    bytes.allow(longest);
+    for (std::uint8_t letter = 0; line.size() < longest && line.find('\n') == std::string::npos;) {
+        const auto got = bytes.read(&letter, 1);
+        if (!got || *got == 0) break;
+        line += static_cast<char>(letter);
+        if (!stream_refusal.starts_with(line.substr(0, stream_refusal.size()))) return "";
+    }
+    if (line.size() <= stream_refusal.size()) return "";
+    return line.substr(stream_refusal.size(), line.find('\n') - stream_refusal.size());
+}
+
+}  // namespace
 
 std::size_t bytes_of_planes(const RawFrame& frame) {
     std::size_t bytes = 0;
@@ -50,9 +70,12 @@ Result<void> StreamReceiver::connect(const StreamSource& source) {
     if (!first) return error_at(name_, first.error());
     const bool is_transport_stream = *first == 0x47;  // its packets begin so
     constexpr int first_of_matroska = 0x1a;
-    if (!is_transport_stream && *first != first_of_matroska)
+    if (!is_transport_stream && *first != first_of_matroska) {
+        if (const std::string why = refusal_in(*bytes); !why.empty())
+            return input_error(name_ + ": the sender refuses: " + printable(why));
         return input_error(name_ +
                            ": sends neither Matroska nor MPEG-TS; right would be a touchable serve there");
+    }
     auto pictures = (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
         std::move(bytes), name_, source.described);
     if (!pictures) return pictures.error();

@@ -161,7 +161,7 @@ void StreamServer::accept_from(const Door& door) {
         const std::string name = std::string(scheme_words(door.url)) + text_of(address, length);
         const bool is_http = door.url.transport == StreamTransport::http;
         if (std::ssize(listeners_) >= most_connections || (!is_http && !audience_.has_room())) {
-            refuse(name);
+            refuse(socket, door, name);
             continue;
         }
         make_prompt(socket.get());
@@ -173,17 +173,22 @@ void StreamServer::accept_from(const Door& door) {
     }
 }
 
-/// Whoever floods us with connections does not flood a person with lines.
-void StreamServer::refuse(const std::string& name) {
+/// A refused connection gets one line that says why. The person at this server reads one at most every 10 s,
+/// however many connect.
+void StreamServer::refuse(const OwnedSocket& socket, const Door& door, const std::string& name) {
+    const bool has_room = audience_.has_room();  // but too many connect that do not listen
+    const std::string there = has_room ? std::to_string(most_connections) + " connections"
+                                       : std::to_string(StreamAudience::most_listeners) + " listeners";
+    const std::string answer =
+        door.url.transport == StreamTransport::http
+            ? http_answer(503)
+            : std::string(stream_refusal) + "there are " + there + " already; try again later\n";
+    (void)::send(socket.get(), answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     constexpr std::int64_t silence_ns = 10'000'000'000;
     const std::int64_t now_ns = clock_();
     if (now_ns < next_refusal_said_ns_) return;
     next_refusal_said_ns_ = now_ns + silence_ns;
-    const bool has_room = audience_.has_room();  // but too many connect that do not listen
-    audience_.remark(name + " is refused: there are " +
-                     (has_room ? std::to_string(most_connections) + " connections"
-                               : std::to_string(StreamAudience::most_listeners) + " listeners") +
-                     ", which is as many as there may be");
+    audience_.remark(name + " is refused: there are " + there + ", which is as many as there may be");
 }
 
 }  // namespace touchable

@@ -51,7 +51,7 @@ private:
         : ring_(ring), audience_(audience), clock_(std::move(clock)) {}
     Result<void> open_door(const StreamUrl& url);
     void accept_from(const Door& door);
-    void refuse(const std::string& name);
+    void refuse(const OwnedSocket& socket, const Door& door, const std::string& name);
     int timeout_ms(std::chrono::milliseconds longest, std::int64_t now_ns) const;
 
     StreamRing& ring_;

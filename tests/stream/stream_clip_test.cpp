@@ -213,6 +213,17 @@ TEST(StreamClip, WhatIsNoStreamIsRefused) {
     refusal(sent.header.substr(0, sent.header.size() / 2) + noise);
 }
 
+/// Whatever a sender says of itself, it is one line of printable text.
+TEST(StreamClip, ASendersRefusalIsOneLine) {
+    EXPECT_NE(
+        refusal("touchable serve: there is\x1b[2J no room\nmore").find(": the sender refuses: there is"),
+        std::string::npos);
+    EXPECT_EQ(refusal("touchable serve: a\x1b\x07z\nmore").find_first_of("\x1b\x07\n"), std::string::npos);
+    EXPECT_LT(refusal("touchable serve: " + std::string(100'000, 'x')).size(), 400U);
+    for (const char* other : {"touchable serve: ", "touchable serve", "touchable server: no"})
+        EXPECT_NE(refusal(other).find("neither Matroska"), std::string::npos) << other;
+}
+
 TEST(StreamClip, OneThatSaysNothingIsWaitedForNotForEver) {
     const auto sent = make_stream(small_scene(64, 48), 3, {});
     for (const std::string& before : {sent.header.substr(0, 12), sent.header.substr(0, 100), sent.header}) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engine/stream/stream_clip.hpp"
+#include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/stream_peer.hpp"
 
 namespace touchable::test {
@@ -226,6 +228,9 @@ TEST(StreamServer, TheSixtyFifthIsRefused) {
         come();
         const std::string answer = served.all_heard(*peers.back());
         EXPECT_EQ(answer.find(" 503 ") != std::string::npos, is_http);
+        EXPECT_EQ(answer == "touchable serve: there are 64 listeners already; try again later\nclosed",
+                  !is_http)
+            << answer;
         EXPECT_TRUE(is_http || served.has_said("is refused"));
         EXPECT_EQ(served.audience.there(), 64);
         peers.front().reset();  // who goes makes room
@@ -279,6 +284,31 @@ TEST(StreamServer, AThreadTakesItsTurns) {
     server->reset();
     EXPECT_EQ(peer.hear(), std::nullopt);
     EXPECT_EQ(audience.there(), 0);
+}
+
+TEST(StreamServer, ClientSaysWhyItIsRefused) {
+    for (const std::string address : {"tcp://127.0.0.1:0", "http://127.0.0.1:0/live.mkv"}) {
+        StreamRing ring;
+        StreamAudience audience([](const std::string&) {});
+        auto server = StreamServer::open({*read_stream_url(address)}, ring, audience);
+        ASSERT_TRUE(server.ok());
+        ASSERT_TRUE((*server)->start().ok());
+        const std::string place = (*server)->addresses().front();
+        std::vector<std::unique_ptr<StreamPeer>> peers;
+        while (std::ssize(peers) < StreamAudience::most_listeners) {
+            peers.push_back(std::make_unique<StreamPeer>(place));
+            if (place.starts_with("http")) peers.back()->say(wanted);
+        }
+        while (audience.has_room()) std::this_thread::yield();
+        const auto refused = open_stream_clip(source_of(place));
+        ASSERT_FALSE(refused.ok());
+        EXPECT_EQ(refused.error().kind, ErrorKind::input);
+        EXPECT_EQ(refused.error().message,
+                  place + (place.starts_with("http")
+                               ? ": no connection: Server returned 5XX Server Error reply; its listeners may "
+                                 "be too many, try again later"
+                               : ": the sender refuses: there are 64 listeners already; try again later"));
+    }
 }
 
 TEST(StreamServer, PlacesThatCannotBeHad) {
