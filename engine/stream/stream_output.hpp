@@ -39,6 +39,8 @@ public:
     /// without its passphrase.
     std::string address() const { return url_.name(); }
     bool calls() const { return calls_; }
+    /// Only a program that knows the passphrase can receive it.
+    bool is_encrypted() const { return !url_.value("passphrase").empty(); }
     Result<void> start();
     /// From any thread: nothing is sent any more, not even what is on its way.
     void end();

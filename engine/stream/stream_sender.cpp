@@ -27,7 +27,10 @@ Result<void> StreamSender::send_all() {
     while (!is_told_to_end_) {
         const auto frame = next();
         if (!frame) return frame.error();
-        if (!*frame) return {};
+        if (!*frame) {
+            figures_.clip_ended = true;
+            return {};
+        }
         const Due when = due(**frame);
         if (settings_.longest_ns && when.time_ns >= *settings_.longest_ns) return {};
         const auto sent = send(**frame, when);

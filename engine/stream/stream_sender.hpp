@@ -34,6 +34,7 @@ struct SendFigures {
     std::int64_t rounds = 0;      ///< of a loop, begun
     std::int64_t latest_ns = 0;   ///< behind its time, of the frameset that was so most
     std::int64_t held_up_ns = 0;  ///< what was not made up for
+    bool clip_ended = false;      ///< it gave no further frame: a camera is gone
 };
 
 /// Sends a clip at its own times, or a camera's frames as they are taken: each is encoded once in every form.

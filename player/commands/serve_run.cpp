@@ -57,6 +57,21 @@ std::string to_be_played(std::string address) {
     return address;
 }
 
+/// Of an address in figures: what listens there is reached from this machine alone.
+bool is_own_machine(const std::string& address) {
+    for (const std::string_view own : {"//127.", "//localhost:", "//[::1]:", "//[::ffff:127."})
+        if (address.find(own) != std::string::npos) return true;
+    return false;
+}
+
+/// Behind the line that says where it is listened.
+void say_who_may_listen(const std::string& address) {
+    if (is_own_machine(address)) return;
+    say_served(address +
+               " is open to ANY machine that reaches it: each program that connects gets all that "
+               "is sent (127.0.0.1 keeps it on this machine)");
+}
+
 std::string number_words(const char* format, double number) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), format, number);
@@ -84,6 +99,7 @@ private:
     std::optional<SoundPart> sound();
     void say_where() const;
     Result<void> send();
+    std::optional<Error> lost_camera() const;
     void wait_for_the_last() const;
     bool is_all_given() const;
     nlohmann::ordered_json hls_as_json() const;
@@ -202,13 +218,16 @@ void Serving::say_where() const {
         say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
     }
     if (server_)
-        for (const std::string& address : server_->addresses())
+        for (const std::string& address : server_->addresses()) {
             say_served("listening on " + address + ": touchable play " + to_be_played(address));
+            say_who_may_listen(address);
+        }
     for (const auto& output : outputs_) {
         const std::string& address = output->address();
         say_served(output->calls() ? "sending to " + address
                                    : "waiting for a caller at " + address + ": touchable play " +
                                          to_be_played(address.substr(0, address.find('?'))));
+        if (!output->calls() && !output->is_encrypted()) say_who_may_listen(address);
     }
 }
 
@@ -259,6 +278,13 @@ void Serving::wait_for_the_last() const {
     const auto until = std::chrono::steady_clock::now() + longest;
     while (!is_all_given() && !interrupted() && std::chrono::steady_clock::now() < until)
         std::this_thread::sleep_for(serve_look_again);
+}
+
+/// A camera has no end of its own, as a recording that plays one has.
+std::optional<Error> Serving::lost_camera() const {
+    if (!options_.clip.plugged || !sender_->figures().clip_ended || interrupted()) return std::nullopt;
+    const auto remarks = sender_->remarks();
+    return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
 }
 
 /// What each viewer fetches, a live one with both playlists once a segment.
@@ -357,6 +383,7 @@ Result<void> Serving::run() {
     if (!sender_) return sent;
     outputs_.clear();
     if (auto told = report(); !told.ok()) return told;
+    if (auto lost = lost_camera()) return std::move(*lost);
     const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
     return has_no_end ? Result<void>{} : sent;
 }

@@ -130,6 +130,17 @@ TEST_F(SenderCamera, ThatEndsIsFeltToTheEnd) {
     EXPECT_EQ(touch({"--replay", record})["force_hash"], lived["force_hash"]);
 }
 
+TEST_F(SenderCamera, ThatEndsEndsServe) {
+    const std::string camera = "pipe:(" + sender("oak").substr(5) + ") | head -c 187320";
+    const Outcome sent =
+        run_touchable({"serve", "--camera", camera, "tcp://127.0.0.1:0", "--json", report, "--overwrite"});
+    EXPECT_EQ(sent.code, 5) << sent.err;
+    EXPECT_NE(sent.err.find("touchable: the camera, "), std::string::npos) << sent.err;
+    EXPECT_NE(sent.err.find(", ended after "), std::string::npos) << sent.err;
+    EXPECT_NE(sent.out.find(" framesets in "), std::string::npos) << sent.out;
+    EXPECT_GT(nlohmann::json::parse(file_contents(report), nullptr, false)["framesets"], 0);
+}
+
 TEST(SenderWords, AreReadOrRefusedAndStartNothing) {
     const TemporaryFolder folder;
     const std::string made = folder / "made";

@@ -12,6 +12,7 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/stream/stream_peer.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -277,6 +278,24 @@ TEST_F(Serve, SaysWhatItCannotSend) {
     refused({clip, "tcp://127.0.0.1:0", "--hls-window", "5"}, "are for --hls DIR");
     refused({clip, "--hls", folder / "web", "--hls-segment", "0.1"}, "0.5 to 10");
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
+}
+
+TEST_F(Serve, SaysWhoMayListen) {
+    const std::string open = " is open to ANY machine that reaches it: ";
+    const auto is_open = [&](const std::string& place) {
+        const Outcome run = run_touchable({"serve", clip, place, "--loop", "--seconds", "0.05"});
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.err.find(": touchable play "), std::string::npos) << run.err;
+        return run.err.find(open) != std::string::npos;
+    };
+    const std::string port = std::to_string(unused_port()), key = "?passphrase=";
+    for (const std::string& place : Words{"tcp://0.0.0.0:0", "tcp://:0", "http://0.0.0.0:0/live.mkv",
+                                          "srt://0.0.0.0:" + port, "srt://0.0.0.0:" + port + key})
+        EXPECT_TRUE(is_open(place)) << place;
+    for (const std::string& place :
+         Words{"tcp://127.0.0.1:0", "tcp://localhost:0", "http://127.0.0.1:0/", "srt://127.0.0.1:" + port,
+               "srt://0.0.0.0:" + port + key + "0123456789abc"})
+        EXPECT_FALSE(is_open(place)) << place;
 }
 
 TEST_F(Serve, ThatWaitsForListenersIsEndedAtOnce) {
