@@ -324,7 +324,6 @@ bool is_waited_for(GpuKind kind, std::chrono::milliseconds standstill) {
         must(std::move(commands).submit());
     }
     device->lose();
-    device->set_patience(std::chrono::minutes(5));
     device.reset();
     std::jthread later([&] {
         std::this_thread::sleep_for(standstill);

@@ -94,12 +94,29 @@ struct Hooks {
     Pipe::Kind err = Pipe::Kind::pipe;
 };
 
+/// What is loaded before the program, so that a busy machine is waited for: a GPU has the time that it needs,
+/// and the clock of a window that goes by a script waits for the window. GCC's AddressSanitizer allows
+/// nothing before itself.
+std::string loaded_before(const std::vector<std::string>& arguments) {
+    const char* const asked = std::getenv("LD_PRELOAD");
+    std::string libraries = asked ? asked : "";
+#ifndef __SANITIZE_ADDRESS__
+    const auto has = [&](const char* word) {
+        return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+    };
+    libraries += (libraries.empty() ? "" : ":") + std::string(TOUCHABLE_PATIENT_GPU);
+    if (has("--headless") && has("--script")) libraries += std::string(":") + TOUCHABLE_TURNS_CLOCK;
+#endif
+    return libraries;
+}
+
 Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     std::vector<std::string> words{TOUCHABLE_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
+    const std::string libraries = loaded_before(arguments);
 
     Pipe out, err(hooks.err);
     const pid_t child = fork();
@@ -108,6 +125,7 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
         err.take_over(STDERR_FILENO);
         // As from a terminal, though these tests may run in a shell's background, where they are ignored.
         for (const int asked : {SIGINT, SIGTERM, SIGHUP}) std::signal(asked, SIG_DFL);
+        setenv("LD_PRELOAD", libraries.c_str(), 1);
         hooks.prepare();
         execv(argv[0], argv.data());
         _exit(127);
@@ -128,25 +146,23 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     return outcome;
 }
 
-/// Until the line of /proc/PID/status that begins with `name` is as wanted, or the process is gone.
-void wait_until_status(pid_t child, const std::string& name,
-                       const std::function<bool(const std::string&)>& wanted) {
-    for (int tries = 0; tries < 10000; ++tries) {
-        std::ifstream status("/proc/" + std::to_string(child) + "/status");
-        bool found = false;
-        for (std::string line; std::getline(status, line);) {
-            if (!line.starts_with(name)) continue;
-            found = true;
-            if (wanted(line.substr(name.size()))) return;
-        }
-        if (!found) return;
+/// Until it does what `is_enough` looks for, or has ended.
+void wait_until_it(pid_t child, const std::function<bool()>& is_enough) {
+    siginfo_t ended{};
+    while (!is_enough() &&
+           waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
 }
 
 void wait_until_it_minds_interrupts(pid_t child) {
-    wait_until_status(child, "SigCgt:", [](const std::string& mask) {
-        return (std::stoull(mask, nullptr, 16) >> (SIGINT - 1) & 1U) == 1;
+    wait_until_it(child, [&] {
+        std::ifstream status("/proc/" + std::to_string(child) + "/status");
+        const std::string name = "SigCgt:";
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with(name))
+                return (std::stoull(line.substr(name.size()), nullptr, 16) >> (SIGINT - 1) & 1U) == 1;
+        return false;
     });
 }
 
@@ -212,12 +228,27 @@ Outcome run_in_folder_until(const std::vector<std::string>& arguments, const fs:
         if (chdir(folder.c_str()) != 0) _exit(126);
     };
     hooks.meanwhile = [&](pid_t child) {
-        siginfo_t ended{};
-        while (!is_enough() &&
-               waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-               ended.si_pid == 0)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        wait_until_it(child, is_enough);
         kill(child, SIGINT);
+    };
+    return run(arguments, hooks);
+}
+
+Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const fs::path& folder,
+                              const fs::path& file) {
+    Hooks hooks;
+    hooks.prepare = [&] {
+        if (chdir(folder.c_str()) != 0) _exit(126);
+    };
+    hooks.meanwhile = [&](pid_t child) {
+        wait_until_it(child, [&] { return fs::exists(file); });
+        wait_until_it(child, [&] {
+            kill(child, SIGSTOP);
+            std::this_thread::sleep_for(std::chrono::milliseconds(400));
+            kill(child, SIGCONT);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            return false;
+        });
     };
     return run(arguments, hooks);
 }
@@ -269,10 +300,8 @@ Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::pat
     Hooks hooks;
     if (files == Unfinished::named) hooks.prepare = refuse_unnamed_files;
     hooks.meanwhile = [&](pid_t child) {
-        using namespace std::chrono_literals;
-        for (int tries = 0; tries < 1000 && !has_opened_a_file_in(folder, child); ++tries)
-            std::this_thread::sleep_for(10ms);
-        std::this_thread::sleep_for(50ms);
+        wait_until_it(child, [&] { return has_opened_a_file_in(folder, child); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
         kill(child, signal);
     };
     return run(arguments, hooks);

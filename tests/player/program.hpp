@@ -29,6 +29,11 @@ Outcome run_in_folder(const std::vector<std::string>& arguments, const std::file
 Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                             const std::function<bool()>& is_enough);
 
+/// Starts it there and, once `file` is there, stops it for 400 ms after each 10 ms that it runs: a machine
+/// that is busy with others.
+Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                              const std::filesystem::path& file);
+
 /// Starts it and sends SIGINT once what it has said on its error stream is enough, as is asked whenever there
 /// is more of it.
 Outcome run_until_it_says(const std::vector<std::string>& arguments,

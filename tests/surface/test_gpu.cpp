@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <stdexcept>
 
 namespace touchable::test {
@@ -17,7 +16,6 @@ public:
             dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
             auto device = GpuDevice::open({.validation = true});
             if (!device.ok()) throw std::runtime_error(device.error().message);
-            (*device)->set_patience(std::chrono::minutes(5));  // software on a busy machine is slow, not lost
             messages_ = (*device)->messages();
             kernels_ = std::make_shared<SurfaceKernels>(*device);
         }

@@ -142,6 +142,22 @@ TEST(HeadlessWindow, SaysLargeThatForceIsOff) {
     EXPECT_GT(differences(invited.image, plain.image, {60, 60, 260, 150}), 60) << "no finger";
 }
 
+/// Of the tests' own means (turns_clock.cpp): what is asked for at one moment is done, and drawn, before what
+/// is asked for later, on a machine that lets the window go on for 10 ms of 410.
+TEST(HeadlessWindow, ScriptWaitsForTheWindow) {
+    const TemporaryFolder folder;
+    std::string script = "0 screenshot begun.png\n0.15 key q\n";
+    for (const char* const late : {"0.2", "0.25", "0.3"})
+        script += late + std::string(" screenshot ") + late + ".png\n";
+    std::ofstream(folder / "script") << script;
+    const Outcome played = run_in_folder_halting(
+        {"play", made_clip("globe", 1).string(), "--headless", "--size", "320x240", "--script", "script",
+         "--seconds", "9", "--painter", "cpu", "--builder", "cpu"},
+        folder.path(), folder / "begun.png");
+    EXPECT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"begun.png", "script"}));
+}
+
 TEST(HeadlessWindow, ClipAloneIsPlayed) {
     const auto played = run_touchable(
         {made_clip("globe", 30).string(), "--headless", "--seconds", "0.3", "--size", "320x240"});

@@ -23,14 +23,14 @@ export XDG_CONFIG_HOME="$1/config"
 rm -f display  # of a run before
 Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
-for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
+for k in $(seq 600); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
 )" << before << "\n\"" << TOUCHABLE_PROGRAM
                                      << "\" " << words << R"( >out 2>err & program=$!
-timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
+timeout 60 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
 xdotool windowmove $(head -1 window) 0 0
-for k in $(seq 150); do  # until the clip is open
+for k in $(seq 600); do  # until the clip is open
     title=$(xdotool getwindowname $(head -1 window))
     [[ $title == *' - touchable' && $title != *...* ]] && break
     sleep 0.1
@@ -81,8 +81,8 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
 
 /// Of bash: until the window is called so, or another size has it.
 constexpr const char* waits = R"(
-until_called() { for k in $(seq 100); do [[ $(xdotool getwindowname $(head -1 window)) == "$1 - touchable" ]] && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 95; }
-until_sized() { for k in $(seq 100); do xdotool getwindowgeometry $(head -1 window) | grep -q "$1" && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 94; }
+until_called() { for k in $(seq 600); do [[ $(xdotool getwindowname $(head -1 window)) == "$1 - touchable" ]] && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 95; }
+until_sized() { for k in $(seq 600); do xdotool getwindowgeometry $(head -1 window) | grep -q "$1" && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 94; }
 )";
 
 constexpr const char* all_layouts[] = {"us", "de", "fr", "es", "se", "ru"};
@@ -131,7 +131,7 @@ TEST(RealWindow, IsClosedByQOnEveryKeyboard) {
         const int code = with_display(
             folder, "play globe.mkv --size 400x300 --painter cpu --seconds 60",
             "setxkbmap " + layout + "; sleep 0.3; xdotool key " + (layout == "ru" ? "24" : "q") + R"(
-for k in $(seq 100); do kill -0 $program 2>/dev/null || break; sleep 0.1; done
+for k in $(seq 600); do kill -0 $program 2>/dev/null || break; sleep 0.1; done
 kill -0 $program 2>/dev/null && { kill $program; exit 96; }
 )");
         EXPECT_EQ(code, 0) << layout << file_contents(folder / "err");
@@ -164,7 +164,7 @@ TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
         EXPECT_EQ(
             with_display(folder, "play b.mkv --size 480x300" + words,
                          "xdotool mousemove 20 150 sleep 0.5 key F12\n"
-                         "for k in $(seq 100); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
+                         "for k in $(seq 600); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
                          "xdotool key q\n",
                          "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + dots + "'"),
             0)
@@ -270,7 +270,7 @@ TEST(RealWindow, IsPaintedByMouseAndKeys) {
     const auto saved_by = [&](const std::string& keys) {
         const int code = with_display(folder, "play wall.mkv --size 960x640", R"(
 xdotool key p sleep 0.3 mousemove 240 320 sleep 0.3 )" + keys + R"( sleep 0.3 key ctrl+s
-for k in $(seq 100); do [[ -s wall.mkv.materials.json ]] && break; sleep 0.1; done
+for k in $(seq 600); do [[ -s wall.mkv.materials.json ]] && break; sleep 0.1; done
 xdotool key Escape sleep 0.3
 kill -0 $program || exit 96
 xdotool key Escape
