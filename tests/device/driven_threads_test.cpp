@@ -113,7 +113,8 @@ TEST(DrivenThreads, FaultsAtRandomMomentsUnderASecondThread) {
         }
     });
     std::mt19937 random(5);
-    for (int fault = 0; fault < 100; ++fault) {
+    // A hundred, and more where the device's thread has met too few.
+    for (int fault = 0; fault < 100 || (hardware.connections <= 10 && fault < 10'000); ++fault) {
         (fault % 2 == 0 ? hardware.plugged : hardware.throws) = fault % 2 != 0;
         std::this_thread::sleep_for(microseconds(random() % 1000));
         [[maybe_unused]] const auto words = device.prompt() + (device.health().ok() ? "" : "?");

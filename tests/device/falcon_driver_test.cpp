@@ -272,7 +272,7 @@ TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
     constexpr unsigned seed = 20;
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    auto driver = driver_for();
+    auto driver = driver_for({}, [now_ns = std::int64_t{0}]() mutable { return now_ns += 10'000; });
     connect(*driver);
     home(*driver);
     patience = microseconds(200);

@@ -5,12 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -46,6 +48,13 @@ int times_in(const std::string& text, const std::string& words) {
     int times = 0;
     for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; at += words.size()) ++times;
     return times;
+}
+
+/// Newtons that a hand of Python says it has felt; 0: none.
+double felt_force(const std::string& said) {
+    const std::string words = "largest force ";
+    const std::size_t at = said.find(words);
+    return at == std::string::npos ? 0 : std::strtod(said.c_str() + at + words.size(), nullptr);
 }
 
 /// A hand that, once it is answered, comes towards the middle of the picture, half a millimetre a packet,
@@ -141,11 +150,21 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     nlohmann::json facts;
     std::string said;
     Outcome live;
-    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+    const auto rising_ticks = [&] {
+        const auto told = read_forces(forces);
+        return std::count_if(told.begin(), told.end(),
+                             [](const ForcesRow& row) { return row["share"] > 0 && row["share"] < 1; });
+    };
+    // A hand that the machine keeps from its packets feels nothing: it then takes longer.
+    const auto is_felt = [&] {
+        return !stood_still(facts) && facts["contact_ticks"] > 50 && felt_force(said) > 0 &&
+               rising_ticks() > 0;
+    };
+    for (int seconds = 3; seconds == 3 || (!is_felt() && seconds < 200); seconds *= 2) {
         live = touch_with(
-            "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
-                std::to_string(port),
-            {"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "60", "--overwrite",
+            "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py " +
+                std::to_string(seconds) + " " + std::to_string(port),
+            {"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "600", "--overwrite",
              "--verbose", "--json", report, "--device-log", log, "--record", record, "--forces", forces},
             said);
         ASSERT_EQ(live.code, 130) << live.err;
@@ -153,7 +172,7 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     }
     EXPECT_NE(said.find("ms p99, largest force "), std::string::npos) << said;
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
-    EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
+    EXPECT_GT(felt_force(said), 0) << said;
     EXPECT_EQ(facts["device"], "network hand");
     EXPECT_GT(facts["forces_on_ticks"], 1000);
     EXPECT_GT(facts["contact_ticks"], 50);
@@ -170,7 +189,7 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     std::getline(rows, header);
     EXPECT_EQ(header, "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on");
     const auto told = read_forces(forces);
-    std::size_t count = 0, rising = 0;
+    std::size_t count = 0;
     double most = 0;
     for (; std::getline(rows, row); ++count) {
         ASSERT_LT(count, told.size());
@@ -178,11 +197,10 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
         const std::array<double, 3> sent = sent_of(row), of_it = told[count].vector("force");
         for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_NEAR(of_it[axis], sent[axis], 1e-12) << row;
         most = std::max(most, length(sent));
-        rising += told[count]["share"] > 0 && told[count]["share"] < 1;
     }
     EXPECT_EQ(count, facts["ticks"].get<std::size_t>());
     EXPECT_NEAR(facts["force_n"]["max"].get<double>(), most, 1e-12);
-    EXPECT_GT(rising, 0U) << "it did not come on as it should";
+    EXPECT_GT(rising_ticks(), 0) << "it did not come on as it should";
     const std::string plotted =
         said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/plot_live.py " +
                 (folder / "plot.png").string() + " < " + log);
@@ -200,24 +218,28 @@ std::string documented_hand() {
     return script;
 }
 
+/// The text, whose one `word` is another one.
+std::string with(std::string text, const std::string& word, const std::string& other) {
+    EXPECT_EQ(times_in(text, word), 1) << word << " in:\n" << text;
+    return text.replace(std::min(text.find(word), text.size()), word.size(), other);
+}
+
 TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
-    std::string script = documented_hand();
-    const std::size_t at = script.find("5710");
-    ASSERT_NE(at, std::string::npos) << script;
-    script.replace(at, 4, std::to_string(port));
-    std::ofstream(folder / "hand.py") << script;
+    const std::string script = with(documented_hand(), "5710", std::to_string(port));
     std::string said;
-    nlohmann::json facts;
-    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+    for (int ticks = 3000; ticks == 3000 || (felt_force(said) == 0 && ticks < 200'000); ticks *= 2) {
+        const std::string as_long =
+            with(script, "range(1, 3001)", "range(1, " + std::to_string(ticks + 1) + ")");
+        std::ofstream(folder / "hand.py")
+            << with(as_long, "tick == 3000", "tick == " + std::to_string(ticks));
         const Outcome live = touch_with("/usr/bin/python3 " + (folder / "hand.py").string(),
                                         {"touch", clip, "--live", "--device", device(), "--force-on",
-                                         "--seconds", "60", "--overwrite", "--json", report},
+                                         "--seconds", "600", "--overwrite", "--json", report},
                                         said);
         EXPECT_EQ(live.code, 130) << live.err;
-        facts = nlohmann::json::parse(file_contents(report), nullptr, false);
     }
     EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
-    EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
+    EXPECT_GT(felt_force(said), 0) << said;
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
 }
 
