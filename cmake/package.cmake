@@ -23,5 +23,6 @@ install(FILES shaders/hue_code.h DESTINATION include/touchable/shaders)
 set(touchable_package ${CMAKE_INSTALL_LIBDIR}/cmake/touchable)
 install(EXPORT touchable_solver NAMESPACE touchable:: FILE touchable-solver-targets.cmake DESTINATION ${touchable_package})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/touchable-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES cmake/touchable-config.cmake ${PROJECT_BINARY_DIR}/touchable-config-version.cmake
-    DESTINATION ${touchable_package})
+# By the name that find_package looks for it lies where it is installed and nowhere else: not in a checkout or a build folder.
+install(FILES cmake/touchable-config.cmake.in DESTINATION ${touchable_package} RENAME touchable-config.cmake)
+install(FILES ${PROJECT_BINARY_DIR}/touchable-config-version.cmake DESTINATION ${touchable_package})

@@ -36,3 +36,15 @@ fi
 cmake -S "$sources/tests/package" -B "$work/solver" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$work/solver"
 "$work/solver/touch_a_hill" >/dev/null
+
+# A checkout and a build folder are no installed package.
+mkdir "$work/none"
+cat >"$work/none/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(none NONE)
+find_package(touchable QUIET PATHS "${CHECKOUT}" "${BUILD}" NO_DEFAULT_PATH)
+if(touchable_CONSIDERED_CONFIGS)
+  message(FATAL_ERROR "find_package(touchable) takes ${touchable_CONSIDERED_CONFIGS}, which is not installed")
+endif()
+END
+cmake -S "$work/none" -B "$work/none/build" -G Ninja -DCHECKOUT="$sources" -DBUILD="$build" >/dev/null
