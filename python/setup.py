@@ -1,17 +1,26 @@
-"""What pyproject.toml cannot say: the version, which the project's CMakeLists.txt has, and the two shared libraries, which
-are taken from the folder of a build (TOUCHABLE_LIBRARIES) into the wheel."""
+"""What pyproject.toml cannot say: the version, which the project's CMakeLists.txt has; the two shared libraries, which go into
+the wheel; and their C++ sources, which go into an sdist. The libraries are taken from the folder that TOUCHABLE_LIBRARIES
+names, and built where it names none."""
 
 import os
 import pathlib
 import re
 import shutil
+import subprocess
 
 from setuptools import Distribution, setup
 from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
 from wheel.bdist_wheel import bdist_wheel
 
-top = pathlib.Path(__file__).resolve().parent.parent
+here = pathlib.Path(__file__).resolve().parent
+top = here / "source" if (here / "source").is_dir() else here.parent  # in an sdist; in the repository
+sources = ("CMakeLists.txt", "LICENSE", "capi", "cmake", "device", "engine", "haptics_cpu", "shaders")
 libraries = ("libtouchable.so.0", "libtouchable-media.so.0")
+programs = {"c++": "g++", "cmake": "cmake", "ninja": "ninja-build", "pkg-config": "pkg-config"}  # and Debian's packages of them
+packages = ("libglm-dev nlohmann-json3-dev libxxhash-dev libavformat-dev libavcodec-dev libavutil-dev libswresample-dev "
+            "libswscale-dev libzstd-dev libzip-dev libtiff-dev libopenexr-dev liblz4-dev libbz2-dev libsqlite3-dev "
+            "libheif-dev libpugixml-dev zlib1g-dev")
 
 
 def version():
@@ -19,18 +28,40 @@ def version():
         text = (top / "CMakeLists.txt").read_text()
     except OSError as problem:
         raise SystemExit(f"the version is in the repository's CMakeLists.txt: {problem}; build the wheel in the repository, "
-                         "with --wheel") from None
+                         "with --wheel, or of an sdist") from None
     return re.search(r"project\(touchable VERSION ([0-9.]+)", text)[1]
 
 
 def folder_of_libraries():
-    """TOUCHABLE_LIBRARIES, from the top of the repository where it is no absolute path."""
-    folder = top / os.environ.get("TOUCHABLE_LIBRARIES", "build/release/capi")
+    """TOUCHABLE_LIBRARIES, from the top of the repository where it is no absolute path; else where they are built."""
+    if "TOUCHABLE_LIBRARIES" not in os.environ:
+        return built()
+    folder = top / os.environ["TOUCHABLE_LIBRARIES"]
     missing = [name for name in libraries if not (folder / name).exists()]
     if missing:
         raise SystemExit(f"{folder} has no {' and no '.join(missing)}; build them (cmake --build --preset release --target "
-                         "touchable_shared touchable_media_shared), or name their folder in TOUCHABLE_LIBRARIES")
+                         "touchable_shared touchable_media_shared), name their folder in TOUCHABLE_LIBRARIES, or name none: "
+                         "then they are built")
     return folder
+
+
+def built():
+    """The folder of the libraries, built now: in the release build where there is one, else in one of their own."""
+    install = f"on Debian 12: sudo apt install {' '.join(programs.values())} {packages}"
+    missing = [program for program in programs if not shutil.which(program)]
+    if missing:
+        raise SystemExit(f"the C++ libraries of touchable cannot be built: there is no {' and no '.join(missing)}; {install}")
+    release, own = top / "build/release", top / "build/libraries"
+    folder = release if (release / "CMakeCache.txt").exists() else own
+    if folder == own:
+        configured = subprocess.run(
+            ["cmake", "-S", top, "-B", own, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON",
+             "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0", "-DTOUCHABLE_PARTS=libraries"], stderr=subprocess.PIPE, text=True)
+        if configured.returncode:
+            raise SystemExit(f"the C++ libraries of touchable cannot be built; CMake says:\n{configured.stderr}\n{install}")
+    if subprocess.run(["cmake", "--build", folder, "--target", "touchable_shared", "touchable_media_shared"]).returncode:
+        raise SystemExit("the C++ libraries of touchable cannot be built; the compiler's errors are above")
+    return folder / "capi"
 
 
 class BuildWithLibraries(build_py):
@@ -41,6 +72,18 @@ class BuildWithLibraries(build_py):
         folder = folder_of_libraries()
         for name in libraries:
             shutil.copyfile(folder / name, into / name)
+
+
+class SdistWithSources(sdist):
+    def make_release_tree(self, base_dir, files):
+        super().make_release_tree(base_dir, files)
+        for name in sources:
+            into = pathlib.Path(base_dir) / "source" / name
+            if (top / name).is_dir():
+                shutil.copytree(top / name, into, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                into.parent.mkdir(exist_ok=True)
+                shutil.copyfile(top / name, into)
 
 
 class WheelOfThisPlatform(bdist_wheel):
@@ -56,4 +99,4 @@ class WithLibraries(Distribution):
 
 
 setup(version=version(), distclass=WithLibraries,
-      cmdclass={"build_py": BuildWithLibraries, "bdist_wheel": WheelOfThisPlatform})
+      cmdclass={"build_py": BuildWithLibraries, "sdist": SdistWithSources, "bdist_wheel": WheelOfThisPlatform})

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zipfile
 
 import numpy
 import touchable
@@ -121,15 +122,58 @@ class Libraries(unittest.TestCase):
         self.assertEqual(done.stdout, "True\n")
         self.assertRegex(done.stderr, "ImportError: libtouchable-media.so.0, which opens and writes files")
 
+    def copied(self, *names):
+        """The package's sources and `names` of the repository, in a folder where they may be built."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        built = shutil.ignore_patterns("build", "dist", "*.egg-info", "__pycache__")
+        os.mkdir(folder.name + "/touchable")
+        for name in ("python", "CMakeLists.txt", *names):
+            if (source / name).is_dir():
+                shutil.copytree(source / name, f"{folder.name}/touchable/{name}", ignore=built)
+            else:
+                shutil.copy(source / name, folder.name + "/touchable")
+        return folder.name
+
     def test_AWheelWithoutThemIsRefused(self):
-        with tempfile.TemporaryDirectory() as folder:
-            built = shutil.ignore_patterns("build", "dist", "*.egg-info")
-            shutil.copytree(source / "python", folder + "/python", ignore=built)
-            shutil.copy(source / "CMakeLists.txt", folder)
-            done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/python",
-                                  capture_output=True, text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
-            self.assertNotEqual(done.returncode, 0)
-            self.assertIn(f"{folder} has no libtouchable.so.0 and no libtouchable-media.so.0", done.stderr)
+        folder = self.copied()
+        done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/touchable/python",
+                              capture_output=True, text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn(f"{folder} has no libtouchable.so.0 and no libtouchable-media.so.0", done.stderr)
+
+    def test_AnSdistHasWhatTheLibrariesAreBuiltOf(self):
+        """What CMake configures with it; to compile it takes minutes. The wheel of it has libraries that were built before."""
+        folder = self.copied("LICENSE", "capi", "cmake", "device", "engine", "haptics_cpu", "shaders")
+        subprocess.run(["/usr/bin/python3", "-m", "build", "--sdist", "--no-isolation", "--outdir", folder, folder +
+                        "/touchable/python"], check=True, capture_output=True)
+        name = f"touchable-{touchable.__version__}"
+        subprocess.run(["tar", "xzf", f"{folder}/{name}.tar.gz", "-C", folder], check=True)
+        subprocess.run(["cmake", "-S", f"{folder}/{name}/source", "-B", f"{folder}/b", "-G", "Ninja",
+                        "-DTOUCHABLE_PARTS=libraries"], check=True, capture_output=True)
+        headers = {f"{folder}/{name}/source/{path}" for path in
+                   re.findall(r'#include "([a-z_]+/[^"]+)"', "".join(
+                       file.read_text() for part in ("capi", "haptics_cpu", "engine/import", "engine/surface")
+                       for file in (source / part).rglob("*.[ch]pp")))}
+        self.assertEqual([header for header in headers if not os.path.exists(header)], [])
+        done = subprocess.run([sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-index",
+                               "--no-build-isolation", "--no-deps", "-w", folder, f"{folder}/{name}.tar.gz"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        wheel = os.path.basename(os.environ["TOUCHABLE_WHEEL"])
+        with zipfile.ZipFile(f"{folder}/{wheel}") as file, zipfile.ZipFile(os.environ["TOUCHABLE_WHEEL"]) as tested:
+            self.assertEqual(sorted(file.namelist()), sorted(tested.namelist()))
+
+    def test_WithoutACompilerAWheelSaysWhatToInstall(self):
+        folder = self.copied()
+        environment = {name: value for name, value in os.environ.items() if name != "TOUCHABLE_LIBRARIES"}
+        done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/touchable/python",
+                              capture_output=True, text=True, env={**environment, "PATH": folder})
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "there is no c\\+\\+ and no cmake.*apt install g\\+\\+ cmake ninja-build.*libzip-dev")
+        named = re.search(r"apt install ([\w+. -]+)", done.stderr)[1].split()
+        packages = re.search(r"^packages=\((.*?)\)", (source / "run").read_text(), re.S | re.M)[1].split()
+        self.assertEqual(set(named) - set(packages), set())
 
 
 if __name__ == "__main__":
