@@ -7,6 +7,7 @@
 #include <string>
 
 #include "capi/status.hpp"
+#include "engine/number_words.hpp"
 #include "engine/surface/raw_check.hpp"
 
 namespace touchable::capi {
@@ -77,10 +78,49 @@ std::optional<std::uint16_t> code_of_no_surface(const DepthCoding& coding) {
     return std::nullopt;
 }
 
-/// Metres to the nearest codes; what is not above 0, not a number, or deeper than the far plane has no
-/// surface.
+/// Depths above 0 that the scene has no code for. A renderer's background is no depth: 1e9 and beyond, and
+/// 65504, the largest half, where no depth is farther (engine/import has the same rule for files).
+class LostDepths {
+public:
+    void add(float metres) {
+        if (!(metres < endless)) return;
+        if (metres == largest_half) {
+            ++halves_;
+            return;
+        }
+        nearest_ = lost_ == 0 ? metres : std::min(nearest_, metres);
+        farthest_ = std::max(farthest_, metres);
+        ++lost_;
+    }
+    std::int64_t count() const { return lost_ + (farthest_ > largest_half ? halves_ : 0); }
+    std::string range() const { return short_number(nearest_) + " to " + short_number(farthest_); }
+
+private:
+    static constexpr float endless = 1e9F, largest_half = 65504;
+    std::int64_t lost_ = 0, halves_ = 0;
+    float nearest_ = 0, farthest_ = 0;
+};
+
+/// Refuses a picture most of whose depths are lost: its unit or the far plane is wrong. Fewer than one pixel
+/// in 100 tell nothing of that.
+Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_plane& plane,
+                        const Scene& scene, double deepest) {
+    if (lost.count() <= kept || lost.count() < std::int64_t{plane.width} * plane.height / 100) return {};
+    const double unit = scene.metres_per_unit;
+    return plane_error("depth",
+                       "is of floats, which are metres, and " + std::to_string(lost.count()) + " of its " +
+                           std::to_string(lost.count() + kept) + " depths lie outside the scene's " +
+                           short_number(scene.depth.near * unit) + " to " + short_number(deepest * unit) +
+                           " m: at " + lost.range() +
+                           "; right would be depth / 1000 where these are millimetres, a scene with a larger "
+                           "far_m (and metres_per_code, for 65535 codes to reach it), or 0 where there is to "
+                           "be no surface");
+}
+
+/// Metres to the nearest codes; what is not above 0, not a number, or outside the scene's depths has no
+/// surface. `lost`: how many of these were depths.
 Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
-                                  std::vector<std::uint16_t>& codes) {
+                                  std::vector<std::uint16_t>& codes, std::int64_t& lost) {
     if (scene.depth.kind == DepthCodingKind::hue || scene.depth_bits <= 8)
         return plane_error("depth",
                            "is of floats, but the scene has depth of 8 bits; right would be TOUCH_U8");
@@ -97,14 +137,20 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
                far = static_cast<float>(deepest * scene.metres_per_unit);
     const auto* first = static_cast<const unsigned char*>(plane.data);
     std::size_t place = 0;
+    LostDepths outside;
+    std::int64_t kept = 0;
     for (std::int64_t y = 0; y < plane.height; ++y)
         for (std::int64_t x = 0; x < plane.width; ++x) {
             float metres;
             std::memcpy(&metres, first + y * plane.stride_bytes + 4 * x, sizeof metres);
             const bool there = metres > 0 && metres >= near && metres <= far;
+            kept += there;
+            if (!there && metres > 0) outside.add(metres);
             codes[place++] =
                 there ? scene.depth.code(static_cast<double>(metres) / scene.metres_per_unit) : *none;
         }
+    lost = outside.count();
+    if (auto enough = check_lost(outside, kept, plane, scene, deepest); !enough) return enough.error();
     return PlaneView{reinterpret_cast<const std::uint8_t*>(codes.data()),
                      std::ptrdiff_t{2} * plane.width,
                      plane.width,
@@ -117,11 +163,13 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
 
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch) {
     if (!has_known_size(&frame)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
-    const touch_frame given = over_defaults(frame, touch_frame{});
+    touch_frame given = over_defaults(frame, touch_frame{});
+    if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // a part of a pointer is none
     if (given.number < 0 || !is_countable(given.number))
         return usage_error("the frame's number is out of range; right would be 0 to 2^60");
     if (!is_countable(given.time_ns))
         return usage_error("the frame's time_ns is out of range; right would be -2^60 to 2^60");
+    if (given.lost_pixels) *given.lost_pixels = 0;
     RawFrame raw;
     raw.number = given.number;
     raw.time_ns = given.time_ns;
@@ -147,7 +195,9 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
             to = view_of(from, scratch.planes[k]);
             continue;
         }
-        auto codes = codes_of_metres(from, scene, scratch.codes);
+        std::int64_t lost = 0;
+        auto codes = codes_of_metres(from, scene, scratch.codes, lost);
+        if (given.lost_pixels) *given.lost_pixels = lost;
         if (!codes) return codes.error();
         to = *codes;
     }

@@ -42,6 +42,8 @@ touch_status status_of(Removal removal) noexcept;
 /// gets a specialisation with the size that it had.
 template <class T>
 inline constexpr std::size_t first_size = sizeof(T);
+template <>
+inline constexpr std::size_t first_size<touch_frame> = offsetof(touch_frame, lost_pixels);
 
 /// Whether a struct that a program hands over has a size that this library knows.
 template <class T>

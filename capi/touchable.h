@@ -102,8 +102,9 @@ typedef struct touch_camera {
     double fy_px;                /**< focal length down, pixels, > 0 */
     double cx_px;                /**< column of the principal point, pixels; pixel (0, 0) has its centre at (0, 0) */
     double cy_px;                /**< its row, pixels */
-    double metres_per_code;      /**< of uint16 depth; 0.001: millimetres. Depth as floats is metres, rounded to this */
-    double far_m;                /**< deeper pixels have no surface; metres, > 0 */
+    double metres_per_code;      /**< of uint16 depth; 0.001: millimetres. Depth as floats is metres, rounded to this; 65535
+                                    times this is the farthest that can be */
+    double far_m;                /**< deeper pixels have no surface; metres, > 0. See touch_frame.lost_pixels */
     double frames_per_second;    /**< > 0; used where frames are counted and not timed */
     double stiffness_n_per_m;    /**< where no haptic picture says otherwise; >= 0 */
     double static_friction;      /**< likewise, coefficient >= 0 */
@@ -152,7 +153,7 @@ TOUCH_API touch_status touch_scene_destroy(touch_scene scene);
 
 #define TOUCH_U8 1  /**< uint8_t */
 #define TOUCH_U16 2 /**< uint16_t, this machine's byte order */
-#define TOUCH_F32 4 /**< float, depth alone: metres; not above 0 or not finite: no surface there */
+#define TOUCH_F32 4 /**< float, depth alone: metres; not above 0, not finite or outside the scene's depths: no surface there */
 
 /** One picture in memory that somebody owns. */
 typedef struct touch_plane {
@@ -174,6 +175,10 @@ typedef struct touch_frame {
     touch_plane colour;  /**< 3 channels, TOUCH_U8; nobody touches it */
     touch_plane haptic;  /**< 3 channels, TOUCH_U8: stiffness, static and dynamic friction */
     touch_plane height;  /**< 1 channel: roughness */
+    int64_t *lost_pixels; /**< NULL, or where functions that take the frame write how many pixels of TOUCH_F32 have a
+                             depth (finite, above 0) that lies outside the scene's, and so have no surface. A renderer's
+                             background (1e9 and beyond, or 65504) is no depth. Where most of the depths are lost the
+                             frame is refused with TOUCH_USAGE */
 } touch_frame;
 
 /** Fills in an empty frame: number 0, time 0, no picture. `struct_size`: sizeof(touch_frame) of your program. */
@@ -292,6 +297,7 @@ typedef struct touch_tick {
 #define TOUCH_GUARD_WAITING 256   /**< no force until the finger has been free */
 #define TOUCH_GUARD_GAP 512       /**< the hand had been left alone */
 #define TOUCH_GUARD_STALE 1024    /**< the surface is too old, or was */
+#define TOUCH_GUARD_UNSTEADY 2048 /**< of touch_surface_forces_at: the force still changes after 500 ticks */
 
 /** What a finger met in a tick. */
 typedef struct touch_contact {
@@ -335,6 +341,22 @@ TOUCH_API touch_status touch_solver_come_back(touch_solver solver);
 TOUCH_API touch_status touch_solver_force_hash(touch_solver solver, uint64_t *hash);
 /** Ends a solver; its surface is free for another one. TOUCH_BUSY while another thread ticks it. */
 TOUCH_API touch_status touch_solver_destroy(touch_solver solver);
+
+#define TOUCH_FRICTION_OFF 0 /**< the surface is as smooth as can be: its force pushes along the normal */
+#define TOUCH_FRICTION_ON 1  /**< friction as the scene has it, which may hold a finger where it met the surface */
+
+/** The force at any number of places: each as of a finger alone that came to it along its pixel's ray, from the camera,
+ * and stays there until the force is steady, for 500 ticks at most (contacts[k].guard has TOUCH_GUARD_UNSTEADY where it
+ * was not). Forces are there at once: `fingers`, `ramp_in_ticks`, `waits_to_be_free` and `stale_after_ns` of `settings`
+ * do not count; NULL: defaults. `moment` says which surface is met, `moment->tick` does not count; later ticks do not go
+ * back before it. `friction`: TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON. `points` (scene units) and `contacts` have `count`
+ * elements. A place that is no number, or far outside the scene, has no force, and TOUCH_GUARD_FAULT. TOUCH_BUSY: the
+ * surface has a solver. TOUCH_USAGE: NULL, a size, a setting out of its range, or no frame was pushed yet.
+ * Not yet stable. */
+TOUCH_API touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_settings *settings,
+                                               const touch_tick *moment, int32_t friction, const touch_vec3 *points,
+                                               size_t count, touch_contact *contacts, size_t contact_stride_bytes,
+                                               touch_error *error);
 
 /* ---- Clips: libtouchable-media ------------------------------------------------------------------------------- */
 

@@ -164,6 +164,17 @@ public:
         detail::check(touch_surface_hand_scale(get(), &scale, &error), error);
         return scale;
     }
+    /// touch_surface_forces_at.
+    std::vector<touch_contact> forces_at(const touch_tick& moment, const std::vector<touch_vec3>& points,
+                                         std::int32_t friction = TOUCH_FRICTION_OFF,
+                                         const touch_solver_settings& settings = solver_settings()) const {
+        touch_error error = detail::no_error();
+        std::vector<touch_contact> contacts(points.size());
+        detail::check(touch_surface_forces_at(get(), &settings, &moment, friction, points.data(),
+                                              points.size(), contacts.data(), sizeof(touch_contact), &error),
+                      error);
+        return contacts;
+    }
 };
 
 /// touch_solver. Ends before its surface does.

@@ -7,7 +7,9 @@
 
     touchable.write("out.mkv", frames, camera=touchable.Camera(640, 480, fx_px=525))
 
-    touched = touchable.Surface(depth, camera).touch(path)    # path: (ticks, 3), a tick for each millisecond
+    surface = touchable.Surface(depth, camera)
+    surface.forces_at(points).force_n                         # points: (..., 3), each as of a finger alone; newtons
+    touched = surface.touch(path)                             # path: (ticks, 3), a tick for each millisecond
     touched.force_n                                           # (ticks, fingers, 3), newtons
     touchable.plot(touched, "forces.png")
 
@@ -21,12 +23,12 @@ from ._library import version as _version
 from ._plotting import plot
 from ._scene import Camera, Scene
 from ._surface import Surface
-from ._touch import Guard, Solver, SolverSettings, Touched, touch
+from ._touch import ForcesAt, Guard, Solver, SolverSettings, Touched, touch
 from ._writing import write
 from .errors import ClosedError, Error, ExistingFileError, MissingFileError, Status, UsageError
 
 __version__: str = _version()
 __all__ = [
-    "Camera", "Clip", "ClosedError", "Error", "ExistingFileError", "Frame", "Guard", "MissingFileError", "Scene", "Solver",
+    "Camera", "Clip", "ClosedError", "Error", "ExistingFileError", "ForcesAt", "Frame", "Guard", "MissingFileError", "Scene", "Solver",
     "SolverSettings", "Status", "Surface", "Touched", "UsageError", "open", "plot", "touch", "write",
 ]

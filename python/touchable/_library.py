@@ -98,7 +98,7 @@ SceneFacts = struct("SceneFacts", **several("width height depth_kind", c_int32),
     "fx_px fy_px cx_px cy_px metres_per_scene_unit near_units far_units frames_per_second"
     " hand_metres_per_scene_unit", c_double), **several("unstated_filters reserved", c_int32))
 FrameStruct = struct("FrameStruct", reserved=c_int32, number=c_int64, time_ns=c_int64,
-                     **several("depth colour haptic height", Plane))
+                     **several("depth colour haptic height", Plane), lost_pixels=POINTER(c_int64))
 SurfaceSettings = struct("SurfaceSettings", **several("threads frames reserved", c_int32))
 SolverStruct = struct("SolverStruct", fingers=c_int32, **several(
     "metres_per_scene_unit max_force_n max_stiffness_n_per_m damping_n_s_per_m passivity_n_s_per_m stribeck_m_per_s",
@@ -145,6 +145,8 @@ _solver_functions = {
     "solver_come_back": (_handle,),
     "solver_force_hash": (_handle, POINTER(c_uint64)),
     "solver_destroy": (_handle,),
+    "surface_forces_at": (_handle, POINTER(SolverStruct), POINTER(Tick), c_int32, c_void_p, c_size_t, c_void_p, c_size_t,
+                          _error),
 }
 _media_functions = {
     "clip_settings_defaults": (POINTER(ClipSettings), c_uint32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any, Callable, Mapping
 
 import numpy
@@ -71,10 +72,23 @@ def depth_plane(depth: ArrayLike) -> Plane:
 
 def frame_struct(frame: Any, number: int, time_ns: int) -> Struct:
     """A frame of whatever has pictures, with this number and time: a Frame, a depth array, a dict or a tuple of planes.
-    It is good for as long as the frame is."""
+    It is good for as long as the frame is. The library writes to `lost` how many pixels' depths the scene has not."""
+    lost = ctypes.c_int64()
     stored = getattr(frame, "_struct", None)
     if isinstance(stored, FrameStruct):
-        return FrameStruct(number=number, time_ns=time_ns, **{role: getattr(stored, role) for role in roles})
+        struct = FrameStruct(number=number, time_ns=time_ns, **{role: getattr(stored, role) for role in roles})
+        struct.lost = lost
+        return struct
+    planes = planes_of(frame)
+    made = {role: plane_of(given, role) for role, given in planes.items() if given is not None}
+    struct = FrameStruct(number=number, time_ns=time_ns, **made)
+    struct.arrays = [plane.array for plane in made.values()]
+    struct.lost, struct.lost_pixels = lost, ctypes.pointer(lost)
+    return struct
+
+
+def planes_of(frame: Any) -> dict[str, Any]:
+    """Pictures by role, of a depth array, a dict or a tuple of planes."""
     if isinstance(frame, tuple):
         if not 1 <= len(frame) <= len(roles):
             raise refuse(f"a frame is a tuple of {len(frame)}; right would be (depth, colour, haptic, height) or the "
@@ -86,10 +100,14 @@ def frame_struct(frame: Any, number: int, time_ns: int) -> Struct:
         raise refuse(f"a frame has a picture {unknown[0]!r}; right would be {', '.join(roles)}")
     if planes.get("depth") is None:
         raise refuse("a frame has no depth; it must be there, other pictures may be")
-    made = {role: plane_of(given, role) for role, given in planes.items() if given is not None}
-    struct = FrameStruct(number=number, time_ns=time_ns, **made)
-    struct.arrays = [plane.array for plane in made.values()]
-    return struct
+    return planes
+
+
+def lost_words(lost: int, scene: Any) -> str:
+    """What a warning says of depths that became holes."""
+    near, far = scene.near_units * scene.metres_per_scene_unit, scene.far_units * scene.metres_per_scene_unit
+    return (f"{lost} pixels have no surface: their depth as floats, in metres, is outside {near:.4g} to {far:.4g} m or beyond "
+            "the last code; a larger far_m (and metres_per_code) of the camera keeps them, 0 or NaN says that there is none")
 
 
 class _Owner:

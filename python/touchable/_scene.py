@@ -20,6 +20,7 @@ from .errors import UsageError, Status
 
 DepthKind = Literal["planar", "range"]
 _kinds: tuple[DepthKind, DepthKind] = ("planar", "range")  # TOUCH_PLANAR, TOUCH_RANGE
+usual_far_m, most_codes = 10.0, 65535
 
 
 def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> NDArray[numpy.float64]:
@@ -40,8 +41,10 @@ class Camera:
     width, height: pixels, 1 to 16384; 640 and 480.
     fx_px, fy_px: focal lengths, pixels. fx_px: 60 degrees are seen from left to right; fy_px: as fx_px.
     cx_px, cy_px: principal point, pixels, where (0, 0) is the centre of the first pixel; the middle.
-    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it; 0.001.
-    far_m: deeper pixels have no surface, metres; 10.
+    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it, and reaches 65535 times as far;
+        0.001. None, as of a clip whose codes are no multiples of a length: the finest that reaches far_m, for depth as
+        floats alone.
+    far_m: deeper pixels have no surface, metres. None: 10, or in touchable.write of arrays as much farther as these reach.
     frames_per_second: 0.001 to 1000, used where frames are counted and not timed; 30.
     stiffness_n_per_m: where no haptic picture says otherwise, N/m; 600.
     static_friction, dynamic_friction: likewise, coefficients, the second at most the first; 0.4 and 0.3.
@@ -57,8 +60,8 @@ class Camera:
     fy_px: float | None = None
     cx_px: float | None = None
     cy_px: float | None = None
-    metres_per_code: float = 0.001
-    far_m: float = 10.0
+    metres_per_code: float | None = 0.001
+    far_m: float | None = None
     frames_per_second: float = 30.0
     stiffness_n_per_m: float = 600.0
     static_friction: float = 0.4
@@ -93,7 +96,10 @@ class Camera:
         return _points(x_px, y_px, depth_m, self)
 
     def _struct(self) -> _library.Struct:
-        return CameraStruct(**{**dataclasses.asdict(self), "depth_kind": _kinds.index(self.depth_kind)})
+        far_m = usual_far_m if self.far_m is None else number("far_m", self.far_m)
+        step = far_m / most_codes if self.metres_per_code is None else self.metres_per_code
+        return CameraStruct(**{**dataclasses.asdict(self), "depth_kind": _kinds.index(self.depth_kind),
+                               "far_m": far_m, "metres_per_code": step})
 
 
 class Scene:
@@ -114,6 +120,7 @@ class Scene:
     def __init__(self, handle: _library.Handle) -> None:
         """Of a handle of the C API; programs use Scene.from_camera or Scene.from_text."""
         self._handle = handle
+        self._takes_codes = True
         facts = SceneFacts()
         call("scene_describe", handle.number, facts)
         self.width: int = facts.width
@@ -133,7 +140,9 @@ class Scene:
     @classmethod
     def from_camera(cls, camera: Camera) -> Scene:
         """A scene of a camera: unit metre, no filter. Raises UsageError, which names a member out of its range."""
-        return cls(made("scene_from_camera", "scene_destroy", camera._struct()))
+        scene = cls(made("scene_from_camera", "scene_destroy", camera._struct()))
+        scene._takes_codes = camera.metres_per_code is not None
+        return scene
 
     @classmethod
     def from_text(cls, text: str) -> Scene:
@@ -150,8 +159,9 @@ class Scene:
     def camera(self) -> Camera:
         """The scene as a camera, as far as one can say it. Lengths in metres.
 
-        Where codes are no multiples of a length (rendered depth between two planes), `metres_per_code` is the finest
-        whose codes reach far_m. For pictures of codes keep the scene; the camera is for depth in metres.
+        Where codes are no multiples of a length (rendered depth between two planes, disparities), `metres_per_code` is
+        None: no number turns such codes into metres; frame.metres and scene.metres do. For pictures of codes keep the
+        scene; the camera is for depth in metres.
         """
         said = json.loads(self.text)
         metric = said["depth"].get("scale") if said["depth"]["coding"] == "metric" else None
@@ -160,7 +170,7 @@ class Scene:
         stiffness = feel["stiffness_n_per_m"] if "stiffness_n_per_m" in feel else feel["stiffness"] * 1000
         return Camera(
             self.width, self.height, self.fx_px, self.fy_px, self.cx_px, self.cy_px,
-            metric * self.metres_per_scene_unit if metric else far_m / 65535, far_m, self.frames_per_second,
+            metric * self.metres_per_scene_unit if metric else None, far_m, self.frames_per_second,
             stiffness, feel["static_friction"], feel["dynamic_friction"], self.depth_kind)
 
     def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
@@ -189,10 +199,10 @@ class Scene:
         the scene states stay. Raises UsageError where a picture has not the scene's size or kind.
         """
         looked_at = list(itertools.islice(frames, 16))
-        structs = [_planes.frame_struct(frame, place, place) for place, frame in enumerate(looked_at)]
+        structs = [self._frame_struct(frame, place, place) for place, frame in enumerate(looked_at)]
         array: Any = (_library.FrameStruct * len(structs))(*structs)
         size = ctypes.sizeof(_library.FrameStruct)
-        return Scene(made("scene_with_filters", "scene_destroy", self._handle.number, array, size, len(structs)))
+        return self._alike(Scene(made("scene_with_filters", "scene_destroy", self._handle.number, array, size, len(structs))))
 
     def with_rate(self, frames_per_second: float | fractions.Fraction) -> Scene:
         """The same scene at another rate, frames per second: a number, or an exact Fraction(30000, 1001). Raises
@@ -200,10 +210,24 @@ class Scene:
         exact = isinstance(frames_per_second, numbers.Rational)
         rate = fractions.Fraction(frames_per_second if exact else number("frames_per_second", frames_per_second))
         rate = rate.limit_denominator(1_000_000)
-        return Scene.from_text(json.dumps({**json.loads(self.text), "rate": [rate.numerator, rate.denominator]}))
+        text = json.dumps({**json.loads(self.text), "rate": [rate.numerator, rate.denominator]})
+        return self._alike(Scene.from_text(text))
+
+    def _alike(self, other: Scene) -> Scene:
+        other._takes_codes = self._takes_codes
+        return other
+
+    def _frame_struct(self, frame: Any, number: int, time_ns: int) -> _library.Struct:
+        """A frame for the library, which is refused where its depth is of codes and the scene has no meaning for them."""
+        struct = _planes.frame_struct(frame, number, time_ns)
+        if not self._takes_codes and struct.depth.sample != _library.F32:
+            raise _planes.refuse(
+                "the camera's metres_per_code is None, so that its depth is floats of metres, and not codes; right would be "
+                "the clip's scene (clip.scene) for its codes, or a camera that states metres_per_code")
+        return struct
 
     def __reduce__(self) -> tuple:
-        return Scene.from_text, (self.text,)
+        return Scene.from_text, (self.text,), {"_takes_codes": self._takes_codes}
 
     def __repr__(self) -> str:
         return (f"<touchable.Scene {self.width}x{self.height}, fx {self.fx_px:.6g} px, unit "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy
@@ -15,7 +16,7 @@ from ._library import SurfaceSettings, call, made, refuse_copies
 from ._scene import Camera, Scene, scene_of
 
 if TYPE_CHECKING:
-    from ._touch import Touched
+    from ._touch import ForcesAt, Touched
 
 
 class Surface:
@@ -41,19 +42,22 @@ class Surface:
             of roughness. Both as the scene says.
         threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64.
 
-        Raises UsageError (a ValueError) where a picture has not the scene's size or kind.
+        Depths as floats that the scene has not, such as beyond the camera's far_m, have no surface, which a warning says
+        once. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
         """
         meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
         self.scene: Scene = scene_of(meaning)
         settings = SurfaceSettings(threads=threads, frames=frames)
         self._handle = made("surface_create", "surface_destroy", self.scene._handle.number, settings)
         self._pushed = 0
+        self._epoch = 0
+        self._has_warned = False
         self._first: NDArray[Any] | None = None
         self._first_metres: NDArray[numpy.float32] | None = None
         if depth is not None:
             extra: dict[str, Any] = {"haptic": haptic, "height": height}
             plain = isinstance(depth, Frame) or all(picture is None for picture in extra.values())
-            self.push(depth if plain else dict(extra, depth=depth), 0)
+            self._push(depth if plain else dict(extra, depth=depth), 0)
         elif haptic is not None or height is not None:
             raise _planes.refuse("haptic or height is given without depth; right would be all of them, or push()")
 
@@ -65,14 +69,22 @@ class Surface:
             the scene's frames_per_second.
 
         Raises Error with Status.FULL while the solver still needs all pictures that there are (try again once it has
-        ticked on), UsageError where the picture is not the scene's or the time not later, ClosedError.
+        ticked on), UsageError where the picture is not the scene's, most of its depths as floats are none that the scene
+        has, or the time is not later, ClosedError. Then the surface stays as it was.
         """
+        self._push(frame, time_ns)
+
+    def _push(self, frame: Any, time_ns: int | None) -> None:
+        """Of push and __init__, whose callers are warned."""
         self._check_open()
         if time_ns is None:
             counted = round(self._pushed * 1e9 / self.scene.frames_per_second)
             time_ns = frame.time_ns if isinstance(frame, Frame) else counted
-        struct = _planes.frame_struct(frame, self._pushed, time_ns)
+        struct = self.scene._frame_struct(frame, self._pushed, time_ns)
         call("surface_push", self._handle.number, struct)
+        if struct.lost.value and not self._has_warned:
+            self._has_warned = True
+            warnings.warn(_planes.lost_words(struct.lost.value, self.scene), stacklevel=3)
         if self._first is None:
             self._first = _copy_of(struct.depth)
         self._pushed += 1
@@ -82,6 +94,7 @@ class Surface:
         the first is 0. Ticks that name it meet it once two of its pictures are there. Raises UsageError, ClosedError."""
         self._check_open()
         call("surface_begin_epoch", self._handle.number, _library.whole("epoch", epoch, 0, 2**64 - 1))
+        self._epoch = epoch
 
     def end_epoch(self) -> None:
         """The epoch has no more pictures: its last one stands still. Of use where it has only one. Raises ClosedError."""
@@ -130,6 +143,27 @@ class Surface:
         goals = path_of(path)
         with Solver(self, fingers=goals.shape[1], **settings) as solver:
             return solver.run(goals)
+
+    def forces_at(self, points: ArrayLike, *, friction: bool = False, time_ns: int | None = None,
+                  **settings: Any) -> ForcesAt:
+        """The force at any number of places: each as of a finger alone that came to it along its pixel's ray, from the
+        camera, and stays there until its force is steady.
+
+        points: (..., 3) float64, scene units, as Camera.points gives them. A place that is no number has no force.
+        friction: False: the force pushes along the surface's normal; True: friction may hold the finger where it met the
+            surface, and its force then leans along the ray.
+        time_ns: the moment of the pictures' clock; None: that of the newest picture. Later ticks of the surface do not go
+            back before it.
+        settings: members of SolverSettings, such as metres_per_scene_unit=1; ramps, waits_to_be_free and stale_after_ns
+            do not count.
+
+        Gives a ForcesAt, with arrays of the same shape (...). Raises UsageError where shape or setting cannot be or no
+        picture was pushed, Error with Status.BUSY while a Solver of the surface is open, ClosedError.
+        """
+        from ._touch import forces_at
+
+        self._check_open()
+        return forces_at(self, points, friction, time_ns, settings)
 
     def close(self) -> None:
         """Ends the surface. Raises Error with Status.BUSY while a Solver of it is open. Closing twice does nothing."""

@@ -42,6 +42,7 @@ class Guard(enum.IntFlag):
     WAITING: no force until the finger has been free.
     GAP: the hand had been left alone.
     STALE: the surface is too old, or was.
+    UNSTEADY: of forces_at alone: the force still changes after 500 ticks.
     """
 
     STIFFNESS = 1
@@ -55,6 +56,7 @@ class Guard(enum.IntFlag):
     WAITING = 256
     GAP = 512
     STALE = 1024
+    UNSTEADY = 2048
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,8 +102,73 @@ class SolverSettings:
 _settings = [setting.name for setting in dataclasses.fields(SolverSettings)]
 
 
-class Touched:
-    """What fingers met, tick by tick: arrays whose first axes are (ticks, fingers). They share memory with `contacts`.
+class _Contacts:
+    """What fingers met: arrays whose first axes are those of `contacts`, with which they share memory."""
+
+    def __init__(self, contacts: NDArray[Any], surface: Surface) -> None:
+        self.contacts = contacts
+        self.scene: Scene = surface.scene
+        self._first = surface._first
+
+    @property
+    def force_n(self) -> NDArray[numpy.float64]:
+        """(..., 3) float64: the force on each finger, newtons; never NaN, never longer than max_force_n."""
+        return self.contacts["force_n"]
+
+    @property
+    def goal(self) -> NDArray[numpy.float64]:
+        """(..., 3) float64, scene units: as given, or the last one that was a number."""
+        return self.contacts["goal"]
+
+    @property
+    def proxy(self) -> NDArray[numpy.float64]:
+        """(..., 3) float64, scene units: where the surface holds the finger; the goal itself out of contact."""
+        return self.contacts["proxy"]
+
+    @property
+    def pixel(self) -> NDArray[numpy.float64]:
+        """(..., 2) float64, pixels: column and row of the proxy; NaN where no pixel sees it."""
+        return self.contacts["pixel"]
+
+    @property
+    def touching(self) -> NDArray[numpy.bool_]:
+        """(...) bool: in contact."""
+        return self.contacts["touching"] != 0
+
+    @property
+    def in_hole(self) -> NDArray[numpy.bool_]:
+        """(...) bool: the proxy rests on a hole's wall or ground."""
+        return self.contacts["in_hole"] != 0
+
+    @property
+    def stiffness_n_per_m(self) -> NDArray[numpy.float64]:
+        """(...) float64, N/m: at the proxy; 0 out of contact."""
+        return self.contacts["stiffness_n_per_m"]
+
+    @property
+    def static_friction(self) -> NDArray[numpy.float64]:
+        """(...) float64, a coefficient: at the proxy; 0 out of contact."""
+        return self.contacts["static_friction"]
+
+    @property
+    def dynamic_friction(self) -> NDArray[numpy.float64]:
+        """(...) float64, a coefficient: at the proxy; 0 out of contact."""
+        return self.contacts["dynamic_friction"]
+
+    @property
+    def guard(self) -> NDArray[numpy.uint32]:
+        """(...) uint32: bits of Guard, why the force is not simply the solver's; 0: it is."""
+        return self.contacts["guard"]
+
+    @functools.cached_property
+    def surface_metres(self) -> NDArray[numpy.float32]:
+        """(height, width) float32, metres: depth of the first picture that was touched; NaN: no surface there. Raises
+        UsageError where none was there."""
+        return metres_of(self._first, self.scene)
+
+
+class Touched(_Contacts):
+    """What fingers met, tick by tick: arrays whose first axes (...) are (ticks, fingers). They share memory with `contacts`.
 
     contacts: all of it, (ticks, fingers) records, as touch_contact of touchable.h has them.
     force_hash: of all forces since the solver was made, 16 hexadecimal digits, as the program prints it: equal hashes mean
@@ -112,72 +179,14 @@ class Touched:
 
     def __init__(self, contacts: NDArray[Any], force_hash: str, first_tick: int, surface: Surface) -> None:
         """Of contacts (ticks, fingers); programs get it from touch and Solver.run."""
-        self.contacts = contacts
+        super().__init__(contacts, surface)
         self.force_hash = force_hash
-        self.scene: Scene = surface.scene
         self.first_tick = first_tick
-        self._first = surface._first
 
     @property
     def time_s(self) -> NDArray[numpy.float64]:
         """(ticks,) float64: seconds of the hand's time, 1 ms a tick."""
         return (self.first_tick + numpy.arange(len(self.contacts))) * 1e-3
-
-    @property
-    def force_n(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers, 3) float64: the force on each finger, newtons; never NaN, never longer than max_force_n."""
-        return self.contacts["force_n"]
-
-    @property
-    def goal(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers, 3) float64, scene units: as given, or the last one that was a number."""
-        return self.contacts["goal"]
-
-    @property
-    def proxy(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers, 3) float64, scene units: where the surface holds the finger; the goal itself out of contact."""
-        return self.contacts["proxy"]
-
-    @property
-    def pixel(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers, 2) float64, pixels: column and row of the proxy; NaN where no pixel sees it."""
-        return self.contacts["pixel"]
-
-    @property
-    def touching(self) -> NDArray[numpy.bool_]:
-        """(ticks, fingers) bool: in contact."""
-        return self.contacts["touching"] != 0
-
-    @property
-    def in_hole(self) -> NDArray[numpy.bool_]:
-        """(ticks, fingers) bool: the proxy rests on a hole's wall or ground."""
-        return self.contacts["in_hole"] != 0
-
-    @property
-    def stiffness_n_per_m(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers) float64, N/m: at the proxy; 0 out of contact."""
-        return self.contacts["stiffness_n_per_m"]
-
-    @property
-    def static_friction(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers) float64, a coefficient: at the proxy; 0 out of contact."""
-        return self.contacts["static_friction"]
-
-    @property
-    def dynamic_friction(self) -> NDArray[numpy.float64]:
-        """(ticks, fingers) float64, a coefficient: at the proxy; 0 out of contact."""
-        return self.contacts["dynamic_friction"]
-
-    @property
-    def guard(self) -> NDArray[numpy.uint32]:
-        """(ticks, fingers) uint32: bits of Guard, why the force is not simply the solver's; 0: it is."""
-        return self.contacts["guard"]
-
-    @functools.cached_property
-    def surface_metres(self) -> NDArray[numpy.float32]:
-        """(height, width) float32, metres: depth of the first picture that was touched; NaN: no surface there. Raises
-        UsageError where none was there."""
-        return metres_of(self._first, self.scene)
 
     def __len__(self) -> int:
         return len(self.contacts)
@@ -185,6 +194,53 @@ class Touched:
     def __repr__(self) -> str:
         ticks, fingers = self.contacts.shape
         return f"<touchable.Touched: {ticks} ticks, {fingers} fingers, force hash {self.force_hash}>"
+
+
+class ForcesAt(_Contacts):
+    """What fingers meet at places, each alone: arrays whose first axes (...) are those of the places. Surface.forces_at
+    gives it.
+
+    contacts: all of it, (...) records, as touch_contact of touchable.h has them.
+    scene: the Scene that says what the touched picture means.
+    """
+
+    @property
+    def steady(self) -> NDArray[numpy.bool_]:
+        """(...) bool: the force is that at rest. False: it still changed after 500 ticks, or the place is no number, or far
+        outside the scene."""
+        return (self.guard & (Guard.UNSTEADY | Guard.FAULT)) == 0
+
+    def __repr__(self) -> str:
+        return f"<touchable.ForcesAt: {self.contacts.size} places, {int(self.touching.sum())} of them in contact>"
+
+
+_places_at_a_time = 128  # of at most 500 ticks each: so Ctrl-C is heard in tens of milliseconds
+
+
+def forces_at(surface: Surface, points: ArrayLike, friction: bool, time_ns: int | None, settings: dict[str, Any]) -> ForcesAt:
+    """See Surface.forces_at."""
+    places = _planes.numbers("points", points)
+    if places.ndim == 0 or places.shape[-1] != 3:
+        raise _planes.refuse(f"points have the shape {places.shape}; right would be (..., 3)")
+    newest = surface.newest_ns
+    if newest is None:
+        raise _planes.refuse("no picture was pushed yet; push the first one before")
+    moment = Tick(time_ns=newest if time_ns is None else whole("time_ns", time_ns), epoch=surface._epoch)
+    struct = _settings_of(settings)._struct(1)
+    contacts = numpy.zeros(places.shape[:-1], _contact)
+    rows, flat = numpy.ascontiguousarray(places).reshape(-1, 3), contacts.reshape(-1)
+    for k in range(0, len(rows), _places_at_a_time):
+        some = rows[k : k + _places_at_a_time]
+        call("surface_forces_at", surface._handle.number, struct, moment, int(friction), some.ctypes.data, len(some),
+             flat[k:].ctypes.data, _contact.itemsize)
+    return ForcesAt(contacts, surface)
+
+
+def _settings_of(settings: dict[str, Any]) -> SolverSettings:
+    for name in settings:
+        if name not in _settings:
+            raise _planes.refuse(f"there is no setting {name}; right would be {', '.join(_settings)}")
+    return SolverSettings(**settings)
 
 
 def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
@@ -217,10 +273,7 @@ class Solver:
         surface._check_open()
         self.surface = surface
         self.fingers = fingers
-        for name in settings:
-            if name not in _settings:
-                raise _planes.refuse(f"there is no setting {name}; right would be {', '.join(_settings)}")
-        self.settings = SolverSettings(**settings)
+        self.settings = _settings_of(settings)
         struct = self.settings._struct(fingers)
         self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
         self.next_tick = 0

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _library, _planes
 from ._clip import Clip, Frame
 from ._library import Handle, Struct, WriterSettings, call, encoded, made, status_of
-from ._scene import Camera, Scene, scene_of
+from ._scene import Camera, Scene, most_codes, scene_of, usual_far_m
 from .errors import Error, ExistingFileError, error_of
 
 
@@ -32,13 +32,18 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         codes (uint8 where the scene has 8 bits), or floats of metres (NaN, 0: no surface), rounded to the camera's
         metres_per_code; colour and haptic (height, width, 3) uint8; height (height, width). All have the pictures of the
         first.
-    camera or scene: what the pictures mean. May be left out for Frames, whose own scene is taken.
+    camera or scene: what the pictures mean. May be left out for Frames, whose own scene is taken. Of a camera whose far_m
+        is None, and of frames in a list, a tuple or an array, the far plane lies behind what these hold; where codes of
+        metres_per_code do not reach as far as floats, they become coarser, which a warning says.
     fps: frames per second, a number or an exact Fraction(30000, 1001); None: as camera or scene say.
     times_ns: (frames,) of frames at a variable rate: when each is shown, nanoseconds, the first at 0, each at least 1 ms
         after the one before. None: at the rate, or as a Clip that is given has them; other Frames
         that were shown at other times give a warning.
     overwrite: a file that is there already is replaced once this one is whole.
     small: few bytes rather than quick to decode. exact_colour: colour keeps every value too.
+
+    Depths as floats that the scene has not, such as beyond far_m, have no surface; a warning says how many. Where they are
+    most of a picture, it is refused.
 
     Raises ExistingFileError (a FileExistsError), UsageError (a ValueError) where a picture or an option cannot be, Error
     where the disk refuses it, and whatever `frames` raises.
@@ -47,6 +52,8 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         raise _planes.refuse("camera and scene are given; right would be one of them")
     if times_ns is None and fps is None and isinstance(frames, Clip):
         times_ns = frames.times_ns if frames.has_own_times else None
+    if camera is not None and camera.far_m is None and isinstance(frames, (list, tuple, numpy.ndarray)):
+        camera = _reaching(camera, frames)
     coming = iter(frames)
     first = list(itertools.islice(coming, 1))
     if not first:
@@ -54,14 +61,15 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     meaning = _meaning(first[0], camera, scene, fps)
     times = None if times_ns is None else _checked(times_ns)
     writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times))
-    count = 0
+    count = lost = 0
     watch = _Times(meaning.frames_per_second) if times is None else None
     try:
         for frame in itertools.chain(first, coming):
-            struct = _planes.frame_struct(frame, count, count)
+            struct = meaning._frame_struct(frame, count, count)
             status, line = status_of("writer_write", writer.number, struct)
             if status:
                 raise error_of(status, line if line.startswith("frame ") else f"frame {count}: {line}")
+            lost += struct.lost.value
             if watch and isinstance(frame, Frame):
                 watch.look(count, frame)
             count += 1
@@ -74,7 +82,68 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         writer.close("another thread is writing the clip")
     if watch:
         watch.warn()
+    if lost:
+        warnings.warn(_planes.lost_words(lost, meaning), stacklevel=2)
     return count
+
+
+# As `touchable info` finds the far plane of pictures.
+_stray_of = 10_000  # one depth in so many may be stray
+_far_margin = 1.05
+_deep_m = 200.0  # no camera sees half of a scene beyond this: floats are millimetres then
+
+
+def _reaching(camera: Camera, frames: Any) -> Camera:
+    """The camera, which states no far_m, with one behind all that frames of arrays hold."""
+    depths = [depth for frame in frames if (depth := _depth_of(frame)) is not None]
+    kinds = {depth.dtype.kind for depth in depths}
+    are_floats = kinds == {"f"}
+    step = 1.0 if are_floats else camera.metres_per_code
+    if len(kinds) != 1 or step is None:
+        return camera
+    most_kept = sum(depth.size for depth in depths) // _stray_of + 1
+    deepest, medians, count = numpy.zeros(0), [], 0
+    for depth in depths:
+        there = _valid(depth)
+        if there.size:
+            count += there.size
+            medians.append(numpy.median(there))
+            deepest = numpy.concatenate([deepest, there])
+            deepest = numpy.partition(deepest, -most_kept)[-most_kept:] if deepest.size > most_kept else deepest
+    if not count:
+        return camera
+    reach_m = float(numpy.sort(deepest)[-1 - count // _stray_of]) * step
+    far_m = max(usual_far_m, reach_m * _far_margin)
+    if not are_floats:
+        return dataclasses.replace(camera, far_m=min(far_m, most_codes * step))
+    if (median_m := float(numpy.median(medians))) > _deep_m:
+        raise _planes.refuse(f"depth as floats is metres, and half of it is beyond {median_m:.4g} m; right would be depth / 1000 "
+                             f"where these are millimetres, or a camera that states far_m={far_m:.4g}")
+    if camera.metres_per_code is not None and far_m > most_codes * camera.metres_per_code:
+        warnings.warn(f"depth as floats reaches {reach_m:.4g} m, farther than {most_codes} codes of {camera.metres_per_code} m: "
+                      f"it is rounded to {far_m / most_codes:.3g} m; a camera that states far_m keeps its metres_per_code",
+                      stacklevel=3)
+        return dataclasses.replace(camera, far_m=far_m, metres_per_code=far_m / most_codes)
+    return dataclasses.replace(camera, far_m=far_m)
+
+
+def _depth_of(frame: Any) -> NDArray[Any] | None:
+    """Depth of a frame of arrays; None where it is none, which is refused when it is written."""
+    if isinstance(frame, Frame):
+        return None
+    try:
+        depth = numpy.asarray(_planes.planes_of(frame)["depth"])
+    except (Error, TypeError, ValueError):
+        return None
+    return depth if depth.dtype.kind == "f" or depth.dtype.newbyteorder("=") == numpy.uint16 else None
+
+
+def _valid(depth: NDArray[Any]) -> NDArray[Any]:
+    """Depths that are there: of codes all but the first and the last, of floats what is no renderer's background."""
+    if depth.dtype.kind != "f":
+        return depth[(depth > 0) & (depth < most_codes)]
+    there = depth[(depth > 0) & (depth < 1e9)]
+    return there[there != 65504] if there.size and there.max() == 65504 else there
 
 
 def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -> Scene:

@@ -22,7 +22,7 @@ public:
 
     touch_status call() {
         using Call = touch_status (Hostile::*)();
-        static constexpr std::array<Call, 15> calls{&Hostile::defaults,
+        static constexpr std::array<Call, 16> calls{&Hostile::defaults,
                                                     &Hostile::scene_from_camera,
                                                     &Hostile::scene_from_text,
                                                     &Hostile::scene_text,
@@ -35,6 +35,7 @@ public:
                                                     &Hostile::epochs,
                                                     &Hostile::scale,
                                                     &Hostile::solver,
+                                                    &Hostile::forces_at,
                                                     &Hostile::tick,
                                                     &Hostile::tick};
         return (this->*calls[upto(calls.size())])();
@@ -128,6 +129,7 @@ private:
         touch_plane* const planes[] = {&frame.depth, &frame.colour, &frame.haptic, &frame.height};
         touch_plane& plane = *planes[rarely() ? upto(4) : 0];
         plane = frame.depth;
+        if (rarely()) frame.lost_pixels = &lost_;
         if (rarely()) plane.data = nullptr;
         // Larger than the memory that there is only in ways that are seen to be wrong.
         if (rarely()) plane.width = static_cast<std::int32_t>(upto(2) ? -5 : 1 << 20);
@@ -169,6 +171,31 @@ private:
         if (status == TOUCH_OK) solvers_.push_back(made);
         return status;
     }
+    touch_status forces_at() {
+        touch_solver_settings settings;
+        touch_solver_settings_defaults(&settings, sizeof settings);
+        settings.struct_size = spoilt(settings.struct_size);
+        settings.fingers = spoilt(settings.fingers);
+        settings.max_force_n = spoilt(settings.max_force_n);
+        settings.stribeck_m_per_s = spoilt(settings.stribeck_m_per_s);
+        touch_tick at = tick_at(number_ * 33);
+        at.struct_size = spoilt(at.struct_size);
+        at.time_ns = spoilt(at.time_ns);
+        std::array<touch_vec3, most_fingers_> points;
+        for (touch_vec3& point : points) {
+            point = goal_at(number_);
+            point.y = spoilt(point.y);
+        }
+        const std::size_t stride = spoilt(sizeof(touch_contact));
+        const bool is_wide = stride > sizeof(touch_contact);
+        const std::size_t count = rarely() ? SIZE_MAX : upto(points.size() + 1);
+        const touch_status status = touch_surface_forces_at(
+            one_of(surfaces_), or_null(&settings), or_null(&at), spoilt(1), or_null(points.data()), count,
+            or_null(contacts_.data()), is_wide ? SIZE_MAX : stride, error());
+        for (const touch_contact& contact : contacts_)
+            EXPECT_TRUE(std::isfinite(contact.force_n.x + contact.force_n.y + contact.force_n.z));
+        return status;
+    }
     touch_status tick() {
         const touch_solver solver = one_of(solvers_);
         if (rarely()) {
@@ -204,7 +231,7 @@ private:
 
     static constexpr std::size_t most_fingers_ = 4;
     const Hill hill_;
-    std::int64_t number_ = 0, tick_ = 0;
+    std::int64_t number_ = 0, tick_ = 0, lost_ = 0;
     std::uint64_t epoch_ = 0;
     std::vector<touch_scene> scenes_;
     std::vector<touch_surface> surfaces_;

@@ -1,9 +1,13 @@
 // The C API gives the forces of the rooms behind it, to the bit: same frames, goals and times.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "capi/frames.hpp"
+#include "capi/touchable.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -214,6 +218,160 @@ TEST(SameForces, WhateverMemoryDepthLiesIn) {
         touch_solver_force_hash(touched.solver, &hashes.back());
     }
     for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes.front());
+}
+
+/// A plane in the world, exactly: codes of 1/depth that grow evenly over the picture.
+class TiltedPlane {
+public:
+    static constexpr int width = 65, height = 49, across = 120, down = -75, first = 9000;
+    static constexpr double near = 0.4, far = 2, stiffness = 400, scale = 0.5;
+
+    TiltedPlane()
+        : scene_(std::string(R"({"touchable_scene": 1, "width": 65, "height": 49, "metres_per_unit": 1,
+              "camera": {"fx": 60, "fy": 55, "cx": 30, "cy": 26},
+              "depth": {"coding": "inverse", "bits": 16, "near": 0.4, "far": 2},
+              "default_properties": {"stiffness_n_per_m": 400, "static_friction": 0.8, "dynamic_friction": 0.5}})")),
+          surface_(scene_) {
+        std::vector<std::uint16_t> codes;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                codes.push_back(static_cast<std::uint16_t>(first + across * x + down * y));
+        touch_frame frame = touch::frame();
+        frame.depth = {codes.data(), 2 * width, width, height, TOUCH_U16, 1};
+        EXPECT_TRUE(surface_.push(frame));
+    }
+    double depth_at(double x, double y) const { return 1 / reciprocal(first + across * x + down * y); }
+    touch_vec3 point(double x, double y, double depth) const {
+        return {(x - 30) / 60 * depth, (26 - y) / 55 * depth, -depth};
+    }
+    /// k times the way to the plane, along its normal. The plane: 1 = reciprocal(code at x, y) * depth.
+    touch_vec3 expected(const touch_vec3& at) const {
+        const double per_code = (1 / near - 1 / far) / 65535;
+        const double a = 60 * across * per_code, b = -55 * down * per_code,
+                     c = -reciprocal(first + across * 30 + down * 26);
+        const double behind = a * at.x + b * at.y + c * at.z - 1, squared = a * a + b * b + c * c;
+        const double along = -stiffness * scale * behind / squared;
+        return {along * a, along * b, along * c};
+    }
+    touch_solver_settings settings() const {
+        touch_solver_settings settings = touch::solver_settings();
+        settings.metres_per_scene_unit = scale;
+        settings.max_force_n = 1000;
+        return settings;
+    }
+    std::vector<touch_contact> forces_at(const std::vector<touch_vec3>& points, int friction) const {
+        return surface_.forces_at(touch::tick_at(0), points, friction, settings());
+    }
+    touch::Surface& surface() { return surface_; }
+
+private:
+    static double reciprocal(double code) { return 1 / far + (1 / near - 1 / far) * code / 65535; }
+    const touch::Scene scene_;
+    touch::Surface surface_;
+};
+
+double off(const touch_vec3& a, const touch_vec3& b) {
+    return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+/// Points 2 mm to 4 cm behind the plane, under all of the picture but its border.
+std::vector<touch_vec3> points_behind(const TiltedPlane& plane) {
+    std::vector<touch_vec3> points;
+    for (int y = 12; y < 37; ++y)
+        for (int x = 15; x < 50; ++x)
+            points.push_back(
+                plane.point(x, y + 0.3, plane.depth_at(x, y + 0.3) + 0.002 * (1 + (x + y) % 20)));
+    return points;
+}
+
+TEST(ForcesAt, PlanePushesAlongItsNormal) {
+    const TiltedPlane plane;
+    const auto points = points_behind(plane);
+    const auto contacts = plane.forces_at(points, TOUCH_FRICTION_OFF);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        EXPECT_EQ(contacts[k].touching, 1);
+        EXPECT_EQ(contacts[k].guard, 0U) << "steady, and the solver's own";
+        ASSERT_LT(off(contacts[k].force_n, plane.expected(points[k])), 1e-9) << k;
+    }
+}
+
+/// Each comes along its pixel's ray in 200 ticks, and stays for 300.
+void expect_as_ticked(TiltedPlane& plane, const std::vector<touch_vec3>& points, int friction) {
+    const auto contacts = plane.forces_at(points, friction);
+    touch_solver_settings settings = plane.settings();
+    settings.ramp_in_ticks = 0;
+    for (std::size_t k = 0; k < points.size(); k += 23) {
+        touch::Solver solver(plane.surface(), settings);
+        touch_contact last{};
+        for (std::int64_t tick = 0; tick < 500; ++tick) {
+            const double share = std::min(1.0, 0.5 + 0.5 * static_cast<double>(tick) / 200);
+            const touch_vec3 goal{points[k].x * share, points[k].y * share, points[k].z * share};
+            ASSERT_EQ(solver.tick(touch::tick_at(tick), &goal, &last), TOUCH_OK);
+        }
+        ASSERT_LT(off(contacts[k].force_n, last.force_n), 1e-9) << k;
+        EXPECT_EQ(contacts[k].guard, 0U);
+    }
+}
+
+TEST(ForcesAt, AreThoseOfManyTicks) {
+    TiltedPlane plane;
+    // Without friction a finger ends where the plane is nearest, however it came.
+    const auto points = points_behind(plane);
+    const auto contacts = plane.forces_at(points, TOUCH_FRICTION_OFF);
+    for (std::size_t k = 0; k < points.size(); ++k)
+        ASSERT_LT(off(contacts[k].force_n, plane.expected(points[k])), 1e-9);
+    expect_as_ticked(plane, points, TOUCH_FRICTION_ON);
+}
+
+TEST(ForcesAt, FrictionLeansOnlyWhereAsked) {
+    const TiltedPlane plane;
+    const std::vector<touch_vec3> points{plane.point(45, 30, plane.depth_at(45, 30) + 0.01)};
+    const touch_contact on = plane.forces_at(points, TOUCH_FRICTION_ON)[0],
+                        without = plane.forces_at(points, TOUCH_FRICTION_OFF)[0];
+    EXPECT_GT(off(on.force_n, without.force_n), 0.1);
+    EXPECT_EQ(on.static_friction, 0.8);
+    EXPECT_EQ(without.static_friction, 0);
+    EXPECT_EQ(without.stiffness_n_per_m, 400);
+}
+
+TEST(ForcesAt, PlacesDoNotDependOnEachOther) {
+    const TiltedPlane plane;
+    auto points = points_behind(plane);
+    points[5].x = std::numeric_limits<double>::quiet_NaN();
+    points[7].z = -0.1;  // free
+    const auto all = plane.forces_at(points, TOUCH_FRICTION_ON);
+    for (std::size_t k = 0; k < points.size(); k += 7) {
+        const touch_contact alone = plane.forces_at({points[k]}, TOUCH_FRICTION_ON)[0];
+        EXPECT_EQ(off(alone.force_n, all[k].force_n), 0) << k;
+        EXPECT_EQ(alone.guard, all[k].guard);
+    }
+    EXPECT_NE(all[5].guard & TOUCH_GUARD_FAULT, 0U);
+    EXPECT_EQ(off(all[5].force_n, {}), 0);
+    EXPECT_EQ(all[7].touching, 0);
+    EXPECT_EQ(all[7].guard, 0U);
+}
+
+TEST(ForcesAt, SayWhatIsMissing) {
+    TiltedPlane plane;
+    const touch_tick moment = touch::tick_at(0);
+    const touch_vec3 point = plane.point(30, 20, 1);
+    touch_contact contact{};
+    touch_error error{sizeof error, 0, {}};
+    const auto call = [&](touch_surface surface, int friction) {
+        return touch_surface_forces_at(surface, nullptr, &moment, friction, &point, 1, &contact,
+                                       sizeof contact, &error);
+    };
+    {
+        const touch::Solver solver(plane.surface());
+        EXPECT_EQ(call(plane.surface().get(), 0), TOUCH_BUSY);
+    }
+    EXPECT_EQ(call(plane.surface().get(), 0), TOUCH_OK);
+    EXPECT_EQ(call(plane.surface().get(), 2), TOUCH_USAGE);
+    EXPECT_NE(std::string(error.line).find("friction"), std::string::npos) << error.line;
+    const touch::Surface empty{touch::Scene(Hill::camera())};
+    EXPECT_EQ(call(empty.get(), 0), TOUCH_USAGE);
+    EXPECT_NE(std::string(error.line).find("frame"), std::string::npos) << error.line;
+    EXPECT_EQ(call({1}, 0), TOUCH_STALE);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 // What the C API refuses, and how it says so.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "tests/capi/hill.hpp"
 
@@ -66,6 +68,65 @@ TEST(Statuses, ErrorsNameWhatIsWrong) {
     touch_error small{offsetof(touch_error, line) + 8, 0, {}};
     EXPECT_EQ(touch_scene_from_text(text.data(), text.size(), &scene, &small), TOUCH_INPUT);
     EXPECT_EQ(std::string(small.line).size(), 7U) << "cut where there is no room";
+}
+
+/// A scene that ends at 1 m (Hill), and floats of which some are beyond.
+class FarDepth : public testing::Test {
+protected:
+    FarDepth() : touched_(), metres_(static_cast<std::size_t>(pixels), 0.5F) {}
+
+    touch_status push(std::int64_t number = 1) {
+        touch_frame frame = hill_.frame(number);
+        frame.depth = {metres_.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1};
+        frame.lost_pixels = &lost_;
+        error_ = no_error();
+        return touch_surface_push(touched_.surface, &frame, &error_);
+    }
+    void fill(std::int64_t count, float metres) { std::fill_n(metres_.begin(), count, metres); }
+
+    static constexpr std::int64_t pixels = std::int64_t{Hill::width} * Hill::height;
+    TouchedHill touched_;
+    const Hill hill_;
+    std::vector<float> metres_;
+    std::int64_t lost_ = -1;
+    touch_error error_{};
+};
+
+TEST_F(FarDepth, IsCounted) {
+    fill(pixels / 2, 3);
+    metres_[0] = std::numeric_limits<float>::quiet_NaN();
+    metres_[1] = std::numeric_limits<float>::infinity();
+    metres_[2] = -3;
+    metres_[3] = 0;
+    EXPECT_EQ(push(), TOUCH_OK) << error_.line;
+    EXPECT_EQ(lost_, pixels / 2 - 4);
+    fill(pixels, 0.5F);
+    EXPECT_EQ(push(2), TOUCH_OK) << error_.line;
+    EXPECT_EQ(lost_, 0);
+}
+
+TEST_F(FarDepth, IsRefusedWhereItIsMost) {
+    fill(pixels / 2 + 1, 3);
+    metres_[0] = 80;
+    EXPECT_EQ(push(), TOUCH_USAGE);
+    EXPECT_EQ(lost_, pixels / 2 + 1);
+    const std::string line = error_.line;
+    for (const char* said : {"1537 of its 3072", "0 to 1 m", "3 to 80", "millimetres", "far_m"})
+        EXPECT_NE(line.find(said), std::string::npos) << said << ": " << line;
+    // A lens that is covered but for some noise tells nothing of units.
+    fill(pixels, 0);
+    fill(pixels / 100 - 1, 3);
+    EXPECT_EQ(push(), TOUCH_OK) << error_.line;
+}
+
+TEST_F(FarDepth, IsNotARenderersBackground) {
+    fill(pixels * 3 / 4, 1e10F);
+    fill(pixels / 4, 65504);
+    EXPECT_EQ(push(), TOUCH_OK) << error_.line;
+    EXPECT_EQ(lost_, 0);
+    fill(1, 65505);  // so 65504 is a depth
+    EXPECT_EQ(push(2), TOUCH_OK) << error_.line;
+    EXPECT_EQ(lost_, pixels / 4);
 }
 
 TEST(Statuses, FramesAreCheckedAndInOrder) {

@@ -1,7 +1,11 @@
 // A struct that has grown is understood from programs that were compiled before it did.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
+
 #include "capi/status.hpp"
+#include "tests/capi/hill.hpp"
 
 namespace touchable::capi {
 
@@ -44,6 +48,34 @@ TEST(StructSizes, OfAnOlderProgramAreReadAndNoFurther) {
     const Grown wanted = over_defaults(as_grown(old), Grown{sizeof(Grown), 1, 2});
     EXPECT_EQ(wanted.first, 3);
     EXPECT_EQ(wanted.later, 2) << "its default";
+}
+
+TEST(StructSizes, OlderFramesGetNoCount) {
+    const touch_camera camera = test::Hill::camera();
+    touch_scene scene{};
+    touch_surface surface{};
+    ASSERT_EQ(touch_scene_from_camera(&camera, &scene, nullptr), TOUCH_OK);
+    ASSERT_EQ(touch_surface_create(scene, nullptr, &surface, nullptr), TOUCH_OK);
+    std::vector<float> metres(
+        static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0.5F);
+    metres[3] = 7;  // beyond the far plane
+    std::int64_t lost = -1;
+    // Of a part of the pointer, too, nothing is written.
+    std::int64_t number = 0;
+    for (const std::size_t size : {offsetof(touch_frame, lost_pixels), sizeof(touch_frame) - 1}) {
+        touch_frame frame = test::Hill().frame(number++);
+        frame.depth = {metres.data(), 4 * camera.width, camera.width, camera.height, TOUCH_F32, 1};
+        frame.lost_pixels = &lost;
+        frame.struct_size = static_cast<std::uint32_t>(size);
+        EXPECT_EQ(touch_surface_push(surface, &frame, nullptr), TOUCH_OK);
+        EXPECT_EQ(lost, -1);
+    }
+    touch_frame old{};
+    old.lost_pixels = &lost;
+    EXPECT_EQ(touch_frame_defaults(&old, offsetof(touch_frame, lost_pixels)), TOUCH_OK);
+    EXPECT_EQ(old.lost_pixels, &lost) << "of the program, behind the struct";
+    touch_surface_destroy(surface);
+    touch_scene_destroy(scene);
 }
 
 TEST(StructSizes, ThatNobodyKnowsAreRefused) {

@@ -1,11 +1,14 @@
+import contextlib
 import dataclasses
 import enum
 import importlib.metadata
 import inspect
+import io
 import os
 import pathlib
 import pydoc
 import re
+import textwrap
 import unittest
 import zipfile
 
@@ -86,6 +89,15 @@ class Documentation(unittest.TestCase):
             self.assertIn(name, text)
         for name in re.findall(r"touchable\.([A-Za-z_]+)", text):
             self.assertTrue(hasattr(touchable, name) or name in ("mkv", "so", "h", "md", "bag"), name)
+
+    def test_ItsFirstProgramPrintsWhatItSays(self):
+        text = (source / "docs/python.md").read_text()
+        blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", text, re.M)
+        program, printed = (textwrap.dedent(block) for block in blocks[:2])
+        self.assertIn("forces_at", program)
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            exec(compile(program, "docs/python.md", "exec"), {})
+        self.assertEqual(out.getvalue().strip(), printed.strip())
 
     def test_PydocShowsThem(self):
         text = pydoc.plain(pydoc.render_doc(touchable))

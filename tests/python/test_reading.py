@@ -1,6 +1,8 @@
 import gc
+import json
 import os
 import pathlib
+import pickle
 import re
 import subprocess
 import sys
@@ -55,6 +57,34 @@ class Reading(unittest.TestCase):
             expected = (180 - frame.depth / 65535 * 140) * 1e-3
             self.assertLess(numpy.abs(frame.metres - expected).max(), 1e-7)
             self.assertEqual(frame.metres.dtype, numpy.float32)
+
+    def test_OnlyMultiplesOfALengthHaveMetresPerCode(self):
+        codings = {"linear": {"near": 0.5, "far": 4}, "inverse": {"near": 0.5, "far": 4}, "log": {"near": 0.5, "far": 4},
+                   "hue": {"near": 0.5, "far": 4}, "metric": {"scale": 0.0005, "far": 4}}
+        for coding, depth in codings.items():
+            text = {"touchable_scene": 1, "width": 16, "height": 12, "metres_per_unit": 2.0,
+                    "camera": {"fx": 20, "fy": 20, "cx": 8, "cy": 6}, "depth": {"coding": coding, **depth}}
+            camera = touchable.Scene.from_text(json.dumps(text)).camera
+            self.assertEqual(camera.metres_per_code, 0.001 if coding == "metric" else None, coding)
+            self.assertEqual(camera.far_m, 8)
+        with touchable.open(globe()) as clip:
+            frame, camera = clip[0], clip.camera
+            self.assertIsNone(camera.metres_per_code)
+            scene = touchable.Scene.from_camera(camera)
+            for again in scene, scene.with_filters([frame.metres]), scene.with_rate(5), pickle.loads(pickle.dumps(scene)):
+                with self.assertRaisesRegex(touchable.UsageError, "metres_per_code is None.*clip.scene"):
+                    touchable.Surface(frame.depth, again)
+            with tempfile.TemporaryDirectory() as folder:
+                with self.assertRaisesRegex(touchable.UsageError, "metres_per_code is None.*clip.scene"):
+                    touchable.write(folder + "/x.mkv", [frame.depth], camera=camera)
+            # For floats it is as good as any.
+            metres = touchable.Surface(frame.metres, camera).first_metres
+            self.assertTrue(numpy.array_equal(numpy.isfinite(metres), frame.valid))
+            with tempfile.TemporaryDirectory() as folder:
+                touchable.write(folder + "/x.mkv", [frame.metres], camera=camera)
+                with touchable.open(folder + "/x.mkv") as back:
+                    self.assertAlmostEqual(back.camera.metres_per_code, camera.far_m / 65535, places=12)
+                    self.assertLess(numpy.nanmax(numpy.abs(back[0].metres - frame.metres)), camera.far_m / 65535)
 
     def test_ColourIsThereUnlessItIsLeftOut(self):
         with touchable.open(globe()) as clip, touchable.open(globe(), colour=False) as plain:

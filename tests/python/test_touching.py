@@ -1,6 +1,8 @@
 import concurrent.futures
+import dataclasses
 import gc
 import itertools
+import json
 import os
 import re
 import tempfile
@@ -66,6 +68,90 @@ class ForcesOfTheProgram(unittest.TestCase):
 class RealForces(unittest.TestCase):
     def test_ThoseOfTheProgramOnCastel(self):
         ForcesOfTheProgram().compare(str(recording("castel_sr300")), "--seconds", "1.2")
+
+
+class ForcesAt(unittest.TestCase):
+    def test_AWallPushesAlongItsNormal(self):
+        camera = touchable.Camera(64, 48, fx_px=64, stiffness_n_per_m=400)
+        surface = touchable.Surface(numpy.full((48, 64), 500, numpy.uint16), camera)
+        x, y = numpy.meshgrid(numpy.arange(2, 62), numpy.arange(2, 46))
+        for depth_m in 0.501, 0.52:
+            points = camera.points(x, y, depth_m)
+            found = surface.forces_at(points, metres_per_scene_unit=1)
+            self.assertEqual(found.force_n.shape, (44, 60, 3))
+            expected = [0, 0, 400 * (depth_m - 0.5)]
+            self.assertLess(numpy.abs(found.force_n - expected).max(), 1e-9)
+            self.assertTrue(found.touching.all() and found.steady.all() and (found.guard == 0).all())
+            self.assertLess(numpy.abs(found.proxy - [0, 0, -0.5] - points * [1, 1, 0]).max(), 1e-12)
+        free = surface.forces_at(camera.points(x, y, 0.49))
+        self.assertTrue(free.steady.all() and not free.touching.any() and not free.force_n.any())
+
+    def test_ItIsTheForceOfManyTicks(self):
+        depth, camera = hill()
+        smooth = dataclasses.replace(camera, static_friction=0, dynamic_friction=0)
+        points = camera.points(numpy.linspace(12, 50, 9), numpy.linspace(34, 14, 9), 0.505)
+        share = numpy.minimum(1, 0.5 + numpy.arange(500) / 400)[:, None, None]
+        ticked = touchable.Surface(depth, smooth).touch(points * share, ramp_in_ticks=0)
+        found = touchable.Surface(depth, camera).forces_at(points)
+        self.assertLess(numpy.abs(found.force_n - ticked.force_n[-1]).max(), 1e-9)
+        self.assertGreater(numpy.abs(found.force_n[:, :2]).max(), 0.1)
+        # With friction the way counts: here there is none, each finger begins at its place.
+        ticked = touchable.Surface(depth, camera).touch(numpy.tile(points, (300, 1, 1)), ramp_in_ticks=0)
+        found = touchable.Surface(depth, camera).forces_at(points, friction=True)
+        self.assertLess(numpy.abs(found.force_n - ticked.force_n[-1]).max(), 1e-9)
+        self.assertTrue(found.static_friction.all())
+
+    def test_FrictionOfPicturesIsLeftOutToo(self):
+        with touchable.open(globe()) as clip:
+            points = clip.scene.points(70, 60, numpy.float64(clip[0].metres[60, 70]) + 0.004)
+            surface = touchable.Surface(clip[0])
+            smooth, rough = surface.forces_at(points), surface.forces_at(points, friction=True)
+        self.assertEqual((smooth.static_friction, smooth.dynamic_friction), (0, 0))
+        self.assertGreater(rough.static_friction, 0)
+        self.assertEqual(smooth.force_n.shape, (3,))
+
+    def test_WhatIsNotSteadyIsSaid(self):
+        """Where a finger comes out of a soft hole stiffness rises by 0.04 N a tick: 20 N in 500."""
+        random = numpy.random.default_rng(1)
+        depth = random.integers(500, 520, (120, 160)).astype(numpy.uint16)
+        depth[random.random(depth.shape) < 0.2] = 0
+        camera = touchable.Camera(160, 120, fx_px=140)
+        text = {**json.loads(touchable.Scene.from_camera(camera).text), "hole_stiffness": 0.05}
+        scene = touchable.Scene.from_text(json.dumps(text))
+        x, y = numpy.meshgrid(numpy.linspace(5, 150, 40), numpy.linspace(5, 110, 30))
+        found = touchable.Surface(depth, scene).forces_at(camera.points(x, y, 0.8), friction=True, max_force_n=1000,
+                                                          metres_per_scene_unit=1)
+        self.assertTrue(found.steady.any() and not found.steady.all())
+        unsteady = touchable.Guard.UNSTEADY | touchable.Guard.RISE
+        self.assertTrue((found.guard[~found.steady] & unsteady == unsteady).all())
+        none = touchable.Surface(depth, scene).forces_at([[numpy.nan, 0, -1], [0, 0, -0.3]])
+        self.assertEqual(none.steady.tolist(), [False, True])
+        self.assertFalse(none.force_n.any())
+
+    def test_ItMeetsTheNewestPictureAndRefusesWhatCannotBe(self):
+        depth, camera = hill()
+        surface = touchable.Surface(camera=camera)
+        point = camera.points(32, 24, 0.5)
+        with self.assertRaisesRegex(touchable.UsageError, "no picture was pushed"):
+            surface.forces_at(point)
+        surface.push(depth, 0)
+        first = surface.forces_at(point).force_n[2]
+        surface.push(depth - 10, 10**9)
+        self.assertGreater(surface.forces_at(point, time_ns=500_000_000).force_n[2], first)
+        newest = surface.forces_at(point).force_n[2]
+        self.assertAlmostEqual(newest, first + 600 * 0.01 * surface.hand_metres_per_scene_unit, places=9)
+        surface.begin_epoch(3)
+        surface.push(depth, 0)
+        surface.end_epoch()
+        self.assertEqual(surface.forces_at(point).force_n[2], first)
+        with self.assertRaisesRegex(touchable.UsageError, r"points have the shape \(2,\)"):
+            surface.forces_at([1, 2])
+        with self.assertRaisesRegex(touchable.UsageError, "no setting stiffness"):
+            surface.forces_at(point, stiffness=3)
+        with touchable.Solver(surface), self.assertRaisesRegex(touchable.Error, "has a solver already") as refused:
+            surface.forces_at(point)
+        self.assertEqual(refused.exception.status, touchable.Status.BUSY)
+        self.assertEqual(surface.forces_at(numpy.zeros((0, 3))).force_n.shape, (0, 3))
 
 
 class Surfaces(unittest.TestCase):

@@ -61,7 +61,8 @@ class Writing(unittest.TestCase):
         metres = numpy.linspace(0.3, 5, 24 * 32).reshape(24, 32)
         metres[0, :6] = numpy.nan, numpy.inf, -1, 0, -numpy.inf, 70
         for kind in numpy.float64, numpy.float32, numpy.dtype(">f4"):
-            touchable.write(self.path(), [metres.astype(kind)], camera=self.camera, overwrite=True)
+            with self.assertWarnsRegex(UserWarning, "^1 pixels have no surface"):
+                touchable.write(self.path(), [metres.astype(kind)], camera=self.camera, overwrite=True)
             codes = self.read()[0]
             self.assertTrue((codes[0, :6] == 0).all())
             self.assertLessEqual(numpy.abs(codes[1:] * 0.001 - metres[1:]).max(), 0.0005001)
@@ -86,14 +87,93 @@ class Writing(unittest.TestCase):
         for far_m, metres_per_code in (10, 0.0001), (10.0009, 0.001), (10, 0.001), (0.6, 0.0001):
             camera = touchable.Camera(32, 24, far_m=far_m, metres_per_code=metres_per_code)
             last = min(65535 * metres_per_code, far_m)
-            metres = (last + numpy.linspace(-2.2, 2.3, 24 * 32) * metres_per_code).astype(numpy.float32).reshape(24, 32)
+            metres = (last + numpy.linspace(-4.2, 2.3, 24 * 32) * metres_per_code).astype(numpy.float32).reshape(24, 32)
             with self.subTest(far_m=far_m, metres_per_code=metres_per_code):
-                touchable.write(self.path(), [metres], camera=camera, overwrite=True)
+                with self.assertWarnsRegex(UserWarning, "pixels have no surface") as written:
+                    touchable.write(self.path(), [metres], camera=camera, overwrite=True)
                 with touchable.open(self.path()) as clip:
                     valid = clip[0].valid
                 self.assertTrue(valid[0, 0] and not valid[-1, -1])
-                surface = touchable.Surface(metres, camera)
+                self.assertRegex(str(written.warning), f"^{(~valid).sum()} pixels")
+                with self.assertWarnsRegex(UserWarning, f"^{(~valid).sum()} pixels"):
+                    surface = touchable.Surface(metres, camera)
                 self.assertEqual(numpy.isfinite(surface.first_metres).tolist(), valid.tolist())
+
+    def test_WholeArraysReachTheirOwnDepth(self):
+        """Of floats and of codes, in each kind of sequence; the far plane is as `touchable info` finds it for files."""
+        street = numpy.linspace(2, 80, 24 * 32).reshape(24, 32)
+        plain = touchable.Camera(32, 24)
+        for frames in [street], ({"depth": street / 2}, street), numpy.stack([street, street + 1]):
+            deepest = max(numpy.max(frame["depth"] if isinstance(frame, dict) else frame) for frame in frames)
+            with self.assertWarnsRegex(UserWarning, f"reaches {deepest:.4g} m.*65535 codes of 0.001 m"):
+                touchable.write(self.path(), frames, camera=plain, overwrite=True)
+            with touchable.open(self.path()) as clip:
+                self.assertAlmostEqual(clip.camera.far_m, deepest * 1.05, places=3)
+                for frame, depth in zip(clip, frames):
+                    depth = depth["depth"] if isinstance(depth, dict) else depth
+                    self.assertTrue(frame.valid.all())
+                    self.assertLess(numpy.abs(frame.metres - depth).max(), 0.00066)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            touchable.write(self.path(), [street / 2], camera=plain, overwrite=True)  # 65535 codes of 1 mm reach
+            with touchable.open(self.path()) as clip:
+                self.assertTrue(clip[0].valid.all())
+                self.assertEqual(clip.camera.metres_per_code, 0.001)
+            codes = numpy.round(street * 500).astype(numpy.uint16)
+            codes[0, :3] = 0, 65535, 65535  # none, and what cameras say of it
+            touchable.write(self.path(), [codes], camera=plain, overwrite=True)
+            with touchable.open(self.path()) as clip:
+                self.assertEqual(numpy.count_nonzero(~clip[0].valid), 3)
+                self.assertTrue(numpy.array_equal(clip[0].depth, codes))
+            touchable.write(self.path(), [street / 100], camera=plain, overwrite=True)
+            with touchable.open(self.path()) as clip:
+                self.assertEqual(clip.camera.far_m, 10)
+
+    def test_StrayDepthsAndBackgroundDoNotTellTheFarPlane(self):
+        near = numpy.full((120, 160), 20.0)
+        near[0, 0] = 50000  # one in 19200
+        with self.assertWarnsRegex(UserWarning, "^1 pixels have no surface"):
+            touchable.write(self.path(), [near], camera=touchable.Camera(160, 120))
+        rendered = numpy.where(numpy.arange(160) < 150, 1e10, near[1])  # sky
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            touchable.write(self.path("sky.mkv"), [numpy.tile(rendered, (120, 1))], camera=touchable.Camera(160, 120))
+        with touchable.open(self.path()) as stray, touchable.open(self.path("sky.mkv")) as sky:
+            for clip in stray, sky:
+                self.assertAlmostEqual(clip.camera.far_m, 21, places=3)
+            self.assertEqual((sky[0].valid.sum(), stray[0].valid.sum()), (1200, 19199))
+
+    def test_WhatIsMostlyLostIsRefused(self):
+        street = numpy.linspace(2, 80, 24 * 32).reshape(24, 32)
+        stated = touchable.Camera(32, 24, far_m=10)
+        for frames, camera, words in (
+                ([street * 1000], touchable.Camera(32, 24), "half of it is beyond.*depth / 1000.*millimetres.*far_m"),
+                (iter([street * 1000]), touchable.Camera(32, 24), "frame 0: .*768 of its 768.*0 to 10 m.*millimetres.*far_m"),
+                ([street], stated, "689 of its 768 depths.*0 to 10 m.*at 10.03 to 80.*far_m"),
+                ((depth for depth in [street / 9, street]), touchable.Camera(32, 24), "frame 1: .*far_m")):
+            with self.assertRaisesRegex(touchable.UsageError, words):
+                touchable.write(self.path(), frames, camera=camera)
+            self.assertEqual(os.listdir(self.folder), [])
+        touchable.write(self.path(), [street * 1000], camera=touchable.Camera(32, 24, far_m=90000, metres_per_code=2))
+        with touchable.open(self.path()) as clip:
+            self.assertTrue(clip[0].valid.all())
+        surface = touchable.Surface(camera=touchable.Camera(32, 24))
+        surface.push(numpy.where(street < 10, street, 0), 0)
+        with self.assertRaisesRegex(touchable.UsageError, "far_m"):
+            surface.push(street, 1)
+        self.assertEqual(surface.newest_ns, 0)
+        surface.push(numpy.where(street < 10, street, numpy.nan), 1)
+
+    def test_AStreamWarnsOfLostDepthOnce(self):
+        metres = numpy.full((24, 32), 5.0)
+        metres[0] = 12
+        surface = touchable.Surface(camera=touchable.Camera(32, 24))
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            for time in range(3):
+                surface.push(metres, time)
+        self.assertEqual([str(one.message)[:32] for one in said], ["32 pixels have no surface: their"])
+        self.assertEqual(said[0].filename, __file__)
 
     def test_DictsAndTuplesHavePicturesBesideDepth(self):
         colour = numpy.arange(24 * 32 * 3, dtype=numpy.uint8).reshape(24, 32, 3)
