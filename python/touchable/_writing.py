@@ -119,7 +119,8 @@ def _reaching(camera: Camera, frames: Any) -> Camera:
     if (median_m := float(numpy.median(medians))) > _deep_m:
         raise _planes.refuse(f"depth as floats is metres, and half of it is beyond {median_m:.4g} m; right would be depth / 1000 "
                              f"where these are millimetres, or a camera that states far_m={far_m:.4g}")
-    if camera.metres_per_code is not None and far_m > most_codes * camera.metres_per_code:
+    if camera.metres_per_code is not None and reach_m > most_codes * camera.metres_per_code:
+        far_m = reach_m * _far_margin
         warnings.warn(f"depth as floats reaches {reach_m:.4g} m, farther than {most_codes} codes of {camera.metres_per_code} m: "
                       f"it is rounded to {far_m / most_codes:.3g} m; a camera that states far_m keeps its metres_per_code",
                       stacklevel=3)

@@ -119,6 +119,10 @@ class Writing(unittest.TestCase):
             with touchable.open(self.path()) as clip:
                 self.assertTrue(clip[0].valid.all())
                 self.assertEqual(clip.camera.metres_per_code, 0.001)
+            fine = touchable.Camera(32, 24, metres_per_code=1e-4)
+            touchable.write(self.path(), [street / 13], camera=fine, overwrite=True)  # which reach 6.5535 m
+            with touchable.open(self.path()) as clip:
+                self.assertEqual((clip[0].valid.all(), clip.camera.metres_per_code), (True, 1e-4))
             codes = numpy.round(street * 500).astype(numpy.uint16)
             codes[0, :3] = 0, 65535, 65535  # none, and what cameras say of it
             touchable.write(self.path(), [codes], camera=plain, overwrite=True)
