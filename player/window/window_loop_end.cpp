@@ -34,7 +34,9 @@ bool WindowLoop::has_to_stay() {
     return true;
 }
 
-/// Whatever ended it: what was touched, heard, filmed and answered until then is kept.
+/// Whatever ended it: what was touched, heard, filmed and answered until then is kept. The exit code is that
+/// of `ended`; an earlier fault, which the window outlived, decides only where nothing failed in the end. A
+/// kiosk that was interrupted was ended by that, not by a fault.
 Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     power_hand_off();
     if (kiosk_) log_visit(kiosk_->end());
@@ -63,9 +65,10 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     const Result<void> saved = finish_brush();
     figures_.materials = brush_.unsaved_words();
     kept = finish_screenshots(is_kept, std::move(kept));
-    const bool has_failed = failure_ && failure_->kind != ErrorKind::interrupted;
+    const bool has_failed =
+        failure_ && failure_->kind != ErrorKind::interrupted && !(kiosk_ && interrupted());
     const Result<void> failed = has_failed ? Result<void>(*failure_) : Result<void>();
-    if (auto done = all_ok({failed, ended, recorded, heard, filmed, kept, saved, results}); !done.ok())
+    if (auto done = all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}); !done.ok())
         return done.error();
     if (interrupted()) return interruption();
     return std::move(figures_);

@@ -255,6 +255,8 @@ Result<void> WindowLoop::show(Ready& ready) {
         next_is_paused_.reset();
         return begun;
     }
+    // In a kiosk a fault that is over is a row of the log and no exit code.
+    if (kiosk_ && !is_first && ready.skipped.empty()) failure_.reset();
     begun_anew_s_ = now_s();
     if (clip_) count_session();
     clip_ = std::move(clip);

@@ -9,6 +9,7 @@
 #include "player/window/play_window.hpp"
 #include "player/window/window_clock.hpp"
 #include "tests/window/scripted_window.hpp"
+#include "tests/window/wrapped_screen.hpp"
 
 namespace touchable::test {
 namespace {
@@ -16,25 +17,10 @@ namespace {
 using namespace std::chrono_literals;
 
 /// That sleeps for an hour once its window is as large as that.
-class SleepyScreen final : public Screen {
+class SleepyScreen final : public WrappedScreen {
 public:
-    explicit SleepyScreen(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {}
-    std::vector<std::string> extensions() const override { return {}; }
-    Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
-    Result<void> health() const override { return {}; }
-    ScreenSize size() const override { return {320, 240, 1}; }
-    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
-        return screen_->poll(longest);
-    }
-    std::string touch_state() const override { return {}; }
-    Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
-    void set_title(const std::string&) override {}
-    void set_fullscreen(bool) override {}
+    using WrappedScreen::WrappedScreen;
     void set_size(int, int) override { WindowClock::suspend(1h); }
-    void hide_pointer(bool) override {}
-
-private:
-    std::unique_ptr<Screen> screen_;
 };
 
 /// Newtons on the first finger at the end, and the most there were, of somebody who presses; `sleeps`: the
@@ -45,9 +31,9 @@ std::pair<double, double> felt(const std::vector<ScriptedInput>& press, bool sle
     options.session.clip.file = made_clip("globe", 1);
     options.session.builder.name = options.painter = "cpu";
     options.headless = true;
-    options.make_screen = [](const ScreenOptions& size) {
-        return std::make_unique<SleepyScreen>(make_headless_screen(size));
-    };
+    options.screen.width = 320;
+    options.screen.height = 240;
+    options.make_screen = [](const ScreenOptions& size) { return std::make_unique<SleepyScreen>(size); };
     options.record = folder / "hand.touch";
     options.script = press;
     if (sleeps) options.script.push_back({1, WindowCommand{.verb = WindowVerb::size}});
