@@ -265,6 +265,7 @@ private:
     std::optional<Playlist> wanted_list_;  // of one that is asked for, and its place
     std::optional<bool> next_is_paused_;   // whether it is to be; nothing: no clip is asked for
     double shown_s_ = 0;                   // since when the clip is
+    std::optional<double> touched_s_;      // when a clip was last touched, painted or measured
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;

@@ -33,10 +33,18 @@ void WindowLoop::go_in_list(int by) {
         " clips");
 }
 
-/// From a clip's end to the next clip. What is over in a blink rests first; and whoever touches it, paints
-/// it, or drags something of the panel is not torn away from it.
+/// From a clip's end to the next clip. A clip that is over in a blink rests first. The clip also stays while
+/// it is touched or painted, or something of the panel is dragged, and for `between_strokes_s` after that.
 void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
-    constexpr double blink_s = 1, rest_s = 5, again_s = 1;
+    constexpr double blink_s = 1, rest_s = 5, again_s = 1, between_strokes_s = 3;
+    const bool is_touched =
+        pointer_.holds() ||
+        (moment && clip_->session().running() &&
+         std::any_of(moment->felt.fingers.begin(), moment->felt.fingers.end(),
+                     [](const WatchedFinger& finger) { return finger.contact.touching; }));
+    if (brush_.is_held() || measure_.is_held() || layer_->holds_pointer() ||
+        (is_touched && !is_inviting_))  // which touches by itself
+        touched_s_ = time_s_;
     const PlaybackState playback = clip_->session().playback();
     const bool has_ended = playback.at_end && playback.playing && !playback.loops;
     if (!has_ended) return went_on_s_.reset();
@@ -44,13 +52,7 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
     if (clip_->seconds() < blink_s && time_s_ < shown_s_ + rest_s) return;
     // Where no other can be opened, a person is told once, and a kiosk tries on.
     if (went_on_s_ && (!kiosk_ || time_s_ < *went_on_s_ + again_s)) return;
-    if (brush_.is_held() || measure_.is_held() || layer_->holds_pointer()) return;
-    const bool is_touched =
-        pointer_.holds() ||
-        (moment && clip_->session().running() &&
-         std::any_of(moment->felt.fingers.begin(), moment->felt.fingers.end(),
-                     [](const WatchedFinger& finger) { return finger.contact.touching; }));
-    if (is_touched && !is_inviting_) return;  // which touches by itself
+    if (touched_s_ && time_s_ < *touched_s_ + between_strokes_s) return;
     went_on_s_ = time_s_;
     Playlist list = playlist_;
     if (list.next()) open_instead(std::move(list), 1);

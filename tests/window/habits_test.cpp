@@ -252,6 +252,18 @@ TEST(Habits, WhatIsOverInABlinkRestsBeforeTheNext) {
     EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "6.5").image, next), 50);
 }
 
+/// A clip of a second, whose end comes while a finger presses.
+TEST(Habits, ClipStaysBetweenTwoStrokes) {
+    const std::string globe = (some_clips() / "a-globe.mkv").string(),
+                      bumps = (some_clips() / "c-bumps.mkv").string();
+    const Image next = played_by({bumps}, "", "0.8").image;
+    const auto after = [&](const char* seconds) {
+        return played_by({globe, bumps}, "0.1 move 160 110\n0.2 press left\n3 release left\n", seconds).image;
+    };
+    EXPECT_GT(in_the_middle(after("5"), next), 1000) << "it went as the finger was lifted";
+    EXPECT_LT(in_the_middle(after("8"), next), 50) << "nobody touches it any more";
+}
+
 TEST(Habits, AKioskGoesThroughItsClipsAlsoWhileNobodyIsThere) {
     const std::string still = (some_clips() / "b-still.mkv").string(),
                       bumps = (some_clips() / "c-bumps.mkv").string();
