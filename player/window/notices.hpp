@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -14,13 +15,16 @@ enum class Tone {
     fault     ///< what went wrong: stays until somebody has read it
 };
 
+/// What a fault is about: it goes with that.
+enum class About { window, clip };
+
 /// What a window has to say to a person. Times are the window's own, seconds, and do not go backward.
 class Notices {
 public:
     static constexpr double shown_s = 4;           ///< what goes by itself
     static constexpr std::size_t most_faults = 5;  ///< that wait: the newest of more
 
-    void say(std::string words, Tone tone, double now_s) {
+    void say(std::string words, Tone tone, double now_s, About about = About::window) {
         if (tone != Tone::fault) {
             passing_ = std::move(words);
             is_refusal_ = tone == Tone::refusal;
@@ -28,8 +32,16 @@ public:
             return;
         }
         if (std::find(faults_.begin(), faults_.end(), words) != faults_.end()) return;
-        if (faults_.size() == most_faults) faults_.pop_front();
+        if (faults_.size() == most_faults) dismiss();
+        if (about == About::clip) of_clip_.insert(words);
         faults_.push_back(std::move(words));
+    }
+    /// Another clip takes the place of the one that is there: what was said so far goes, but for faults of
+    /// the window.
+    void leave_clip() {
+        clear_passing();
+        std::erase_if(faults_, [this](const std::string& fault) { return of_clip_.contains(fault); });
+        of_clip_.clear();
     }
     /// What has been there long enough goes.
     void pass(double now_s) {
@@ -40,6 +52,7 @@ public:
     /// The fault that is shown was read; whether there was one.
     bool dismiss() {
         if (faults_.empty()) return false;
+        of_clip_.erase(faults_.front());
         faults_.pop_front();
         return true;
     }
@@ -53,6 +66,7 @@ private:
     bool is_refusal_ = false;
     double said_s_ = 0;
     std::deque<std::string> faults_;  // the first one is shown
+    std::set<std::string> of_clip_;   // those of them that are about the clip
 };
 
 }  // namespace touchable

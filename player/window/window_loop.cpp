@@ -157,7 +157,7 @@ void WindowLoop::note_sound() {
     const std::string fault = sound_->clip_fault();
     if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
     if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
-    say(fault, Tone::fault);
+    say(fault, Tone::fault, About::clip);
 }
 
 /// Pictures that other programs packed take their time: once for each clip, and what helps.
@@ -306,10 +306,10 @@ void WindowLoop::tell(const std::string& fault) {
         std::cerr << "touchable: warning: " << printable(fault, 500) << '\n';
 }
 
-void WindowLoop::say(std::string words, Tone tone) {
+void WindowLoop::say(std::string words, Tone tone, About about) {
     if (tone == Tone::fault) log_fault(words);
     if (tone != Tone::remark) tell(words);
-    notices_.say(std::move(words), tone, time_s_);
+    notices_.say(std::move(words), tone, time_s_, about);
     last_event_ = Clock::now();
 }
 

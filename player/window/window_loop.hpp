@@ -185,7 +185,7 @@ private:
     void note_last_failure();
     Result<void> finish_screenshots(bool is_kept, Result<void> kept);
     Error interruption() const;
-    void say(std::string words, Tone tone = Tone::remark);
+    void say(std::string words, Tone tone = Tone::remark, About about = About::window);
     /// What was refused, or went wrong.
     void say(const Error& error);
     void tell(const std::string& fault);

@@ -229,7 +229,7 @@ Result<void> WindowLoop::take(Ready& ready) {
 bool WindowLoop::note_failure() {
     if (!clip_->failure()) return false;
     if (!failure_) failure_ = clip_->failure();
-    say(clip_->failure()->message, Tone::fault);
+    say(clip_->failure()->message, Tone::fault, About::clip);
     return true;
 }
 
@@ -266,6 +266,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     if (is_first)
         if (auto checked = check_labels(); !checked.ok()) return checked;
     clip_->begin_sound();
+    notices_.leave_clip();
     picture_.forget();
     if (!goes_on) picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
     frames_shown_.forget();

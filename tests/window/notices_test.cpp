@@ -35,5 +35,18 @@ TEST(Notices, FaultsWaitForEachOtherOnceEach) {
     EXPECT_EQ(notices.faults().size(), 5U);
 }
 
+TEST(Notices, GoWithTheirClip) {
+    Notices notices;
+    notices.say("a.mkv: breaks off", Tone::fault, 0, About::clip);
+    notices.say("the disk is full", Tone::fault, 0);
+    notices.say("camera and unit are guessed", Tone::remark, 0);
+    notices.leave_clip();
+    EXPECT_EQ(notices.passing(), "");
+    EXPECT_EQ(notices.faults(), (std::deque<std::string>{"the disk is full"}));
+    notices.say("a.mkv: breaks off", Tone::fault, 1);
+    notices.leave_clip();
+    EXPECT_EQ(notices.faults().size(), 2U) << "this time it is about no clip";
+}
+
 }  // namespace
 }  // namespace touchable::test
