@@ -1,8 +1,12 @@
 #include "player/commands/commands.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -179,6 +183,22 @@ bool ends_by_itself(const std::vector<ScriptedInput>& script) {
         const auto* const command = std::get_if<WindowCommand>(&input.what);
         return command && command->verb == WindowVerb::quit;
     });
+}
+
+/// Started with a clip from a desktop: no terminal shows the error line, and no program reads it by a pipe. A
+/// run that ends by itself, or writes files, was started by a script.
+bool is_opened_on_desktop(const PlayOptions& options) {
+    struct stat error {};
+    const bool is_read =
+        isatty(STDERR_FILENO) == 1 || fstat(STDERR_FILENO, &error) != 0 || S_ISFIFO(error.st_mode);
+    const auto has = [](const char* display) {
+        const char* const name = std::getenv(display);
+        return name && *name;
+    };
+    const bool has_display = has("DISPLAY") || has("WAYLAND_DISPLAY");
+    return isatty(STDIN_FILENO) == 0 && !is_read && has_display && !options.session.camera &&
+           !options.headless && !options.kiosk && !options.study && !options.seconds && !options.record &&
+           !options.video && !options.sound && !options.segments && options.script.empty();
 }
 
 /// The mouse needs nothing, and no other is beside it.
@@ -446,6 +466,7 @@ void add_play_command(CLI::App& app, Command& command) {
         command = [words]() -> Result<void> {
             auto options = read_words(*words);
             if (!options.ok()) return options.error();
+            options->stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(*options);
             return run_play(std::move(*options));
         };
     });

@@ -64,6 +64,8 @@ struct PlayOptions {
     SessionOptions session;
     std::shared_ptr<PersistentDevice> hand{};  ///< that leads the fingers; nothing: the mouse does
     std::vector<ClipChoice> next_clips{};      ///< that come after the session's, in their order
+    /// Where none of the clips can be opened, an empty window stays and says why.
+    bool stays_without_clip = false;
     ScreenOptions screen;
     bool headless = false;
     std::optional<double> scale{};  ///< of words and bars; nothing: the display's

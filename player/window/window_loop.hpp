@@ -131,6 +131,7 @@ private:
     bool waits_for_wish() const { return !clip_ && options_.session.clip.file.empty(); }
     static bool needs_clip(WindowVerb verb);
     void refuse_without_clip();
+    Result<void> go_on_without_clip(const Error& why);
     Result<PlayFigures> end_without_clip(Result<void> ended);
     Result<void> go_on_opening();
     void go_on_changing();

@@ -99,6 +99,7 @@ Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
     }
     if (ended = finish_screenshots(is_kept, std::move(ended)); !ended.ok()) return ended.error();
     if (interrupted()) return interruption();
+    if (failure_) return *failure_;
     figures_.seconds = now_s();
     return std::move(figures_);
 }

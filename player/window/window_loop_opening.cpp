@@ -136,8 +136,8 @@ void WindowLoop::ask_for_change(const WindowSettings& wanted) {
                  });
 }
 
-/// Whoever named the first clips learns in the end which of them cannot be opened; where none can be, that is
-/// why the window closes.
+/// The program says in the end which of the clips that it was started with cannot be opened. Where none can
+/// be, the window closes, or stays empty.
 Result<void> WindowLoop::take_made(Result<Ready> made) {
     const bool is_change = asked_settings_.has_value(), is_named = !clip_ && !waits_for_wish();
     if (is_change && !made.ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();  // refused
@@ -145,7 +145,7 @@ Result<void> WindowLoop::take_made(Result<Ready> made) {
     if (!made.ok()) {
         wanted_list_.reset();
         next_is_paused_.reset();
-        if (is_named) return made.error();
+        if (is_named) return go_on_without_clip(made.error());
         is_change ? say(made.error()) : say(made.error().message, Tone::fault);
         return {};
     }
@@ -158,10 +158,21 @@ Result<void> WindowLoop::take_made(Result<Ready> made) {
     }
     if (is_none && is_named) {
         tell_skipped(skipped.first(skipped.size() - 1));
-        return skipped.back();
+        return go_on_without_clip(skipped.back());
     }
     tell_skipped(skipped);
     if (!is_none) ready_ = std::move(*made);
+    return {};
+}
+
+/// None of the clips that were named can be opened: the window closes, or stays empty.
+Result<void> WindowLoop::go_on_without_clip(const Error& why) {
+    if (!options_.stays_without_clip || why.kind == ErrorKind::interrupted) return why;
+    if (!failure_) failure_ = why;
+    std::filesystem::path& file = options_.session.clip.file;
+    screen_->set_title(name_of(file) + " cannot be opened - touchable");
+    file.clear();
+    say(why.message, Tone::fault);
     return {};
 }
 

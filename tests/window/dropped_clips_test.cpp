@@ -113,6 +113,35 @@ TEST(EmptyWindow, HasTheKeysErrorsAndTouchesOfOneWithAClip) {
     EXPECT_TRUE(stays("0.3 key ?\n0.6 key escape\n")) << "Escape leaves the help before it closes";
 }
 
+TEST(EmptyWindow, SaysWhyNoClipOpens) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "film.mkv") << "no clip";
+    PlayOptions options;
+    options.session.clip.file = folder / "film.mkv";
+    options.painter = "cpu";
+    options.headless = true;
+    options.screen = {320, 240, false};
+    options.seconds = 0.6;
+    options.screenshot = folder / "end.png";
+    EXPECT_FALSE(play_in_window(options).ok());
+    EXPECT_FALSE(std::filesystem::exists(folder / "end.png")) << "unless it is asked for, it does not stay";
+    options.stays_without_clip = true;
+    const auto played = play_in_window(options);
+    ASSERT_FALSE(played.ok());
+    EXPECT_NE(played.error().message.find("film.mkv"), std::string::npos) << played.error().message;
+    const auto end = read_image(folder / "end.png");
+    ASSERT_TRUE(end.ok()) << end.error().message;
+    const Image page = played_by({}, "", "0.6").image;
+    EXPECT_GT(differences(*end, page, top), 300) << "the fault is not shown";
+    EXPECT_LT(differences(*end, page, {10, 120, 310, 230}), 500) << "it does not wait for another clip";
+    options.script = {{0.2, InputEvent{.kind = InputEvent::Kind::dropped, .word = still_of("bumps")}}};
+    options.existing = Existing::replace;
+    options.seconds = 3;
+    options.script.push_back({1.5, WindowCommand{.verb = WindowVerb::dismiss}});
+    EXPECT_EQ(play_in_window(options).error().kind, ErrorKind::input);
+    EXPECT_TRUE(shows_bumps(*read_image(folder / "end.png"))) << "a clip that is dropped is not opened";
+}
+
 TEST(EmptyWindow, OpensAGpuThatIsLostAnew) {
     const TemporaryFolder folder;
     PlayOptions options;
