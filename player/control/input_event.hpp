@@ -28,6 +28,7 @@ struct InputEvent {
     std::string word{};
     bool control = false, shift = false;  ///< held at that moment
     bool repeated = false;                ///< a key that is still held
+    bool stopped_force = false;           ///< a key that has taken all forces off as it arrived
     std::int64_t touch = 0;               ///< no two fingers that are down have the same
     double seconds = 0;  ///< of a touch: when, by a clock that does not go backward while a finger is down
 };

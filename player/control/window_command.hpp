@@ -24,7 +24,7 @@ enum class WindowVerb {
     deeper,       ///< `number`: millimetres of the device, pressed in by
     point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
     point_down,   ///< likewise
-    force,        ///< on or off
+    force,        ///< on or off; `number` -1: off
     clutch,       ///< `number`: 1 while a held device is repositioned, 0 afterwards
     recentre,     ///< the place where a held device is now becomes the middle of its workspace
     coarser,      ///< `number`: factor on how far a finger goes when a held device moves

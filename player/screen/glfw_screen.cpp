@@ -1,13 +1,23 @@
 #include <dlfcn.h>
 #include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <thread>
 #include <tuple>
 #include <utility>
 
+#include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
 #include "player/screen/glfw_keys.hpp"
 #include "player/screen/screen.hpp"
 #include "player/screen/screen_saver.hpp"
@@ -32,8 +42,8 @@ public:
     bool is_lost() const;
     /// Another program has destroyed the window: an X server has refused something for that reason.
     bool has_lost_window() const;
-    /// Until there is something to be read, there or from that other socket, but no longer than that.
-    void wait(std::chrono::milliseconds longest, int other) const;
+    /// Until there is something to be read, there or from those other two, but no longer than that.
+    void wait(std::chrono::milliseconds longest, int other, int another) const;
     /// Of the display, as long as the connection is there.
     void keep_awake() const {
         if (is_open()) keep_screen_awake(display_);
@@ -102,8 +112,9 @@ bool XConnection::has_lost_window() const {
     return is_open() && met_no_window;
 }
 
-void XConnection::wait(std::chrono::milliseconds longest, int other) const {
-    std::array<pollfd, 2> look{{{socket_, POLLIN, 0}, {other, POLLIN, 0}}};
+void XConnection::wait(std::chrono::milliseconds longest, int other, int another) const {
+    std::array<pollfd, 3> look{
+        {{is_lost() ? -1 : socket_, POLLIN, 0}, {other, POLLIN, 0}, {another, POLLIN, 0}}};
     poll(look.data(), look.size(), static_cast<int>(longest.count()));
 }
 
@@ -121,25 +132,145 @@ Error no_display() {
             {{Setting::headless}}};
 }
 
+/// All of GLFW, and so all input, has a thread of its own, the window's thread: a key is heard while the main
+/// thread draws, waits for a GPU or opens something. (GLFW asks for one thread; that this is the main one
+/// matters on macOS alone.) Vulkan's swapchain is the main thread's.
 class GlfwScreen final : public Screen {
 public:
     ~GlfwScreen() override {
         swapchain_.reset();
-        if (connection_.is_lost()) return;
-        if (window_) glfwDestroyWindow(window_);
-        glfwTerminate();
-    }
-
-    /// No larger than what the display has for windows.
-    static std::pair<int, int> fitted(const ScreenOptions& options) {
-        int x = 0, y = 0, width = 0, height = 0;
-        if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
-            glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
-        if (width <= 0 || height <= 0) return {options.width, options.height};
-        return {std::min(options.width, width), std::min(options.height, height)};
+        is_over_ = true;  // seen at its next look: GLFW may be gone before it could be woken
+        if (thread_.joinable()) thread_.join();
+        if (wake_ >= 0) close(wake_);
     }
 
     Result<void> open(const ScreenOptions& options) {
+        at_once_ = options.at_once;
+        wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+        std::promise<Result<void>> opened;
+        auto outcome = opened.get_future();
+        if (auto started = start_thread(thread_, "window", "that hears keys and mouse",
+                                        [this, opened = std::move(opened), &options]() mutable {
+                                            auto done = open_window(options);
+                                            note_size();
+                                            is_over_ = !done.ok();
+                                            opened.set_value(std::move(done));
+                                            serve();
+                                            leave();
+                                        });
+            !started.ok())
+            return started;
+        return outcome.get();
+    }
+
+    std::vector<std::string> extensions() const override {
+        std::uint32_t count = 0;
+        const char** names = glfwGetRequiredInstanceExtensions(&count);
+        return {names, names + count};
+    }
+
+    Result<void> attach(std::shared_ptr<GpuDevice> device) override {
+        swapchain_.reset();
+        const auto& vulkan = device->vulkan();
+        VkSurfaceKHR surface = VK_NULL_HANDLE;
+        const VkResult result =
+            glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
+        if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
+        auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
+        if (!made.ok()) return why(made.error());
+        swapchain_ = std::move(*made);
+        return {};
+    }
+
+    Result<void> health() const override {
+        if (connection_.has_lost_window())
+            return Error{ErrorKind::gpu, "another program has destroyed the window"};
+        if (!connection_.is_lost()) return {};
+        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
+    }
+
+    ScreenSize size() const override {
+        const std::lock_guard lock(mutex_);
+        return size_;
+    }
+
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        if (connection_.is_lost()) return {};
+        std::unique_lock lock(mutex_);
+        has_news_.wait_for(lock, longest, [this] { return !events_.empty(); });
+        return std::exchange(events_, {});
+    }
+
+    std::string touch_state() const override { return touch_state_; }
+
+    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
+        const ScreenSize now = size();
+        const auto shown = swapchain_->present(
+            std::move(commands), canvas,
+            {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
+        return shown.ok() ? shown : why(shown.error());
+    }
+
+    void set_title(const std::string& title) override {
+        ask([this, title] { glfwSetWindowTitle(window_, title.c_str()); });
+    }
+
+    void set_fullscreen(bool on) override {
+        ask_and_wait([this, on] { fill_screen(on); });
+    }
+
+    void set_size(int width, int height) override {
+        ask_and_wait([this, width, height] {
+            // Pixels at this display's scale, in the window's own units.
+            const double unit = size_.width > 0 ? size_.scale * units_.first / size_.width : 1;
+            glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
+        });
+    }
+
+    void hide_pointer(bool hidden) override {
+        if (hidden == hidden_) return;
+        hidden_ = hidden;
+        ask([this, hidden] {
+            glfwSetInputMode(window_, GLFW_CURSOR, hidden ? GLFW_CURSOR_HIDDEN : GLFW_CURSOR_NORMAL);
+        });
+    }
+
+private:
+    // The main thread's.
+    /// The window's thread does it soon, after what it was asked for before, unless the display is gone.
+    std::uint64_t ask(std::function<void()> errand) {
+        std::uint64_t number = 0;
+        {
+            const std::lock_guard lock(mutex_);
+            errands_.push_back(std::move(errand));
+            number = ++asked_;
+        }
+        wake();
+        return number;
+    }
+    /// Likewise, and the window has the size that comes of it. Does not wait for a display that hangs once
+    /// the program is asked to stop.
+    void ask_and_wait(std::function<void()> errand) {
+        const std::uint64_t number = ask(std::move(errand));
+        std::unique_lock lock(mutex_);
+        constexpr std::chrono::milliseconds look_again{20};
+        while (!has_news_.wait_for(lock, look_again, [&] { return done_ >= number; }))
+            if (stop_requested()) return;
+    }
+    /// Where the window is gone, that is why.
+    Error why(const Error& error) {
+        ask_and_wait([this] { note_size(); });
+        const auto well = health();
+        return well.ok() ? error : well.error();
+    }
+    void wake() const {
+        if (!connection_.is_open()) return glfwPostEmptyEvent();
+        const std::uint64_t one = 1;
+        (void)!write(wake_, &one, sizeof one);
+    }
+
+    // All that follows is the window's thread's.
+    Result<void> open_window(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
         if (!glfwInit()) return no_display();
         connection_.open();
@@ -159,81 +290,60 @@ public:
         glfwSetWindowUserPointer(window_, this);
         listen();
         listen_for_touches();
-        if (options.fullscreen) set_fullscreen(true);
+        if (options.fullscreen) fill_screen(true);
         return {};
     }
 
-    std::vector<std::string> extensions() const override {
-        std::uint32_t count = 0;
-        const char** names = glfwGetRequiredInstanceExtensions(&count);
-        return {names, names + count};
+    /// No larger than what the display has for windows.
+    static std::pair<int, int> fitted(const ScreenOptions& options) {
+        int x = 0, y = 0, width = 0, height = 0;
+        if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+            glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+        if (width <= 0 || height <= 0) return {options.width, options.height};
+        return {std::min(options.width, width), std::min(options.height, height)};
     }
 
-    Result<void> attach(std::shared_ptr<GpuDevice> device) override {
-        swapchain_.reset();
-        const auto& vulkan = device->vulkan();
-        VkSurfaceKHR surface = VK_NULL_HANDLE;
-        const VkResult result =
-            glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
-        if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
-        auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
-        if (!made.ok()) {
-            size();  // asks the X server for the window: where it is gone, that is why
-            const auto well = health();
-            return well.ok() ? made.error() : well.error();
-        }
-        swapchain_ = std::move(*made);
-        return {};
-    }
-
-    Result<void> health() const override {
-        if (connection_.has_lost_window())
-            return Error{ErrorKind::gpu, "another program has destroyed the window"};
-        if (!connection_.is_lost()) return {};
-        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
-    }
-
-    ScreenSize size() const override {
-        if (connection_.is_lost()) return size_;
-        ScreenSize size;
-        glfwGetFramebufferSize(window_, &size.width, &size.height);
-        float scale_x = 1, scale_y = 1;
-        glfwGetWindowContentScale(window_, &scale_x, &scale_y);
-        size.scale = static_cast<double>(scale_x);
-        if (!connection_.is_lost()) size_ = size;
-        return size_;
-    }
-
-    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
-        if (connection_.is_lost()) return {};
-        if (!connection_.is_open()) {
-            glfwWaitEventsTimeout(std::chrono::duration<double>(longest).count());
-            return std::exchange(events_, {});
-        }
-        // GLFW's own wait would never end on a connection that is lost in it.
-        read_events();
-        if (events_.empty()) {
-            connection_.wait(longest, touches_ ? touches_->socket() : -1);
+    /// Until the window is over. Vulkan presents by the same connection, and may have read what wakes this
+    /// thread: it looks again soon in any case.
+    void serve() {
+        constexpr std::chrono::milliseconds look_again{8};
+        constexpr int size_again = 12;  // looks: asks the X server, which says so where the window is gone
+        for (int k = 1; !is_over_; ++k) {
+            do_errands();
+            if (k % size_again == 0) note_size();
             read_events();
+            if (connection_.is_open())
+                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_);
+            else
+                glfwWaitEventsTimeout(std::chrono::duration<double>(look_again).count());
         }
-        return std::exchange(events_, {});
     }
 
-    std::string touch_state() const override { return touch_state_; }
-
-    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
-        const ScreenSize now = size();
-        return swapchain_->present(
-            std::move(commands), canvas,
-            {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
+    void do_errands() {
+        std::uint64_t ignored = 0;
+        (void)!read(wake_, &ignored, sizeof ignored);
+        std::vector<std::function<void()>> errands;
+        {
+            const std::lock_guard lock(mutex_);
+            errands.swap(errands_);
+        }
+        if (errands.empty()) return;
+        for (const auto& errand : errands)
+            if (!connection_.is_lost()) errand();
+        note_size();
+        const std::lock_guard lock(mutex_);
+        done_ += errands.size();
+        has_news_.notify_all();
     }
 
-    void set_title(const std::string& title) override {
-        if (!connection_.is_lost()) glfwSetWindowTitle(window_, title.c_str());
-    }
-
-    void set_fullscreen(bool on) override {
+    void leave() {
+        touches_.reset();
         if (connection_.is_lost()) return;
+        if (window_) glfwDestroyWindow(window_);
+        glfwTerminate();
+    }
+
+    void fill_screen(bool on) {
         const bool is = glfwGetWindowMonitor(window_) != nullptr;
         if (is == on) return;
         if (on) {
@@ -248,25 +358,24 @@ public:
         }
     }
 
-    void set_size(int width, int height) override {
+    void note_size() {
+        if (!window_ || connection_.is_lost()) return;
+        ScreenSize size;
+        std::pair<int, int> units{1, 1};
+        glfwGetWindowSize(window_, &units.first, &units.second);
+        glfwGetFramebufferSize(window_, &size.width, &size.height);
+        float scale_x = 1, scale_y = 1;
+        glfwGetWindowContentScale(window_, &scale_x, &scale_y);
+        size.scale = static_cast<double>(scale_x);
         if (connection_.is_lost()) return;
-        // Pixels at this display's scale, in the window's own units.
-        const ScreenSize now = size();
-        int units = 1, ignored = 1;
-        glfwGetWindowSize(window_, &units, &ignored);
-        const double unit = now.width > 0 ? now.scale * units / now.width : 1;
-        glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
+        units_ = units;
+        const std::lock_guard lock(mutex_);
+        size_ = size;
     }
 
-    void hide_pointer(bool hidden) override {
-        if (hidden == hidden_ || connection_.is_lost()) return;
-        hidden_ = hidden;
-        glfwSetInputMode(window_, GLFW_CURSOR, hidden ? GLFW_CURSOR_HIDDEN : GLFW_CURSOR_NORMAL);
-    }
-
-private:
     /// Touches first: of what GLFW tells then it is known whose pointer it is.
     void read_events() {
+        if (connection_.is_lost()) return;
         if (touches_)
             for (InputEvent& event : touches_->take()) {
                 std::tie(event.x, event.y) = pixels(event.x, event.y);
@@ -293,15 +402,17 @@ private:
     static GlfwScreen& of(GLFWwindow* window) {
         return *static_cast<GlfwScreen*>(glfwGetWindowUserPointer(window));
     }
-    InputEvent& add(InputEvent event) { return events_.emplace_back(std::move(event)); }
+    void add(InputEvent event) {
+        if (event.kind == InputEvent::Kind::key && at_once_) at_once_(event);
+        const std::lock_guard lock(mutex_);
+        events_.push_back(std::move(event));
+        has_news_.notify_all();
+    }
 
     /// A place in the window's own units, in pixels of the picture.
     std::pair<double, double> pixels(double x, double y) const {
-        int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
-        glfwGetWindowSize(window_, &width, &height);
-        glfwGetFramebufferSize(window_, &pixels_x, &pixels_y);
-        if (width < 1 || height < 1) return {x, y};
-        return {x * pixels_x / width, y * pixels_y / height};
+        if (units_.first < 1 || units_.second < 1) return {x, y};
+        return {x * size_.width / units_.first, y * size_.height / units_.second};
     }
 
     void listen() {
@@ -349,6 +460,7 @@ private:
                 of(window).add({.kind = Kind::key, .word = name, .repeated = of(window).repeats_});
         });
         glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+            of(window).note_size();
             of(window).add(
                 {.kind = Kind::resized, .x = static_cast<double>(width), .y = static_cast<double>(height)});
         });
@@ -359,15 +471,28 @@ private:
                                    [](GLFWwindow* window) { of(window).add({.kind = Kind::close}); });
     }
 
-    GLFWwindow* window_ = nullptr;
+    std::thread thread_;
+    int wake_ = -1;  // the window's thread
+    std::atomic<bool> is_over_{false};
     XConnection connection_;
-    mutable ScreenSize size_;  // as last known
-    std::unique_ptr<Swapchain> swapchain_;
-    std::unique_ptr<TouchScreen> touches_;  // nothing: the first finger is the pointer
+    GLFWwindow* window_ = nullptr;
     std::string touch_state_;
+    std::function<void(InputEvent&)> at_once_;
+    // The main thread's.
+    std::unique_ptr<Swapchain> swapchain_;
+    bool hidden_ = false;
+    // From one to the other.
+    mutable std::mutex mutex_;
+    std::condition_variable has_news_;  // an event, or an errand is done
+    ScreenSize size_;                   // as last known; written by the window's thread
     std::vector<InputEvent> events_;
-    int place_[4] = {0, 0, 1280, 720};  // before it became full-screen: x, y, width, height
-    bool hidden_ = false, repeats_ = false;
+    std::vector<std::function<void()>> errands_;
+    std::uint64_t asked_ = 0, done_ = 0;
+    // The window's thread's.
+    std::pair<int, int> units_{1, 1};       // the window's size, in its own units
+    std::unique_ptr<TouchScreen> touches_;  // nothing: the first finger is the pointer
+    int place_[4] = {0, 0, 1280, 720};      // before it became full-screen: x, y, width, height
+    bool repeats_ = false;
 };
 
 }  // namespace

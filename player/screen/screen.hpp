@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,6 +51,9 @@ struct ScreenOptions {
     bool fullscreen = false;
     bool stays = false;  ///< it stays full screen while another window has the focus
     bool awake = false;  ///< the display neither blanks nor sleeps, as far as the system can be asked so
+    /// Called with each key as it arrives, by a thread of the screen's own, however long the main thread
+    /// draws; may change the event, which `poll` gives afterwards. Neither waits nor throws.
+    std::function<void(InputEvent&)> at_once{};
 };
 
 /// A window of the system's. Refused (ErrorKind::gpu) where there is no display or no Vulkan to show by.

@@ -65,6 +65,7 @@ public:
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
     PointerDevice& device() { return *device_; }
+    std::shared_ptr<PointerDevice> shared_device() const { return device_; }
     PointerFingers& fingers() { return *fingers_; }
     const PointerFingers& fingers() const { return *fingers_; }
     /// That leads the fingers; null: the pointer does.

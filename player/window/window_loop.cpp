@@ -57,6 +57,7 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
         wanted.height = kept.height;
     }
     fullscreen_ = wanted.fullscreen;
+    wanted.at_once = [this](InputEvent& event) { stop_force_at_once(event); };
     if (options_.make_screen) {
         screen_ = options_.make_screen(wanted);
     } else if (options_.headless) {
@@ -250,7 +251,7 @@ void WindowLoop::take(const InputEvent& event) {
     if (event.kind == Kind::key) {
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (binding && (!event.repeated || goes_by_steps(binding->verb)))
-            take(WindowCommand{binding->verb, binding->number, ""});
+            take(WindowCommand{binding->verb, event.stopped_force ? -1 : binding->number, ""});
         return;
     }
     if (event.kind == Kind::key_released) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -88,6 +89,8 @@ private:
     bool bar_is_wanted() const;
     void take_of_hand(const WindowCommand& command);
     void change_scale(double times);
+    void stop_force_at_once(InputEvent& event);
+    void lead_force();
     void look_after_hand(const WatchedMoment* moment);
     void power_hand_off();
     void set_overlay(const std::string& name);
@@ -214,6 +217,13 @@ private:
 
     PlayOptions options_;
     const Clock::time_point asked_for_;
+    /// What gives forces now. The screen's thread stops them too; it ends before this does.
+    struct ForceGivers {
+        std::shared_ptr<PointerDevice> pointer{};
+        std::shared_ptr<HandControl> control{};  // null: the pointer leads
+    };
+    std::mutex force_mutex_;
+    ForceGivers force_givers_;  // guarded by force_mutex_
     std::unique_ptr<Screen> screen_;
     std::optional<ImGuiLayer> layer_;
     ClipPicture picture_;

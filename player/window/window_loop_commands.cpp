@@ -135,7 +135,7 @@ void WindowLoop::take_of_fingers(const WindowCommand& command) {
         case WindowVerb::point_down:
             return pointer_.move_by({0, command.number}, size.width, size.height, fingers);
         default:
-            clip_->set_force(!clip_->force_is_on());
+            clip_->set_force(command.number == 0 && !clip_->force_is_on());
             return say(clip_->force_is_on() ? "force on" : "force off");
     }
 }

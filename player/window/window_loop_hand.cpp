@@ -38,6 +38,30 @@ void WindowLoop::power_hand_off() {
     if (clip_) clip_->set_force(false);
 }
 
+/// The screen's thread calls it: F takes forces off while the main thread draws or waits. F where forces are
+/// off asks for them, which is the main thread's.
+void WindowLoop::stop_force_at_once(InputEvent& event) {
+    const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
+    if (!binding || binding->verb != WindowVerb::force || event.repeated) return;
+    if (options_.study && !options_.hand) return;  // a participant's mouse has no such key
+    const std::lock_guard lock(force_mutex_);
+    if (force_givers_.control && force_givers_.control->force_is_asked()) {
+        force_givers_.control->ask_force(false);
+        event.stopped_force = true;
+    } else if (!force_givers_.control && force_givers_.pointer && force_givers_.pointer->force_is_on()) {
+        force_givers_.pointer->set_force(false);
+        event.stopped_force = true;
+    }
+}
+
+/// From now on stop_force_at_once stops the newest session of the clip. A key that came between that
+/// session's begin and this call has stopped the session before; the main thread then stops this one, as for
+/// every key.
+void WindowLoop::lead_force() {
+    const std::lock_guard lock(force_mutex_);
+    force_givers_ = {clip_->shared_device(), clip_->session().setup().control};
+}
+
 void WindowLoop::take_of_hand(const WindowCommand& command) {
     PersistentDevice& hand = *options_.hand;
     switch (command.verb) {
@@ -48,9 +72,9 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
                 return hand.look_again();
             }
             // Of one that is away forces are not asked for: nobody would know of them when it comes back.
-            if (!clip_->force_is_on() && !(hand.age_s() <= HapticDevice::oldest_s))
+            if (command.number == 0 && !clip_->force_is_on() && !(hand.age_s() <= HapticDevice::oldest_s))
                 return say("no forces yet: no position comes from the " + hand.name());
-            return clip_->set_force(!clip_->force_is_on());
+            return clip_->set_force(command.number == 0 && !clip_->force_is_on());
         case WindowVerb::clutch:
             return clip_->control()->hold(command.number != 0);
         case WindowVerb::recentre:

@@ -228,6 +228,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     if (wanted_settings_ == ready.settings) wanted_settings_.reset();
     const bool had_failed = clip_->failure().has_value();
     const Result<void> changed = clip_->take(std::move(*ready.change));
+    lead_force();
     const bool has_failed = !had_failed && note_failure();
     if (!changed.ok()) return changed;
     picture_.forget();
@@ -271,6 +272,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     begun_anew_s_ = now_s();
     if (clip_) count_session();
     clip_ = std::move(clip);
+    lead_force();
     playlist_ = std::move(ready.list);
     wanted_list_.reset();
     went_on_s_.reset();

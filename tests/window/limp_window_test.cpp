@@ -14,6 +14,7 @@
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/fake_hand.hpp"
+#include "tests/window/wrapped_screen.hpp"
 
 namespace touchable::test {
 namespace {
@@ -43,6 +44,7 @@ protected:
         };
         options.painter = "cpu";
         options.headless = true;
+        options.make_screen = make_screen_;
         options.screen.width = 320;
         options.screen.height = 240;
         options.seconds = seconds;
@@ -96,6 +98,7 @@ protected:
     const TemporaryFolder folder_;
     const std::filesystem::path clip_ = folder_ / "globe.mkv";
     const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
+    std::function<std::unique_ptr<Screen>(const ScreenOptions&)> make_screen_;
     std::atomic<bool> is_opening_{false}, is_released_{false};
     bool felt_ = false, was_unpowered_ = false, came_back_ = false;
 };
@@ -117,6 +120,51 @@ TEST_F(UnpoweredWindow, AfterFWhateverIsOpenedMeanwhile) {
     EXPECT_TRUE(was_unpowered_);
     EXPECT_TRUE(came_back_) << "it was not F, but the window's end";
     EXPECT_EQ(fake_->newtons, 0) << "in the end";
+}
+
+/// A screen whose main thread stands still for as long as a test likes, as over a picture that takes long.
+class StandingScreen final : public WrappedScreen {
+public:
+    struct Hold {
+        std::atomic<bool> is_wanted{false}, is_standing{false};
+        std::function<void(InputEvent&)> at_once;  // known once it stands
+        InputEvent key{.kind = InputEvent::Kind::key, .word = "f"};
+    };
+    StandingScreen(const ScreenOptions& options, Hold& hold) : WrappedScreen(options), hold_(hold) {
+        hold_.at_once = options.at_once;
+    }
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        if (!hold_.is_wanted) return WrappedScreen::poll(longest);
+        hold_.is_standing = true;
+        while (hold_.is_wanted) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return {hold_.key};
+    }
+
+private:
+    Hold& hold_;
+};
+
+TEST_F(UnpoweredWindow, StopsByFWhileMainThreadStands) {
+    StandingScreen::Hold hold;
+    make_screen_ = [&](const ScreenOptions& options) {
+        return std::make_unique<StandingScreen>(options, hold);
+    };
+    bool has_felt = false, is_off = false, stays_off = false;
+    std::thread looks_on([&] {
+        has_felt = comes_true([&] { return fake_->newtons > 0.1; });
+        hold.is_wanted = true;
+        if (comes_true([&] { return hold.is_standing.load(); })) hold.at_once(hold.key);
+        is_off = goes_on(2 * there_and_back, [&] { return fake_->newtons > 0; });
+        hold.is_wanted = false;
+        stays_off = goes_on(2 * there_and_back, [&] { return fake_->newtons > 0; });
+        is_released_ = true;
+    });
+    EXPECT_TRUE(play("20 quit\n", 8).ok());
+    looks_on.join();
+    EXPECT_TRUE(has_felt);
+    EXPECT_TRUE(hold.key.stopped_force);
+    EXPECT_TRUE(is_off) << "before the main thread goes on";
+    EXPECT_TRUE(stays_off) << "the main thread has it as a key that asks for forces";
 }
 
 /// (In a process of its own: it is asked to stop once and for all.)

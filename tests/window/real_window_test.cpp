@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "engine/picture/image_file.hpp"
+#include "player/screen/screen.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/two_surfaces.hpp"
 
@@ -369,6 +373,70 @@ xdotool mousemove 200 140 sleep 0.6 windowclose $(head -1 window)
     EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
     EXPECT_TRUE(std::filesystem::exists(folder / "hand.touch"));
     EXPECT_TRUE(std::filesystem::exists(folder / "film.mkv"));
+}
+
+/// The thread that opened the screen never asks for input here, as while it draws or waits for a GPU.
+TEST(RealWindow, HearsKeysWhileMainThreadStands) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    const std::string at = "cd '" + folder.path().string() + "'; ";
+    ASSERT_EQ(std::system((at + R"(
+Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display >xvfb.log 2>&1 & echo $! >server
+for k in $(seq 100); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
+                              .c_str()),
+              0);
+    const std::string display = file_contents(folder / "display");
+    setenv("DISPLAY", (":" + display.substr(0, display.find('\n'))).c_str(), 1);
+    std::atomic<int> heard{0};
+    ScreenOptions options{.width = 320, .height = 200};
+    options.at_once = [&](InputEvent& event) {
+        if (event.word != "f") return;
+        event.stopped_force = true;
+        ++heard;
+    };
+    {
+        const auto screen = open_glfw_screen(options);
+        ASSERT_TRUE(screen.ok()) << screen.error().message;
+        EXPECT_EQ((*screen)->size().width, 320);
+        EXPECT_EQ(std::system("timeout 20 xdotool search --sync --onlyvisible --name touchable >/dev/null && "
+                              "xdotool mousemove 100 100 sleep 0.3 key f"),
+                  0);
+        for (int k = 0; k < 20'000 && heard == 0; ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        EXPECT_EQ(heard, 1);
+        const auto events = (*screen)->poll(std::chrono::milliseconds(0));
+        EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const InputEvent& event) {
+            return event.kind == InputEvent::Kind::key && event.word == "f" && event.stopped_force;
+        }));
+        (*screen)->set_size(400, 300);
+        EXPECT_EQ((*screen)->size().width, 400);
+        EXPECT_TRUE((*screen)->health().ok());
+    }
+    unsetenv("DISPLAY");
+    EXPECT_EQ(std::system((at + "kill $(cat server)").c_str()), 0);
+}
+
+/// As a desktop starts it: its lines are read by no terminal and by no pipe.
+TEST(RealWindow, OpenedOnDesktopSaysWhyItIsEmpty) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    std::ofstream(folder / "film.mkv") << "no clip";
+    const int code = with_display(
+        folder, "play film.mkv --size 400x300 --painter cpu", R"(
+until_there() { for k in $(seq 600); do [[ -e $1 ]] && return; xdotool key F12; sleep 0.1; done; }
+until_there touchable-1.png
+kill -0 $program || exit 96
+xdotool key Escape sleep 0.3 key q
+)",
+        std::string("\"") + TOUCHABLE_PROGRAM +
+            "\" play film.mkv 2>&1 </dev/null | cat >piped; [[ ${PIPESTATUS[0]} == 3 ]] || exit 97\n");
+    EXPECT_EQ(code, 3) << file_contents(folder / "err");
+    for (const char* said : {"err", "piped"}) {
+        const std::string line = file_contents(folder / said);
+        EXPECT_NE(line.find("film.mkv"), std::string::npos) << line;
+        EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    }
+    EXPECT_TRUE(read_image(folder / "touchable-1.png").ok());
 }
 
 TEST(RealWindow, WithoutADisplayIsOneLineThatSaysWhatToDo) {
