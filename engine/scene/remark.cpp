@@ -39,7 +39,7 @@ Remark remark_of_text(std::string_view text) {
 
 std::string remark_in_words(const Remark& remark) {
     const std::string text = printable(remark_text(remark), longest_remark);
-    if (!remark.is_guess && remark.otherwise.empty()) return text;
+    if (!remark.is_guess && remark.otherwise.empty() && remark.hints.empty()) return text;
     return text + " (" + (remark.otherwise.empty() ? "a scene file says otherwise" : remark.otherwise) + ")";
 }
 

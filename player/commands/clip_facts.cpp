@@ -77,8 +77,8 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
                                     "a scene file's metres_per_unit and depth say otherwise",
                                     {{Setting::scene_file, "FILE"}})) {
             const auto there = std::find_if(remarks.begin(), remarks.end(), doubts_unit);
-            if (there == remarks.end()) remarks.push_back(*doubt);
             facts.unit_doubt = remark_with_options(there == remarks.end() ? *doubt : *there);
+            if (there == remarks.end()) remarks.push_back(std::move(*doubt));
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(**first, facts);
