@@ -118,9 +118,9 @@ TEST(EmptyWindow, SaysWhyNoClipOpens) {
     std::ofstream(folder / "film.mkv") << "no clip";
     PlayOptions options;
     options.session.clip.file = folder / "film.mkv";
-    options.painter = "cpu";
+    options.painter = "raster";  // the CPU draws no words
     options.headless = true;
-    options.screen = {320, 240, false};
+    options.screen = {640, 480, false};
     options.seconds = 0.6;
     options.screenshot = folder / "end.png";
     EXPECT_FALSE(play_in_window(options).ok());
@@ -131,9 +131,10 @@ TEST(EmptyWindow, SaysWhyNoClipOpens) {
     EXPECT_NE(played.error().message.find("film.mkv"), std::string::npos) << played.error().message;
     const auto end = read_image(folder / "end.png");
     ASSERT_TRUE(end.ok()) << end.error().message;
-    const Image page = played_by({}, "", "0.6").image;
-    EXPECT_GT(differences(*end, page, top), 300) << "the fault is not shown";
-    EXPECT_LT(differences(*end, page, {10, 120, 310, 230}), 500) << "it does not wait for another clip";
+    const Image page = played_by({}, "", "0.6", "640x480").image;
+    EXPECT_GT(differences(*end, page, {60, 0, 580, 100}), 300) << "the fault is not shown";
+    EXPECT_LT(differences(*end, page, {10, 240, 630, 470}), 500) << "it does not wait for another clip";
+    options.screen = {320, 240, false};
     options.script = {{0.2, InputEvent{.kind = InputEvent::Kind::dropped, .word = still_of("bumps")}}};
     options.existing = Existing::replace;
     options.seconds = 3;

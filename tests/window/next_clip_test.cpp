@@ -81,14 +81,6 @@ TEST_F(NextClip, ComesPausedWhereItIsPausedMeanwhile) {
     EXPECT_EQ(differences(paused.first, paused.later, middle), 0);
 }
 
-TEST_F(NextClip, HasNoNoticeOfClipBefore) {
-    const auto shown = [this](const std::string& said) {
-        return seen("0.3 open " + second_.string() + "\n" + said).first;
-    };
-    const PicturePart words{20, 0, 300, 40};
-    EXPECT_LT(differences(shown("1.4 force\n1.4 force\n"), shown(""), words), 50);
-}
-
 TEST_F(NextClip, PlaysWhereNobodyOrSomebodyTwicePressesPause) {
     for (const char* const script :
          {"0.3 next\n", "0.3 next\n0.6 key space\n0.9 key space\n", "0.2 key space\n0.3 next\n",
