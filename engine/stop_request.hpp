@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <stop_token>
 
 #include "engine/result.hpp"
@@ -12,6 +14,18 @@ void request_stop();
 /// Whether somebody did, or gave up what this thread works for (WorkUntil). Work that takes long looks here
 /// between its steps, and gives up with an error.
 bool stop_requested();
+
+/// Calls `work(first, last)` for 0 to `count` - 1, piece by piece, each a few milliseconds of a loop over
+/// pixels. False where it was asked to stop: then the rest is left out.
+template <class Work>
+bool until_stopped(std::size_t count, Work&& work) {
+    constexpr std::size_t piece = std::size_t{1} << 18;
+    for (std::size_t first = 0; first < count; first += piece) {
+        if (stop_requested()) return false;
+        work(first, std::min(count, first + piece));
+    }
+    return true;
+}
 
 /// What work that stopped for that reason returns.
 Error interrupted_error();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -23,7 +24,8 @@ inline std::atomic<int> abandoned_threads{0};
 /// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because
 /// somebody asks the program to stop or, if the caller says so, for another reason. It may take as long
 /// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
-/// to its end alone, so `work` owns all that it uses. Where no thread is to be had the caller does it.
+/// to its end alone, so `work` owns all that it uses. `stop_requested` says there that the work was given up,
+/// so that it can end early. Where no thread is to be had the caller does it.
 template <class Work, class IsOver = bool (*)()>
 std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_over = stop_requested) {
     struct Errand {
@@ -33,6 +35,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
         std::exception_ptr fault{};
         bool over = false, is_abandoned = false;
+        std::stop_source given_up{};
 
         void run() {
             std::optional<std::invoke_result_t<Work&>> made;
@@ -51,8 +54,13 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         }
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
+    const auto run_aside = [errand, goes_on = WorkAlongside::this_thread().goes_on] {
+        const WorkAlongside alongside({nullptr, goes_on});
+        const WorkUntil until(errand->given_up.get_token());
+        errand->run();
+    };
     std::thread thread;
-    if (start_thread(thread, "interruptible", "that does what may take long", [errand] { errand->run(); }))
+    if (start_thread(thread, "interruptible", "that does what may take long", run_aside))
         thread.detach();
     else
         errand->run();
@@ -62,6 +70,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         if (is_over()) {
             errand->is_abandoned = true;
             ++abandoned_threads;
+            errand->given_up.request_stop();
             return std::nullopt;
         }
     if (errand->fault) std::rethrow_exception(errand->fault);

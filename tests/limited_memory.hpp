@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <fstream>
+#include <string>
 
 #include "tests/sanitizers.hpp"
 
@@ -34,6 +35,33 @@ public:
 private:
     rlimit before_{};
     bool limited_ = false;
+};
+
+/// The most memory that this process had since this was made, beyond what it had then. (With sanitizers
+/// nothing is measured.)
+class PeakMemory {
+public:
+    PeakMemory() {
+        std::ofstream("/proc/self/clear_refs") << 5;
+        before_ = mebibytes_of("VmRSS:");
+    }
+    double mebibytes() const {
+#ifdef TOUCHABLE_SANITIZED
+        return 0;
+#else
+        return mebibytes_of("VmHWM:") - before_;
+#endif
+    }
+
+private:
+    static double mebibytes_of(const std::string& name) {
+        std::ifstream status("/proc/self/status");
+        double kibibytes = 0;
+        for (std::string word; status >> word;)
+            if (word == name) status >> kibibytes;
+        return kibibytes / 1024;
+    }
+    double before_ = 0;
 };
 
 }  // namespace touchable::test

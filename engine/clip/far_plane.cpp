@@ -30,12 +30,16 @@ private:
     std::vector<std::string> notes_;
 };
 
+Error interrupted_looking() {
+    return {ErrorKind::interrupted, "interrupted while the clip's far plane was searched"};
+}
+
 /// Whether there is such a frame.
 Result<bool> look(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
-    if (stop_requested())
-        return Error{ErrorKind::interrupted, "interrupted while the clip's far plane was searched"};
+    if (stop_requested()) return interrupted_looking();
     if (!frame) return frame.error();
     if (*frame) estimator.add((*frame)->depth);
+    if (stop_requested()) return interrupted_looking();
     return frame->has_value();
 }
 
@@ -69,7 +73,7 @@ std::vector<std::int64_t> telling_frames(std::int64_t count) {
 }
 
 void FarPlaneEstimator::add(const PlaneView& depth) {
-    for (int y = 0; y < depth.height; ++y)
+    for (int y = 0; y < depth.height && !stop_requested(); ++y)
         for (int x = 0; x < depth.width; ++x) ++pixels_[static_cast<std::size_t>(depth.sample(x, y))];
     ++frames_;
 }

@@ -68,9 +68,9 @@ Result<StoredImage> Mp4Stills::stored(PlaneRole role) const {
     const auto packet = (*tracks)->next(stream);
     if (!packet) return packet.error();
     if (!*packet) return input_error(where(role, 0) + ": has no picture");
-    return decode_stored_image(
-        {reinterpret_cast<const char*>((*packet)->data), static_cast<std::size_t>((*packet)->size)},
-        where(role, 0));
+    return decode_stored_image(std::string(reinterpret_cast<const char*>((*packet)->data),
+                                           static_cast<std::size_t>((*packet)->size)),
+                               where(role, 0));
 }
 
 Result<TrackPicture> Mp4Stills::picture(PlaneRole role, std::int64_t frame) {

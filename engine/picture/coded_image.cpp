@@ -13,6 +13,7 @@
 #include "engine/picture/picture_decoder.hpp"
 #include "engine/picture/rgb_converter.hpp"
 #include "engine/stop_request.hpp"
+#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -110,9 +111,10 @@ Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr fra
     if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8)
         return std::optional<Image>{};
     if (!is_rgb8(*frame)) {
-        auto rgb = RgbConverter().converted(*frame);
-        if (!rgb) return input_error(where + ": " + rgb.error().message);
-        frame = std::move(*rgb);
+        auto rgb = unless_stopped([frame = std::move(frame)] { return RgbConverter().converted(*frame); });
+        if (!rgb) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        if (!*rgb) return input_error(where + ": " + rgb->error().message);
+        frame = std::move(**rgb);
     }
     return gathered(where, *frame, 1, 3, rgb_of(*frame));
 }
@@ -129,7 +131,10 @@ Result<Image> image_from(const std::string& where, FramePtr frame) {
 /// Grey of 1, 2 and 4 bits comes spread over 8.
 void gather(Image& image, int bits) {
     const int step = 255 / ((1 << bits) - 1);
-    for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(sample / step);
+    until_stopped(image.samples.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k)
+            image.samples[k] = static_cast<std::uint8_t>(image.samples[k] / step);
+    });
 }
 
 }  // namespace
@@ -141,6 +146,7 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
     auto image = image_from(where, std::move(picture->frame));
     if (!image) return image.error();
     if (picture->bits < 8) gather(*image, picture->bits);
+    if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
     StoredImage stored;
     stored.image = std::move(*image);
     stored.codec = avcodec_get_name(picture->codec);

@@ -1,8 +1,5 @@
 #include "engine/picture/decoded_picture.hpp"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -128,18 +125,13 @@ Image rgb_rows(const AVFrame& frame, int first, int count) {
 }
 
 void drop_rows(AVFrame& frame, int first, int count) {
-    static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
     const AVPixFmtDescriptor& format = descriptor(frame);
     const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
     if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
     for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
-        const auto stride = static_cast<std::uintptr_t>(std::max(frame.linesize[plane], 0));
-        const auto begin = std::bit_cast<std::uintptr_t>(frame.data[plane]) +
-                           stride * static_cast<std::uintptr_t>(first),
-                   end = begin + stride * static_cast<std::uintptr_t>(count);
-        const auto first_page = (begin + page - 1) / page * page, last_page = end / page * page;
-        if (first_page < last_page)
-            madvise(std::bit_cast<void*>(first_page), last_page - first_page, MADV_DONTNEED);
+        const auto stride = static_cast<std::size_t>(std::max(frame.linesize[plane], 0));
+        give_back(frame.data[plane] + stride * static_cast<std::size_t>(first),
+                  stride * static_cast<std::size_t>(count));
     }
 }
 

@@ -8,11 +8,13 @@
 
 #include "engine/picture/stored_image.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::size_t most_channels = 1024;
+// Of all parts together. OpenEXR takes as long as the square of either says.
+constexpr std::size_t most_channels = 1024, most_attributes = 8192;
 
 constexpr std::size_t largest_exr_piece = std::size_t{256} << 20;  // of memory that OpenEXR takes at once
 
@@ -37,6 +39,70 @@ void keep_first_exr_error(exr_const_context_t context, exr_result_t, const char*
     std::string& wrong = static_cast<ExrBytes*>(file)->wrong;
     if (wrong.empty()) wrong = printable(text, 200);
 }
+
+/// Goes through the headers of a file before OpenEXR does, to find out what that has to work for. What is
+/// damaged it leaves to OpenEXR.
+class ExrHeaders {
+public:
+    explicit ExrHeaders(std::string_view bytes) : rest_(bytes) {}
+    /// What is too much; empty where nothing is.
+    std::string refusal() {
+        constexpr std::size_t before_headers = 8, version_at = 5;
+        constexpr unsigned several_parts = 0x10;
+        if (rest_.size() < before_headers) return "";
+        const bool has_parts = (static_cast<unsigned char>(rest_[version_at]) & several_parts) != 0;
+        rest_.remove_prefix(before_headers);
+        while (one_header() && has_parts && !rest_.starts_with('\0')) {
+        }
+        if (attributes_ > most_attributes)
+            return "has more than " + std::to_string(most_attributes) + " attributes in its header";
+        if (channels_ > most_channels) return "has more than " + std::to_string(most_channels) + " channels";
+        return "";
+    }
+
+private:
+    /// Of one part; false where it is damaged or there is too much.
+    bool one_header() {
+        while (!rest_.starts_with('\0')) {
+            std::string_view name, type, content;
+            if (!word(name) || !word(type) || !sized(content)) return false;
+            ++attributes_;
+            if (type == "chlist") count_channels(content);
+            if (attributes_ > most_attributes || channels_ > most_channels) return false;
+        }
+        rest_.remove_prefix(1);
+        return !rest_.empty();
+    }
+    void count_channels(std::string_view list) {
+        constexpr std::size_t behind_name = 16;  // type, linearity, sampling
+        while (!list.empty() && !list.starts_with('\0') && channels_ <= most_channels) {
+            const auto end = list.find('\0');
+            list.remove_prefix(std::min(list.size(), std::min(end, list.size()) + 1 + behind_name));
+            ++channels_;
+        }
+    }
+    /// Up to a zero byte.
+    bool word(std::string_view& found) {
+        const auto end = rest_.find('\0');
+        if (end == std::string_view::npos) return false;
+        found = rest_.substr(0, end);
+        rest_.remove_prefix(end + 1);
+        return true;
+    }
+    /// So many bytes as the four before them say, the lowest first.
+    bool sized(std::string_view& found) {
+        if (rest_.size() < 4) return false;
+        std::size_t size = 0;
+        for (std::size_t k = 4; k-- > 0;) size = size << 8 | static_cast<unsigned char>(rest_[k]);
+        if (size > rest_.size() - 4) return false;
+        found = rest_.substr(4, size);
+        rest_.remove_prefix(4 + size);
+        return true;
+    }
+
+    std::string_view rest_;
+    std::size_t channels_ = 0, attributes_ = 0;
+};
 
 /// Unpacks channels of a part, chunk by chunk: rows, or a tile.
 class ExrChunks {
@@ -141,6 +207,8 @@ Error ExrFile::damaged() const {
 }
 
 Result<void> ExrFile::open() {
+    if (const std::string refusal = ExrHeaders(bytes_.bytes).refusal(); !refusal.empty())
+        return refused(refusal);
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.error_handler_fn = keep_first_exr_error;
     how.alloc_fn = take_memory;
@@ -181,8 +249,6 @@ Result<void> ExrFile::list_channels(int part) {
                              format,
                              entry.x_sampling == 1 && entry.y_sampling == 1});
     }
-    if (channels_.size() > most_channels)
-        return refused("has more than " + std::to_string(most_channels) + " channels");
     return {};
 }
 
@@ -215,6 +281,8 @@ Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChann
     const int across = static_cast<int>(grid.across), down = static_cast<int>(grid.down);
     for (int y = 0; y < data.height; y += down)
         for (int x = 0; x < data.width; x += across) {
+            if (stop_requested())
+                return Error{ErrorKind::interrupted, "interrupted while " + where_ + " was read"};
             exr_chunk_info_t chunk;
             const int width = std::min(across, data.width - x), height = std::min(down, data.height - y);
             if (!grid.find(context_, number, data, x, y, chunk) || chunk.width != width ||

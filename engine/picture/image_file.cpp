@@ -1,5 +1,9 @@
 #include "engine/picture/image_file.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -7,6 +11,7 @@
 #include <utility>
 
 #include "engine/picture/png_bytes.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -16,13 +21,25 @@ Error file_error(const std::filesystem::path& file, const std::string& what) {
 }
 }  // namespace
 
+void give_back(void* memory, std::size_t bytes) {
+    static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    const auto begin = std::bit_cast<std::uintptr_t>(memory);
+    const auto first_page = (begin + page - 1) / page * page, last_page = (begin + bytes) / page * page;
+    if (first_page < last_page)
+        madvise(std::bit_cast<void*>(first_page), last_page - first_page, MADV_DONTNEED);
+}
+
 bool is_grey(const Image& image) {
     if (image.channels == 1) return true;
     const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
-    for (std::size_t at = 0; at < image.samples.size(); at += 3 * bytes)
-        if (std::memcmp(image.samples.data() + at, image.samples.data() + at + bytes, 2 * bytes) != 0)
-            return false;
-    return true;
+    bool grey = true;
+    const bool all_seen =
+        until_stopped(image.samples.size() / (3 * bytes), [&](std::size_t first, std::size_t last) {
+            const std::uint8_t* at = image.samples.data() + 3 * bytes * first;
+            for (std::size_t k = first; k < last && grey; ++k, at += 3 * bytes)
+                grey = std::memcmp(at, at + bytes, 2 * bytes) == 0;
+        });
+    return grey && all_seen;
 }
 
 std::optional<Image> as_grey(const Image& image) {
@@ -31,10 +48,12 @@ std::optional<Image> as_grey(const Image& image) {
     const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
     Image grey{image.width, image.height, image.bytes_per_sample, 1, {}};
     grey.samples.resize(image.samples.size() / 3);
-    const std::uint8_t* from = image.samples.data();
-    for (std::size_t at = 0; at < grey.samples.size(); at += bytes, from += 3 * bytes)
-        std::memcpy(grey.samples.data() + at, from, bytes);
-    return grey;
+    const bool all_copied =
+        until_stopped(grey.samples.size() / bytes, [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k)
+                std::memcpy(grey.samples.data() + k * bytes, image.samples.data() + 3 * k * bytes, bytes);
+        });
+    return all_copied ? std::optional(std::move(grey)) : std::nullopt;
 }
 
 Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,

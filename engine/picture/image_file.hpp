@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -28,9 +29,13 @@ struct Image {
     }
 };
 
+/// Gives memory that nobody reads again back to the system before its owner is destroyed, as far as it is
+/// whole pages: so a picture that is made of another one, row by row, is held once and not twice.
+void give_back(void* memory, std::size_t bytes);
+
 /// A picture as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
 Result<Image> read_image(const std::filesystem::path& file);
-/// Whether red, green and blue are the same everywhere.
+/// Whether red, green and blue are the same everywhere; false where it is asked to stop before it is known.
 bool is_grey(const Image& image);
 /// Grey, or grey that is stored as RGB: red, green and blue the same everywhere. Nothing of colour.
 std::optional<Image> as_grey(const Image& image);

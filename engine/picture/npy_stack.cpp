@@ -6,11 +6,16 @@
 #include <vector>
 
 #include "engine/picture/npz_file.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr std::size_t npy_block = std::size_t{1} << 20;
+
+Error interrupted_reading(const std::string& where) {
+    return {ErrorKind::interrupted, "interrupted while " + where + " was read"};
+}
 
 Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& where) {
     if (!stack) return stack.error();
@@ -90,6 +95,7 @@ Result<NumberPicture> ImageStack::read(std::int64_t number) {
                                              static_cast<std::uint64_t>(line) *
                                              static_cast<std::uint64_t>(lines);
     for (int first = 0; first < lines; first += together) {
+        if (stop_requested()) return interrupted_reading(where_);
         const int now = std::min(together, lines - first);
         const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
         if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
@@ -109,18 +115,22 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
     auto picture = read(number);
     if (!picture) return picture.error();
     StoredImage image = std::move(*picture).finish("npy", floats_);
+    if (stop_requested()) return interrupted_reading(where_);
     if (!confidence_) return image;
     const auto confidence = confidence_->image(number);
     if (!confidence) return confidence.error();
     const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
-    for (std::size_t k = 0; k < pixels_of(image); ++k) {
-        if (number_at(*confidence, k) >= *least_confidence_) continue;
-        if (!image.values.empty())
-            image.values[k] = std::numeric_limits<float>::quiet_NaN();
-        else
-            std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
-                        std::uint8_t{0});
-    }
+    const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) {
+            if (number_at(*confidence, k) >= *least_confidence_) continue;
+            if (!image.values.empty())
+                image.values[k] = std::numeric_limits<float>::quiet_NaN();
+            else
+                std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
+                            std::uint8_t{0});
+        }
+    });
+    if (!all_trusted) return interrupted_reading(where_);
     return image;
 }
 

@@ -9,6 +9,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/stop_request.hpp"
+
 namespace touchable {
 namespace {
 
@@ -64,12 +66,16 @@ NumberPicture::NumberPicture(int width, int height, const NumberFormat& format)
     : format_(format), codes_(format.kind != NumberFormat::Kind::floating) {
     const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     picture_.image = {width, height, 2, 1, {}};
-    if (!stored_as_codes()) {
-        picture_.values.resize(count);
-        return;
+    const auto fill = [&](auto& memory, std::size_t each) {
+        memory.reserve(count * each);
+        is_whole_ = until_stopped(count, [&](std::size_t, std::size_t last) { memory.resize(last * each); });
+    };
+    if (stored_as_codes()) {
+        picture_.image.bytes_per_sample = format.bytes;
+        fill(picture_.image.samples, static_cast<std::size_t>(format.bytes));
+    } else {
+        fill(picture_.values, 1);
     }
-    picture_.image.bytes_per_sample = format.bytes;
-    picture_.image.samples.resize(count * static_cast<std::size_t>(format.bytes));
 }
 
 template <class Number>
@@ -93,6 +99,7 @@ void NumberPicture::put_as(int x, int y, const NumberBlock& block) {
 }
 
 void NumberPicture::put(int x, int y, const NumberBlock& block) {
+    if (!is_whole_) return;
     using Kind = NumberFormat::Kind;
     const auto is = [this](Kind kind, int bytes) { return format_.kind == kind && format_.bytes == bytes; };
     if (is(Kind::unsigned_integer, 1)) return put_as<std::uint8_t>(x, y, block);
@@ -110,17 +117,29 @@ void NumberPicture::put(int x, int y, const NumberBlock& block) {
 
 StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) && {
     constexpr bool host_is_big = std::endian::native == std::endian::big;
+    if (!is_whole_) {  // of which nothing is asked any more
+        StoredImage none;
+        none.image = {1, 1, 1, 1, {0}};
+        return none;
+    }
     picture_.codec = codec;
     picture_.bits = 8 * format_.bytes;
     picture_.pixel_format = number_format_name(format_);
     if (stored_as_codes()) return std::move(picture_);
     if (codes_ && !floats_anyway) {
-        picture_.image.samples.resize(picture_.values.size() * 2);
-        for (std::size_t k = 0; k < picture_.values.size(); ++k) {
-            const auto code = static_cast<std::uint16_t>(picture_.values[k]);
-            std::memcpy(picture_.image.samples.data() + 2 * k, &code, 2);
-        }
-        picture_.values = {};
+        std::vector<float>& values = picture_.values;
+        std::vector<std::uint8_t>& samples = picture_.image.samples;
+        samples.reserve(values.size() * 2);  // which takes memory as it is filled
+        until_stopped(values.size(), [&](std::size_t first, std::size_t last) {
+            samples.resize(2 * last);
+            for (std::size_t k = first; k < last; ++k) {
+                const auto code = static_cast<std::uint16_t>(values[k]);
+                std::memcpy(samples.data() + 2 * k, &code, 2);
+            }
+            give_back(values.data() + first, (last - first) * sizeof(float));
+        });
+        samples.resize(values.size() * 2);
+        values = {};
         picture_.bits = 16;
         picture_.pixel_format = number_format_name({NumberFormat::Kind::unsigned_integer, 2, host_is_big});
     } else if (format_.kind != NumberFormat::Kind::floating) {

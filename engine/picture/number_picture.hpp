@@ -26,14 +26,16 @@ struct NumberBlock {
 /// A picture that is filled with numbers block by block.
 class NumberPicture {
 public:
-    /// No side is larger than `largest_picture_side`.
+    /// No side is larger than `largest_picture_side`. Where it is asked to stop meanwhile it takes no
+    /// numbers, and is one pixel when it is finished.
     NumberPicture(int width, int height, const NumberFormat& format);
     /// With its upper left number at x, y. The block lies within the picture.
     void put(int x, int y, const NumberBlock& block);
     /// Whether all numbers so far are stored as they are: integers from 0 to 65535.
     bool has_codes() const { return codes_; }
     /// Unsigned integers of 8 and 16 bits as they are. Other integers become 16 bits where all fit, and else
-    /// floats, which floating numbers are in any case, rounded to the nearest.
+    /// floats, which floating numbers are in any case, rounded to the nearest. Unfinished where it is asked
+    /// to stop meanwhile.
     StoredImage finish(const std::string& codec, bool floats_anyway = false) &&;
 
 private:
@@ -45,7 +47,7 @@ private:
 
     NumberFormat format_;
     StoredImage picture_;
-    bool codes_;
+    bool codes_, is_whole_ = false;
 };
 
 }  // namespace touchable

@@ -20,14 +20,6 @@ Error no_memory() {
     return {ErrorKind::internal, "out of memory"};
 }
 
-/// Bytes followed by the zeros FFmpeg's decoders may read past their end.
-Result<PacketPtr> packet_of(std::string_view bytes) {
-    PacketPtr packet(av_packet_alloc());
-    if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return no_memory();
-    std::memcpy(packet->data, bytes.data(), bytes.size());
-    return packet;
-}
-
 std::string_view view_of(const AVPacket& packet) {
     return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
@@ -55,25 +47,76 @@ bool has_late_header(AVCodecID codec, std::string_view bytes) {
 /// What the header of a PNG says that its decoder keeps to itself.
 struct PngHeader {
     int bits = 8;
-    std::uint64_t pixels = 0;
+    std::uint64_t pixels = 0, bytes = 0;  ///< these: before they are packed
     bool grey = false, interlaced = false;
     std::optional<std::size_t> colours{};  ///< of its palette
     bool made_after = false;               ///< FFmpeg makes its samples of others once all are decoded
 };
 
+constexpr std::size_t png_signature = 8;
+
+/// The first chunk of these bytes of a PNG, up to its checksum; its name is empty where there is no whole
+/// one.
+struct PngChunk {
+    std::string_view name{}, all{};
+    std::size_t length = 0;
+
+    explicit PngChunk(std::string_view png) {
+        constexpr std::size_t around = 12;  // its length, its name, a checksum
+        for (const char c : png.substr(0, 4)) length = length << 8 | static_cast<unsigned char>(c);
+        if (png.size() < around || length > png.size() - around) return;
+        name = png.substr(4, 4);
+        all = png.substr(0, around + length);
+    }
+};
+
 /// As many as FFmpeg takes: of several palettes the last one before the picture's data.
 std::size_t colours_in_palette(std::string_view png) {
-    constexpr std::size_t around = 12;  // a chunk's content: its length, its name, a checksum
     std::size_t colours = 0;
-    for (std::size_t at = 8; at + around <= png.size();) {
-        const std::string_view name = png.substr(at + 4, 4);
-        if (name == "IDAT") break;
-        std::size_t length = 0;
-        for (const char c : png.substr(at, 4)) length = length << 8 | static_cast<unsigned char>(c);
-        if (name == "PLTE") colours = length / 3;
-        at += around + length;
+    for (png.remove_prefix(png_signature);;) {
+        const PngChunk chunk(png);
+        if (chunk.name.empty() || chunk.name == "IDAT") return colours;
+        if (chunk.name == "PLTE") colours = chunk.length / 3;
+        png.remove_prefix(chunk.all.size());
     }
-    return colours;
+}
+
+/// Bytes that a picture is packed in.
+std::size_t packed_pixels(std::string_view png) {
+    std::size_t bytes = 0;
+    for (png.remove_prefix(std::min(png_signature, png.size()));;) {
+        const PngChunk chunk(png);
+        if (chunk.name.empty()) return bytes;
+        if (chunk.name == "IDAT") bytes += chunk.length;
+        png.remove_prefix(chunk.all.size());
+    }
+}
+
+/// Bytes followed by the zeros FFmpeg's decoders may read past their end. Without the texts and colour
+/// profiles of a PNG, which FFmpeg would unpack, however large, and which are not asked for.
+Result<PacketPtr> packet_of(std::string_view bytes) {
+    std::vector<std::string_view> parts;
+    std::size_t size = 0;
+    const auto take = [&](std::size_t count) {
+        parts.push_back(bytes.substr(0, count));
+        size += count;
+        bytes.remove_prefix(count);
+    };
+    if (codec_of(bytes) == AV_CODEC_ID_PNG) {
+        take(png_signature);
+        for (PngChunk chunk(bytes); !chunk.name.empty(); chunk = PngChunk(bytes)) {
+            if (chunk.name == "zTXt" || chunk.name == "iTXt" || chunk.name == "iCCP")
+                bytes.remove_prefix(chunk.all.size());
+            else
+                take(chunk.all.size());
+        }
+    }
+    take(bytes.size());
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return no_memory();
+    std::uint8_t* to = packet->data;
+    for (const std::string_view part : parts) to = std::copy(part.begin(), part.end(), to);
+    return packet;
 }
 
 PngHeader png_header(std::string_view png) {
@@ -87,6 +130,10 @@ PngHeader png_header(std::string_view png) {
     PngHeader header;
     header.bits = byte(24);
     header.pixels = side(16) * side(20);
+    constexpr std::uint64_t channels[] = {1, 1, 3, 1, 2, 1, 4};  // by kind of colour
+    const auto kind = std::min<std::size_t>(static_cast<std::size_t>(byte(25)), 6);
+    const std::uint64_t row_bits = side(16) * channels[kind] * static_cast<std::uint64_t>(header.bits);
+    header.bytes = side(20) * (row_bits / 8 + 2);  // a byte before each row says how it was filtered
     header.grey = byte(25) == 0 || byte(25) == 4;
     header.interlaced = byte(28) != 0;
     const bool palette = byte(25) == 3;
@@ -126,11 +173,14 @@ private:
     std::uint8_t seed_;
 };
 
+constexpr std::uint32_t deflate_expansion = 1032;  // times as many bytes, at most
+
 /// Pixels that these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a
 /// block of 8x8 pixels of a JPEG takes at least a bit.
 std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
     const auto size = static_cast<std::int64_t>(bytes.size());
-    if (codec == AV_CODEC_ID_PNG) return size * 1032 * 8 / std::max(png_header(bytes).bits, 1);
+    if (codec == AV_CODEC_ID_PNG)
+        return size * std::int64_t{deflate_expansion} * 8 / std::max(png_header(bytes).bits, 1);
     return size * 8 * 64;
 }
 
@@ -185,19 +235,36 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     return frame;
 }
 
-/// A tenth of a second or more.
-bool takes_long(const AVPacket& packet) {
+/// Pixels of the largest picture in a JPEG, times the scans that go over it. Neither marker can occur inside
+/// coded data.
+std::uint64_t scanned_pixels(std::string_view jpeg) {
+    std::uint64_t pixels = 0, scans = 1;
+    for (std::size_t at = 0; (at = jpeg.find('\xff', at)) != std::string_view::npos; ++at) {
+        const auto byte = [&](std::size_t k) {
+            return at + k < jpeg.size() ? std::uint64_t{static_cast<unsigned char>(jpeg[at + k])} : 0;
+        };
+        const std::uint64_t marker = byte(1);
+        const bool has_size =
+            marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+        if (has_size) pixels = std::max(pixels, (byte(5) << 8 | byte(6)) * (byte(7) << 8 | byte(8)));
+        scans += marker == 0xda;
+    }
+    return pixels * scans;
+}
+
+/// Whether it may: some hundredths of a second.
+bool takes_long(AVCodecID codec, const AVPacket& packet) {
+    constexpr std::uint64_t many = 1 << 23;
     const std::string_view bytes = view_of(packet);
-    constexpr std::uint64_t many_pixels = 1 << 24;
-    constexpr std::size_t large_file = 4 << 20;
-    return png_header(bytes).pixels >= many_pixels || bytes.size() >= large_file;
+    if (codec != AV_CODEC_ID_PNG) return scanned_pixels(bytes) >= many;
+    return std::max<std::uint64_t>(png_header(bytes).bytes, deflate_expansion * packed_pixels(bytes)) >= many;
 }
 
 /// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
 /// does not wait for them.
 Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
                                        std::optional<LastRow> last_row) {
-    if (!takes_long(packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
+    if (!takes_long(codec, packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
     PacketPtr own(av_packet_clone(&packet));
     if (!own) return no_memory();
     auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
@@ -207,9 +274,21 @@ Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec
     return std::move(*frame);
 }
 
+/// FFmpeg unpacks all that follows the pixels, too. Where they cannot be packed at all their data are hardly
+/// longer than they.
+Result<void> check_packed_pixels(AVCodecID codec, const PngHeader& header, std::string_view bytes,
+                                 const std::string& where) {
+    constexpr std::size_t always = std::size_t{64} << 10;
+    if (codec != AV_CODEC_ID_PNG) return {};
+    const std::size_t packed = packed_pixels(bytes);
+    if (packed <= 2 * header.bytes + always) return {};
+    return input_error(where + ": is damaged: has " + std::to_string(packed) + " bytes of data for " +
+                       std::to_string(header.pixels) + " pixels");
+}
+
 /// FFmpeg makes pixels black that name a colour beyond the palette's last.
 Result<void> check_indices(const std::string& where, const AVFrame& frame, std::size_t colours) {
-    for (int y = 0; y < frame.height; ++y) {
+    for (int y = 0; y < frame.height && !stop_requested(); ++y) {
         const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
         const std::uint8_t* most = std::max_element(row, row + frame.width);
         if (*most >= colours)
@@ -243,9 +322,10 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
     if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
     if (has_late_header(codec, bytes))
         return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
+    const PngHeader header = png_header(bytes);
+    if (auto likely = check_packed_pixels(codec, header, bytes, where); !likely) return likely.error();
     const auto packet = packet_of(bytes);
     if (!packet) return packet.error();
-    const PngHeader header = png_header(bytes);
     auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
                                           : decode_unless_stopped(where, codec, **packet, std::nullopt);
     if (!frame) return frame.error();

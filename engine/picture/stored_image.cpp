@@ -8,6 +8,7 @@
 #include "engine/picture/npy_stack.hpp"
 #include "engine/picture/npz_file.hpp"
 #include "engine/picture/tiff_image.hpp"
+#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -91,18 +92,29 @@ Result<std::string> read_picture_bytes(const SourceFile& file) {
 }
 
 Result<StoredImage> read_stored_image(const SourceFile& file) {
-    const auto bytes = read_picture_bytes(file);
+    auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
-    return decode_stored_image(*bytes, file.string());
+    return decode_stored_image(std::move(*bytes), file.string());
 }
 
-Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where) {
+Result<StoredImage> decode_stored_image(std::string bytes, const std::string& where) {
     if (bytes.size() > largest_file)
         return input_error(where + ": is larger than " + in_bytes(largest_file) +
                            ": not a picture this program reads");
     const PictureKind* kind = kind_of(bytes);
     if (!kind) return input_error(where + ": is no picture that is read: " + kinds_text());
-    return kind->decode(bytes, where);
+    if (kind->decode == decode_coded_image) return decode_coded_image(bytes, where);  // looks for itself
+    return decode_unless_stopped(std::move(bytes), where, kind->decode);
+}
+
+Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& where, DecodePicture decode) {
+    constexpr std::size_t quick = 4096;  // bytes: what they unpack to is decoded in a few milliseconds
+    const Error interrupted{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    if (stop_requested()) return interrupted;
+    if (bytes.size() <= quick) return decode(bytes, where);
+    auto decoded = unless_stopped(
+        [bytes = std::move(bytes), where, decode = std::move(decode)] { return decode(bytes, where); });
+    return decoded ? std::move(*decoded) : interrupted;
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,7 +55,12 @@ std::string_view picture_kind(std::string_view begin);
 /// A picture of any kind that its first bytes tell.
 Result<StoredImage> read_stored_image(const SourceFile& file);
 /// The same of a file's bytes; messages begin with `where`.
-Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where);
+Result<StoredImage> decode_stored_image(std::string bytes, const std::string& where);
+
+/// Makes a picture of the bytes of its file; messages begin with `where`.
+using DecodePicture = std::function<Result<StoredImage>(std::string_view bytes, const std::string& where)>;
+/// What `decode` makes of these bytes. It may take as long as it does: a stop is obeyed meanwhile.
+Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& where, DecodePicture decode);
 
 /// Refuses pictures of more than 64 MiB in files of less than a 4096th of that, before memory is taken for
 /// them.

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stop_token>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/import/guess/value_estimator.hpp"
+#include "engine/stop_request.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -341,6 +344,27 @@ TEST(DepthValues, WithoutAValueAreRefused) {
     DepthValues values(without_far(scene));
     values.look(floats(2, {NAN, 0}));
     EXPECT_NE(message(values.settle(scene)).find("no frame has a valid depth"), std::string::npos);
+}
+
+/// As sorting all of them tells it.
+TEST(EstimatedValues, MedianIsExact) {
+    Numbers numbers(3);
+    for (const int count : {1, 2, 3, 1000, 300'001}) {
+        std::vector<float> stored;
+        for (int k = 0; k < count; ++k)
+            stored.push_back(static_cast<float>(numbers.below(2000) - 1000) / 7 + 0.001F);
+        std::vector<float> sorted = stored;
+        std::sort(sorted.begin(), sorted.end());
+        EXPECT_EQ(estimate_values(floats(1, stored)).median, sorted[sorted.size() / 2]) << count;
+    }
+}
+
+TEST(EstimatedValues, EndsWhenStopped) {
+    std::stop_source given_up;
+    const WorkUntil until(given_up.get_token());
+    EXPECT_TRUE(estimate_values(words(3, {1, 2, 3})).any);
+    given_up.request_stop();
+    EXPECT_FALSE(estimate_values(words(3, {1, 2, 3})).any);
 }
 
 }  // namespace

@@ -173,5 +173,34 @@ TEST(Exr, BeyondTheDataWindowThereIsNothing) {
     EXPECT_NE(exr_refusal({.beyond = -2}).find("data window beyond its display window"), std::string::npos);
 }
 
+/// A header that ends behind its first attribute, which OpenEXR calls damaged once it has read that.
+std::string exr_header(int channels, int attributes) {
+    const auto number = [](std::size_t value) {
+        std::string bytes;
+        for (int k = 0; k < 4; ++k) bytes += static_cast<char>(value >> 8 * k & 255);
+        return bytes;
+    };
+    std::string list, others;
+    for (int k = 0; k < channels; ++k)
+        list += 'c' + std::to_string(k) + '\0' + number(2) + number(0) + number(1) + number(1);
+    list += '\0';
+    for (int k = 0; k < attributes; ++k)
+        others += 'a' + std::to_string(k) + '\0' + "int" + '\0' + number(4) + number(7);
+    return std::string("\x76\x2f\x31\x01\x02\0\0\0", 8) + others + "channels" + '\0' + "chlist" + '\0' +
+           number(list.size()) + list;
+}
+
+/// OpenEXR would take as long as the square of their number.
+TEST(Exr, RefusesLargeHeadersUnparsed) {
+    EXPECT_EQ(message(decode_stored_image(exr_header(1025, 0), "picture")),
+              "picture: has more than 1024 channels");
+    EXPECT_EQ(message(decode_stored_image(exr_header(100'000, 0), "picture")),
+              "picture: has more than 1024 channels");
+    EXPECT_EQ(message(decode_stored_image(exr_header(1, 8192), "picture")),
+              "picture: has more than 8192 attributes in its header");
+    EXPECT_NE(message(decode_stored_image(exr_header(1024, 100), "picture")).find("is damaged"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -7,6 +7,7 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/limited_memory.hpp"
 #include "tests/picture/raw_png.hpp"
 #include "tests/sanitizers.hpp"
 
@@ -232,6 +233,48 @@ TEST(PngKinds, InterlacedPicturesAreSeenButNotTouched) {
     write_bytes(folder / "scene.json", scene_to_json(scene));
     EXPECT_NE(message(open_clip(folder / "scene.json")).find("i.png (depth, frame 0): is an interlaced PNG"),
               std::string::npos);
+}
+
+/// Deflated with fixed codes: zeros, 258 at a time.
+std::string packed_zeros(std::size_t count) {
+    std::string packed("\x78\x01", 2);
+    unsigned byte = 0, used = 0;
+    const auto put = [&](unsigned bits, int length) {  // the first one is the highest
+        for (int k = length; k-- > 0;) {
+            byte |= (bits >> k & 1U) << used;
+            if (++used < 8) continue;
+            packed += static_cast<char>(byte);
+            byte = used = 0;
+        }
+    };
+    put(0b110, 3);       // the last block, of fixed codes
+    put(0b00110000, 8);  // a zero
+    std::size_t there = 1;
+    for (; there < count; there += 258) put(0b1100010100000, 13);  // 258 more, as the one before
+    put(0, 7 + 7);  // the end of the block; of its byte the rest
+    // Adler-32 of zeros: one sum stays 1, the other counts them.
+    return packed + big_endian((there % 65521) << 16U | 1, 4);
+}
+
+/// FFmpeg would unpack all of it: time that no picture needs.
+TEST(PngKinds, RefusesDataBehindPixels) {
+    const TemporaryFolder folder;
+    const std::string rows = rows_of(8, 4);
+    EXPECT_EQ(message(read_png(folder, raw_png({4, 4, 16}, rows + std::string(60'000, '\0')))), "");
+    const std::string refusal =
+        message(read_png(folder, raw_png({4, 4, 16}, rows + std::string(70'000, '\0'))));
+    EXPECT_NE(refusal.find("is damaged: has 700"), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find(" bytes of data for 16 pixels"), std::string::npos) << refusal;
+}
+
+TEST(PngKinds, PassesOverPackedTexts) {
+    const TemporaryFolder folder;
+    const std::string rows = rows_of(8, 4), bomb = std::string("a\0\0", 3) + packed_zeros(256U << 20U);
+    for (const char* name : {"zTXt", "iCCP"}) {
+        const std::string png = raw_png({4, 4, 16}, rows, true, png_chunk(name, bomb));
+        const LimitedMemory limit(64);
+        EXPECT_EQ(message(read_png(folder, png)), "") << name;
+    }
 }
 
 }  // namespace

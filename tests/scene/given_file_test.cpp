@@ -7,11 +7,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <future>
+#include <memory>
+#include <stop_token>
 #include <thread>
 
 #include "engine/stop_request.hpp"
@@ -190,6 +194,23 @@ TEST(GivenFileDeathTest, WhatIsLeftToDoAfterAStopIsReadByTheThreadThatDoesIt) {
 TEST(UnlessStopped, GivesWhatWorkGivesOrThrows) {
     EXPECT_EQ(unless_stopped([] { return 7; }), 7);
     EXPECT_THROW((void)unless_stopped([]() -> int { throw std::bad_alloc(); }), std::bad_alloc);
+}
+
+/// Abandoned work has nobody to ask but itself.
+TEST(UnlessStopped, AbandonedWorkHearsIt) {
+    std::stop_source given_up;
+    const WorkUntil until(given_up.get_token());
+    const auto has_ended = std::make_shared<std::atomic<bool>>(false);
+    const auto made = unless_stopped([given_up, has_ended]() mutable {
+        given_up.request_stop();
+        for (int k = 0; k < 60'000 && !stop_requested(); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        *has_ended = stop_requested();
+        return 7;
+    });
+    EXPECT_FALSE(made);
+    for (int k = 0; k < 60'000 && !*has_ended; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(*has_ended);
 }
 
 }  // namespace

@@ -209,7 +209,7 @@ Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::stri
             return input_error(where + ": is packed as " + in_quotes(image.format) +
                                ": of compressedDepth PNG and RVL are read");
     }
-    auto picture = is_rvl ? rvl_picture(bytes, where) : decode_stored_image(bytes, where);
+    auto picture = is_rvl ? rvl_picture(bytes, where) : decode_stored_image(std::string(bytes), where);
     if (!picture || !is_packed_depth || !image.format.starts_with("32FC1")) return picture;
     if (picture->image.bytes_per_sample != 2 || picture->image.channels != 1 || !picture->values.empty())
         return input_error(where + ": is damaged: depth is no grey of 16 bits");

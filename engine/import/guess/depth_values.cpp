@@ -8,6 +8,7 @@
 
 #include "engine/import/guess/renderer_background.hpp"
 #include "engine/number_words.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -95,26 +96,31 @@ double DepthValues::ordered(std::uint16_t word) const {
     return value;
 }
 
-template <class Work>
-void DepthValues::for_each(const StoredImage& picture, Work&& work) const {
+/// `begin(first, last)` is called before each piece of them.
+template <class Begin, class Work>
+void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& work) const {
     const std::size_t pixels =
         static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
-    if (picture.values.empty()) {
-        for (std::size_t k = 0; k < pixels; ++k) work(k, ordered(word_at(picture.image, k)));
-        return;
-    }
     const RendererBackground background(picture);
-    for (std::size_t k = 0; k < pixels; ++k) {
-        const double value = picture.values[k];
-        work(k, background.is(value) ? std::numeric_limits<double>::infinity() : value);
-    }
+    until_stopped(pixels, [&](std::size_t first, std::size_t last) {
+        begin(first, last);
+        for (std::size_t k = first; k < last; ++k) {
+            if (picture.values.empty()) {
+                work(k, ordered(word_at(picture.image, k)));
+                continue;
+            }
+            const double value = picture.values[k];
+            work(k, background.is(value) ? std::numeric_limits<double>::infinity() : value);
+        }
+    });
 }
 
 void DepthValues::look(const StoredImage& picture) {
     is_float_ = !picture.values.empty();
     const std::size_t every = picture.values.size() / lattice_samples | 1U;  // no even width divides it
     farthest_.begin_picture(picture.values.size());
-    for_each(picture, [&](std::size_t k, double value) {
+    const auto nothing = [](std::size_t, std::size_t) {};
+    for_each(picture, nothing, [&](std::size_t k, double value) {
         ++looked_at_;
         backgrounds_ += std::isinf(value);
         if (!is_valid(value)) return;
@@ -327,8 +333,16 @@ Result<std::string> DepthValues::settle(Scene& scene) {
 Image DepthValues::codes(StoredImage picture) const {
     if (!makes_codes()) return std::move(picture.image);
     Image codes{picture.image.width, picture.image.height, 2, 1, {}};
-    codes.samples.resize(2 * static_cast<std::size_t>(codes.width) * static_cast<std::size_t>(codes.height));
-    for_each(picture, [&](std::size_t k, double value) {
+    const std::size_t pixels = static_cast<std::size_t>(codes.width) * static_cast<std::size_t>(codes.height);
+    codes.samples.reserve(2 * pixels);  // which takes memory as it is filled
+    const bool is_float = !picture.values.empty();
+    std::size_t done = 0;
+    const auto begin = [&](std::size_t first, std::size_t last) {
+        if (is_float) give_back(picture.values.data() + done, (first - done) * sizeof(float));
+        done = first;
+        codes.samples.resize(2 * last);
+    };
+    for_each(picture, begin, [&](std::size_t k, double value) {
         std::uint16_t code = none_;
         if (!is_settled_) {
             code = static_cast<std::uint16_t>(value);
@@ -341,6 +355,7 @@ Image DepthValues::codes(StoredImage picture) const {
         }
         std::memcpy(codes.samples.data() + 2 * k, &code, 2);
     });
+    if (codes.samples.size() < 2 * pixels) return {1, 1, 2, 1, {0, 0}};  // stopped: it is not used
     return codes;
 }
 

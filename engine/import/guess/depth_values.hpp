@@ -26,7 +26,8 @@ namespace touchable {
 /// looked at, is rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth,
 /// whichever is finer at the median. A far plane that is not stated is 5 % beyond what one pixel in 10 000
 /// exceeds. Of lengths whose near and far plane are both stated codes go from plane to plane, whatever the
-/// frames hold. A renderer's background (RendererBackground) is no depth.
+/// frames hold. A renderer's background (RendererBackground) is no depth. What goes over all pixels is
+/// unfinished where it is asked to stop meanwhile, which the caller looks for.
 class DepthValues {
 public:
     /// As somebody described them, which stays until `settle`.
@@ -50,8 +51,8 @@ public:
 private:
     bool is_valid(double value) const;
     double ordered(std::uint16_t word) const;
-    template <class Work>
-    void for_each(const StoredImage& picture, Work&& work) const;
+    template <class Begin, class Work>
+    void for_each(const StoredImage& picture, Begin&& begin, Work&& work) const;
     double median();
     std::string background_words() const;
     std::string find_far(Scene& scene, double step);

@@ -45,36 +45,37 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     FolderSource all;
     all.depth = depth->pattern;
     const auto files = depth_files(folder, all);
-    const auto stored = telling_depth(files ? files->files : std::vector{depth->first}, *pictures);
-    if (!stored) return stored.error();
+    const auto told = telling_depth(files ? files->files : std::vector{depth->first}, *pictures);
+    if (!told) return told.error();
+    const StoredImage& stored = **told;
     std::optional<GuessedCameras> cameras;
     if (!known.intrinsics && !known.fov) {
-        auto found = guess_cameras(folder, depth->pattern, stored->image.width, stored->image.height);
+        auto found = guess_cameras(folder, depth->pattern, stored.image.width, stored.image.height);
         if (!found) return found.error();
         cameras = std::move(*found);
     }
-    const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(*stored);
+    const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(stored);
     const bool is_open = *preset == nullptr && !known.metres_per_code && !is_arkit;
-    const EvidentPreset evident = is_open ? evident_preset(*stored) : EvidentPreset();
+    const EvidentPreset evident = is_open ? evident_preset(stored) : EvidentPreset();
     SceneGuess guess(known, is_arkit         ? preset_named("arkitscenes")
                             : evident.preset ? evident.preset
                                              : *preset);
     if (cameras) guess.know_cameras(*cameras);
     if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
     guess.know_place({.folder = folder, .within = folder_of(*depth), .is_whole_folder = true});
-    if (auto described = guess.describe(folder, *stored); !described)
+    if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
         guess.say("a code is 1 mm and 0 is no depth, as ARKitScenes has them", Hints{{Setting::depth_unit}});
     guess.tell_of_preset(evident);
-    guess.tell_of_jpeg(*stored);
+    guess.tell_of_jpeg(stored);
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
     scene.folder->depth = depth->pattern;
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
-    const BesideDepth* const beside = stored->beside.get();
+    const BesideDepth* const beside = stored.beside.get();
     const bool has_own_colour = colour == nullptr && beside != nullptr && beside->colour;
     if (colour != nullptr) scene.folder->colour = colour->pattern;
     if (has_own_colour) scene.folder->colour = depth->pattern;
@@ -116,16 +117,17 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
-    const auto stored = telling_depth({file}, *pictures);
-    if (!stored) return stored.error();
+    const auto told = telling_depth({file}, *pictures);
+    if (!told) return told.error();
+    const StoredImage& stored = **told;
     const bool is_open = *preset == nullptr && !known.metres_per_code;
-    const EvidentPreset evident = is_open ? evident_preset(*stored) : EvidentPreset();
+    const EvidentPreset evident = is_open ? evident_preset(stored) : EvidentPreset();
     SceneGuess guess(known, evident.preset ? evident.preset : *preset);
     guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
-    if (auto described = guess.describe(file.parent_path(), *stored); !described)
+    if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset(evident);
-    guess.tell_of_jpeg(*stored);
+    guess.tell_of_jpeg(stored);
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
@@ -133,10 +135,10 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.scene().folder->colour = colour->filename().string();
         guess.say("colour is " + guess.scene().folder->colour);
         guess.doubt_colour(file.parent_path(), *colour, *pictures);
-    } else if (stored->beside && stored->beside->colour) {
+    } else if (stored.beside && stored.beside->colour) {
         guess.scene().folder->colour = name;
     }
-    if (stored->beside) guess.tell_of_layers(*stored->beside, guess.scene().folder->colour == name);
+    if (stored.beside) guess.tell_of_layers(*stored.beside, guess.scene().folder->colour == name);
     GuessedScene made = guess.made();
     made.pictures = pictures;
     return made;

@@ -14,20 +14,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using SharedPicture = std::shared_ptr<const StoredImage>;
+
+Error interrupted_reading(const fs::path& file) {
+    return {ErrorKind::interrupted, "interrupted while " + file.string() + " was read"};
+}
+
 /// Colour that is grey everywhere as grey.
-Result<StoredImage> as_depth(StoredImage stored, const fs::path& file) {
-    if (stored.values.empty() && stored.image.channels == 3)
-        if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
-    if (stored.values.empty() && stored.image.channels != 1)
+Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file) {
+    if (!stored->values.empty() || stored->image.channels == 1) return stored;
+    auto grey = as_grey(stored->image);
+    if (stop_requested()) return interrupted_reading(file);
+    if (!grey)
         return input_error(file.string() +
                            ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
-    return stored;
+    const StoredImage& of = *stored;
+    return std::make_shared<const StoredImage>(
+        StoredImage{std::move(*grey), of.codec, of.pixel_format, of.bits, of.interlaced, {}, of.beside});
 }
 
 /// Of a picture, or the first of a stack.
-Result<StoredImage> depth_in(const fs::path& file, ReadPictures& pictures) {
-    const auto looked = pictures.look(file);
-    return looked ? as_depth(**looked, file) : Result<StoredImage>(looked.error());
+Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures) {
+    auto looked = pictures.look(file);
+    return looked ? as_depth(std::move(*looked), file) : looked;
+}
+
+Result<SharedPicture> depth_of(Result<StoredImage> read, const fs::path& file) {
+    if (!read) return read.error();
+    return as_depth(std::make_shared<const StoredImage>(std::move(*read)), file);
+}
+
+/// Whether it has a value; nothing where it is asked to stop before that is known.
+Result<bool> holds_values(const StoredImage& picture, const fs::path& file) {
+    const bool any = estimate_values(picture).any;
+    return stop_requested() ? Result<bool>(interrupted_reading(file)) : any;
 }
 
 /// How well a group goes as depth: 0 not at all.
@@ -67,20 +87,24 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
 
 }  // namespace
 
-Result<StoredImage> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures) {
+Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<fs::path>& files,
+                                                         ReadPictures& pictures) {
     auto first = depth_in(files.front(), pictures);
-    if (!first || estimate_values(*first).any) return first;
+    if (!first) return first;
+    if (const auto any = holds_values(**first, files.front()); !any || *any)
+        return any ? first : Result<SharedPicture>(any.error());
     const auto stack = pictures.stack_in(files.front());
     if (!stack) return stack.error();
     const bool is_stack = files.size() == 1 && *stack;
     for (const std::int64_t n : telling_frames(is_stack ? (*stack)->count() : std::ssize(files))) {
-        if (stop_requested()) break;
+        if (stop_requested()) return interrupted_reading(files.front());
         const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
-        auto stored = is_stack ? (*stack)->image(n) : depth_in(file, pictures);
-        if (stored && is_stack) stored = as_depth(std::move(*stored), file);
-        const bool is_alike = stored && stored->image.width == first->image.width &&
-                              stored->image.height == first->image.height;
-        if (is_alike && estimate_values(*stored).any) return stored;
+        auto stored = is_stack ? depth_of((*stack)->image(n), file) : depth_in(file, pictures);
+        const bool is_alike = stored && (*stored)->image.width == (*first)->image.width &&
+                              (*stored)->image.height == (*first)->image.height;
+        if (!is_alike) continue;
+        if (const auto any = holds_values(**stored, file); !any || *any)
+            return any ? stored : Result<SharedPicture>(any.error());
     }
     return first;
 }

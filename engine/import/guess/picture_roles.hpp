@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ namespace touchable {
 
 /// Cameras may begin blank. The first of the telling frames that has depth, or else the first of all.
 /// `files`: of each frame, or the one that is a stack of them.
-Result<StoredImage> telling_depth(const std::vector<std::filesystem::path>& files, ReadPictures& pictures);
+Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<std::filesystem::path>& files,
+                                                         ReadPictures& pictures);
 
 /// The picture of the same name in another form, or with another word for depth in it.
 std::optional<std::filesystem::path> colour_beside(const std::filesystem::path& depth,

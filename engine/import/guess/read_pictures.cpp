@@ -53,13 +53,15 @@ SourceFile ReadPictures::taken_source(const std::filesystem::path& file) {
 }
 
 Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
-    const auto bytes = read_picture_bytes(taken_source(file));
+    auto bytes = read_picture_bytes(taken_source(file));
     if (!bytes) return bytes.error();
     const std::string where = file.string();
-    if (!is_exr(*bytes)) return decode_stored_image(*bytes, where);
-    if (layer == PictureLayer::own) return decode_exr(*bytes, where, wanted_);
-    return layer == PictureLayer::colour ? decode_exr_colour(*bytes, where)
-                                         : decode_exr_materials(*bytes, where);
+    if (!is_exr(*bytes)) return decode_stored_image(std::move(*bytes), where);
+    const auto decode = [layer, wanted = wanted_](std::string_view exr, const std::string& name) {
+        if (layer == PictureLayer::own) return decode_exr(exr, name, wanted);
+        return layer == PictureLayer::colour ? decode_exr_colour(exr, name) : decode_exr_materials(exr, name);
+    };
+    return decode_unless_stopped(std::move(*bytes), where, decode);
 }
 
 std::optional<StoredImage> ReadPictures::taken_beside(const std::filesystem::path& file, PictureLayer layer) {
@@ -105,7 +107,7 @@ void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) 
 std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::path& file,
                                                       StoredImage picture) {
     const auto shared = std::make_shared<StoredImage>(std::move(picture));
-    if (const std::size_t bytes = bytes_of(*shared); bytes_ + bytes <= most_bytes)
+    if (const std::size_t bytes = bytes_of(*shared); pictures_.empty() || bytes_ + bytes <= most_bytes)
         if (pictures_.emplace(file.lexically_normal(), shared).second) bytes_ += bytes;
     return shared;
 }

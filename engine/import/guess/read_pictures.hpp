@@ -21,7 +21,7 @@ namespace touchable {
 enum class PictureLayer { own, colour, materials };
 
 /// Pictures that were read to find out what they are, kept for whoever reads them as frames, so that none is
-/// opened twice. At most 256 MiB of them: what is more is read again.
+/// opened twice. At most 256 MiB of them, or one: what is more is read again.
 class ReadPictures {
 public:
     ReadPictures() = default;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "engine/picture/stored_image.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 
@@ -15,10 +17,12 @@ class RendererBackground {
 public:
     explicit RendererBackground(const StoredImage& picture) {
         float farthest = 0;
-        for (const float value : picture.values) {
-            const float size = std::abs(value);
-            farthest = std::max(farthest, size < endless ? size : 0.0F);
-        }
+        until_stopped(picture.values.size(), [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                const float size = std::abs(picture.values[k]);
+                farthest = std::max(farthest, size < endless ? size : 0.0F);
+            }
+        });
         has_largest_half_ = farthest == largest_half;
     }
     /// Whether a value of the picture is none that it saw. (NaN is no value.)

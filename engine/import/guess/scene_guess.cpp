@@ -11,6 +11,7 @@
 #include "engine/import/guess/unregistered_colour.hpp"
 #include "engine/number_words.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -275,6 +276,7 @@ Result<void> SceneGuess::describe(const fs::path& folder, const StoredImage& dep
         scene_.depth = *coding;
     } else {
         const EstimatedValues values = estimate_values(depth);
+        if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while it was looked at"};
         if (auto found = find_unit(values); !found) return found;
         doubt_unit(values);
         set_invalid(depth, values.has_negative_none);

@@ -94,13 +94,16 @@ Result<void> StoredClipReader::read_first(Track& track) {
     return take(track, 0, std::move(*picture));
 }
 
+Error interrupted_search() {
+    return {ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+}
+
 /// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
 /// damaged tells nothing.
 Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
     values_.look(first);
     for (const std::int64_t frame : telling_frames(clip_.count)) {
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+        if (stop_requested()) return interrupted_search();
         if (frame == 0) continue;
         auto picture = clip_.pictures->picture(PlaneRole::depth, frame);
         if (!picture && picture.error().kind == ErrorKind::interrupted) return picture.error();
@@ -108,6 +111,7 @@ Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
         values_.look(picture->image);
         if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
     }
+    if (stop_requested()) return interrupted_search();
     auto said = values_.settle(scene_);
     if (!said) return error_at(clip_.name, said.error());
     note(std::move(*said));
@@ -173,7 +177,10 @@ Result<void> StoredClipReader::take(Track& track, std::int64_t frame, TrackPictu
     if (plane.view.empty()) {
         const bool makes_codes = is_depth && values_.makes_codes();
         const int bits = makes_codes ? 16 : stored.bits;
-        plane = plane_from(makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image), bits);
+        Image codes = makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image);
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        plane = plane_from(std::move(codes), bits);
     }
     auto fits = fit_plane(track.role, std::move(plane), scene_, where);
     if (!fits) return fits.error();
@@ -216,6 +223,7 @@ Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const Sti
         (role == PlaneRole::depth && rules.depth != DepthCodingKind::hue) || role == PlaneRole::height;
     if (is_grey && stored.image.channels == 3)
         if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
+    if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
     if (role == PlaneRole::haptic && stored.codec == "mjpeg" && !rules.haptic_may_be_lossy)
         return input_error(where + ": is JPEG, which mixes materials; haptic is PNG");
     if (role != PlaneRole::colour && stored.interlaced)

@@ -19,6 +19,7 @@ struct EstimatedValues {
     /// Of 8 bits, which somebody stretched to 16.
     bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
 };
+/// Unfinished where it is asked to stop meanwhile, which the caller looks for.
 EstimatedValues estimate_values(const StoredImage& picture);
 
 }  // namespace touchable

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <vector>
 
+#include "engine/stop_request.hpp"
+
 namespace touchable {
 namespace {
 
@@ -24,11 +26,13 @@ struct Words {
         if (!picture.values.empty() || picture.image.bytes_per_sample != 2 || picture.image.channels != 1)
             return;
         std::vector<std::int64_t> counts(65536);
-        for (std::size_t at = 0; at + 1 < picture.image.samples.size(); at += 2) {
-            std::uint16_t word = 0;
-            std::memcpy(&word, picture.image.samples.data() + at, 2);
-            ++counts[word];
-        }
+        until_stopped(picture.image.samples.size() / 2, [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                std::uint16_t word = 0;
+                std::memcpy(&word, picture.image.samples.data() + 2 * k, 2);
+                ++counts[word];
+            }
+        });
         for (unsigned word = 1; word < 65535; ++word)
             if (counts[word] > 0) {
                 each.push_back({word, counts[word]});

@@ -8,7 +8,8 @@
 namespace touchable {
 
 /// What the integers of a picture of 16 bits show of how they were stored. 0 and 65535 say nothing, and one
-/// pixel in a thousand may differ. Fewer than 20 values that differ are no evidence.
+/// pixel in a thousand may differ. Fewer than 20 values that differ are no evidence. Where it is asked to
+/// stop meanwhile they show nothing, and the caller looks for that.
 
 /// The largest number to 1000 of which all are multiples; 1: they have none, or are no evidence.
 int common_divisor(const StoredImage& picture);

@@ -17,6 +17,7 @@
 #include "engine/import/photo/heif_depth_meaning.hpp"
 #include "engine/import/photo/heif_properties.hpp"
 #include "engine/printable.hpp"
+#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -264,14 +265,17 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
                                                     const SourceDescription& known) {
     auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
-    Result<DepthPhoto> photo = Error{};
-    try {  // libheif's own containers
-        photo = HeicImage(std::move(*bytes), file.string()).read();
-    } catch (const std::bad_alloc&) {
-        photo = input_error(file.string() + ": is damaged, or needs more memory than there is");
-    }
-    if (!photo) return photo.error();
-    return open_depth_photo(file.path(), std::move(*photo), described, known);
+    auto read = unless_stopped([bytes = std::move(*bytes), where = file.string()]() mutable {
+        try {  // libheif's own containers
+            return HeicImage(std::move(bytes), where).read();
+        } catch (const std::bad_alloc&) {
+            return Result<DepthPhoto>(
+                input_error(where + ": is damaged, or needs more memory than there is"));
+        }
+    });
+    if (!read) return Error{ErrorKind::interrupted, "interrupted while " + file.string() + " was read"};
+    if (!*read) return read->error();
+    return open_depth_photo(file.path(), std::move(**read), described, known);
 }
 
 }  // namespace touchable

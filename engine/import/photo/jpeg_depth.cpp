@@ -100,10 +100,12 @@ Result<void> JpegDepth::read_depth() {
     if (stored->interlaced) return refuse("its depth map is an interlaced PNG: must be a plain one");
     if (stored->bits < 8)
         return refuse("its depth map is of " + std::to_string(stored->bits) + " bits: must be of 8 or 16");
-    auto grey = as_grey(stored->image);
-    if (!grey) return refuse("its depth map is coloured: must be grey, or red, green and blue alike");
+    if (stored->image.channels != 1) {
+        auto grey = as_grey(stored->image);
+        if (!grey) return refuse("its depth map is coloured: must be grey, or red, green and blue alike");
+        stored->image = std::move(*grey);
+    }
     photo_.depth = std::move(*stored);
-    photo_.depth.image = std::move(*grey);
     photo_.depth.bits = 8 * photo_.depth.image.bytes_per_sample;
     return {};
 }

@@ -38,7 +38,7 @@ Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string
     const auto bytes = bytes_of(link);
     if (!bytes) return bytes.error();
     const std::string where = link.name + " (" + std::string(property) + ")";
-    auto stored = decode_stored_image(**bytes, where);
+    auto stored = decode_stored_image(std::string(**bytes), where);
     if (!stored) return stored.error();
     const Image& image = stored->image;
     if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");

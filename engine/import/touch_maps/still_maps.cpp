@@ -44,7 +44,7 @@ TrackInfo track_of(PlaneRole role, const StoredImage& stored) {
 
 /// What a picture has to be to be touched.
 Result<StoredImage> touch_picture(std::string_view bytes, PlaneRole role, const std::string& where) {
-    auto stored = decode_stored_image(bytes, where);
+    auto stored = decode_stored_image(std::string(bytes), where);
     if (!stored) return stored;
     if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
     if (role == PlaneRole::haptic && stored->codec == "mjpeg")
