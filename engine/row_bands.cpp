@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -23,7 +24,7 @@ int threads_for(long pixels, long pixels_per_thread) {
                       std::max(cores, 1));
 }
 
-RowBands::RowBands(int threads) : threads_(threads) {
+RowBands::RowBands(int threads, bool until_stopped) : threads_(threads), until_stopped_(until_stopped) {
     assert(threads >= 1);
 }
 
@@ -41,7 +42,7 @@ void RowBands::run(Job job) {
     job.band_rows =
         job.step * std::clamp(steps / (threads_ * bands_per_thread), 1, std::max(most_rows / job.step, 1));
     if (threads_ == 1 || job.rows <= job.step) {
-        for (int y = 0; y < job.rows; y += job.band_rows)
+        for (int y = 0; y < job.rows && !(until_stopped_ && stop_requested()); y += job.band_rows)
             job.call(job.work, {y, std::min(y + job.band_rows, job.rows), 0});
         return;
     }
@@ -89,6 +90,7 @@ void RowBands::take_bands(std::unique_lock<std::mutex>& lock, int thread) {
         job_.next_row = band.last;
         ++job_.bands_at_work;
         work_on(lock, band);
+        if (until_stopped_ && thread == 0 && stop_requested()) job_.next_row = job_.rows;
         if (--job_.bands_at_work == 0) all_done_.notify_one();
     }
 }

@@ -24,8 +24,9 @@ int threads_for(long pixels, long pixels_per_thread);
 class RowBands {
 public:
     /// `threads` with the one that calls, at least 1. The others start when first needed, and take on the
-    /// scheduling of the thread that calls then.
-    explicit RowBands(int threads);
+    /// scheduling of the thread that calls then. `until_stopped`: bands are left out once the thread that
+    /// calls is asked to stop, which the caller looks for (stop_requested).
+    explicit RowBands(int threads, bool until_stopped = false);
     ~RowBands();
     RowBands(const RowBands&) = delete;
     RowBands& operator=(const RowBands&) = delete;
@@ -56,6 +57,7 @@ private:
     void serve(int thread);
 
     const int threads_;
+    const bool until_stopped_;
     std::mutex mutex_;
     std::condition_variable there_is_work_, all_done_;
     Job job_;

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include "engine/stop_request.hpp"
 #include "engine/surface/code_filters.hpp"
 #include "engine/surface/frame_changes.hpp"
 #include "engine/surface/patch_filter.hpp"
@@ -15,6 +17,11 @@ namespace {
 
 /// They take about 50 us.
 constexpr long pixels_filtered_per_thread = 150'000;
+
+/// Larger ones take longer to build than a person who asks the program to stop should wait.
+bool is_large(const Scene& scene) {
+    return std::int64_t{scene.width} * scene.height > std::int64_t{4096} * 4096;
+}
 
 /// The widest that there is, up to the one that is asked for.
 VectorUnit unit_for(VectorUnit most) {
@@ -52,9 +59,9 @@ public:
         : scene_(scene),
           plan_(scene),
           break_even_(plan.break_even.value_or(what_pays(plan_))),
-          bands_(plan.threads > 0
-                     ? plan.threads
-                     : threads_for(long{scene.width} * scene.height, pixels_filtered_per_thread)),
+          bands_(plan.threads > 0 ? plan.threads
+                                  : threads_for(long{scene.width} * scene.height, pixels_filtered_per_thread),
+                 is_large(scene)),
           filters_(make_code_filters(plan_, unit_for(plan.vectors))),
           tiles_(unit_for(plan.vectors)) {
         const auto reach = plan_.reach();
@@ -76,6 +83,7 @@ public:
             build_patches(raw, out);
         else
             build_all(raw, out);
+        if (is_large(scene_) && stop_requested()) return interrupted_error();
         if (!changes_ || !changes_->same_touch_planes(held)) copy_touch_planes(raw, out);
         out.filled = raw.filled;
         vertices.build = newest;

@@ -1,5 +1,8 @@
 #include "engine/surface/depth_estimator.hpp"
 
+#include <algorithm>
+#include <cstddef>
+
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -14,6 +17,17 @@ constexpr double noise_per_picture = 1e-4;
 constexpr double some_flying = 1e-4;
 /// Where edges are clean there are more of these than so many times the pixels that hang midway.
 constexpr double clean_edges_per_midway = 4;
+/// Pixels across and down, in the middle: of larger pictures the rest tells no more of a camera.
+constexpr int largest_part = 4096;
+
+PlaneView middle_part(PlaneView depth) {
+    const int width = std::min(depth.width, largest_part), height = std::min(depth.height, largest_part);
+    depth.data += depth.stride * ((depth.height - height) / 2) +
+                  std::ptrdiff_t{depth.bytes_per_sample} * depth.channels * ((depth.width - width) / 2);
+    depth.width = width;
+    depth.height = height;
+    return depth;
+}
 
 }  // namespace
 
@@ -35,7 +49,7 @@ DepthEstimator::DepthEstimator(const Scene& scene)
     : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
 
 void DepthEstimator::add(const RawFrame& frame) {
-    const CodePicture picture = code_picture(frame.depth, scene_.depth);
+    const CodePicture picture = code_picture(middle_part(frame.depth), scene_.depth);
     levels_.add(picture);
     contours_.add(picture);
     last_.push_back(SmoothPatches::cropped(picture));

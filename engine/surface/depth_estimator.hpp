@@ -47,7 +47,8 @@ struct MeasuredDepth {
     bool has_flying_pixels() const;
 };
 
-/// Looks at the frames of a clip from the first one on. The same on every machine.
+/// Looks at the frames of a clip from the first one on; of pictures larger than 4096x4096 at their middle.
+/// The same on every machine.
 class DepthEstimator {
 public:
     explicit DepthEstimator(const Scene& scene);

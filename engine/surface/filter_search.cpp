@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/scene/working_codes.hpp"
+#include "engine/stop_request.hpp"
 #include "engine/surface/code_filters.hpp"
 #include "engine/surface/filter_plan.hpp"
 
@@ -62,6 +63,7 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
     const DepthLength codes = code_step(patches.mosaic_scene().depth),
                       least = least_step(levels, codes, patches.roughness(), depth);
     const auto with = [&](Scene scene, double harshness) {
+        if (stop_requested()) return;
         const auto keep = [&] {
             const FilterSettings& filter = scene.filter;
             tried.push_back({filter.temporal, filter.median, filter.terraces == TerraceRemoval::on,

@@ -23,8 +23,8 @@ DepthLength stated_noise(const DepthLength& measured, int median);
 
 /// Every median, without terrace removal and with it, of levels as far apart as these, or as rough depths
 /// would have, and somewhat nearer and farther; all of them without the temporal filter and with it. From the
-/// mildest to the harshest. Nothing where too few places are smooth. `noise`: from frame to frame; zero: there
-/// is nothing to average.
+/// mildest to the harshest. Nothing where too few places are smooth. `noise`: from frame to frame; zero:
+/// there is nothing to average. Once it is asked to stop it tries no more.
 std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const DepthLength& levels,
                                         const DepthLength& noise);
 

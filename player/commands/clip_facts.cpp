@@ -7,6 +7,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/import/guess/known_camera.hpp"
 #include "engine/scene/terraces.hpp"
+#include "engine/stop_request.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "engine/trigonometry.hpp"
 #include "player/options/setting_words.hpp"
@@ -28,7 +29,7 @@ void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
     const DepthCoding& coding = facts.scene.depth;
     std::int64_t invalid = 0;
     std::uint16_t least = 65535, greatest = 0;
-    for (int y = 0; y < frame.depth.height; ++y)
+    for (int y = 0; y < frame.depth.height && !stop_requested(); ++y)
         for (int x = 0; x < frame.depth.width; ++x) {
             const std::uint16_t code = stored_code(frame.depth, coding, x, y);
             if (!coding.is_valid(code)) {
@@ -82,6 +83,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(**first, facts);
+    if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;
     facts.fov_x_degrees = field_of_view_degrees(facts.scene.width, camera.cx, camera.fx);

@@ -24,7 +24,9 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
     auto clip = ahead.finish();
     if (!clip.ok()) return clip.error();
     reader = std::move(*clip);
-    return MeasuredFrames{estimator.measured(), damage};
+    MeasuredFrames measured{estimator.measured(), damage};
+    if (interrupted() || given_up.stop_requested()) return interrupted_error();
+    return measured;
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
