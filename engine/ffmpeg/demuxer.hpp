@@ -42,7 +42,7 @@ public:
                                                       const char* format);
 
     const AVFormatContext& container() const { return *container_; }
-    /// Of Matroska: it does not say how long it is; and whether it ends within something.
+    /// Of Matroska: it does not say how long it is; and whether it ends within something, or before it said.
     bool is_open_ended() const { return is_open_ended_; }
     bool is_cut() const { return is_cut_; }
     /// Whether that is a track of disparity of an iPhone's Cinematic video.

@@ -97,19 +97,30 @@ private:
 };
 
 Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment, const std::string& file) {
+    constexpr std::uint64_t longest_head = 12;  // of an element: its identifier and its size
     const bool is_stated = segment.size != unknown_size;
-    const std::uint64_t end = is_stated ? segment.end() : reader.length();
+    const bool is_short = is_stated && segment.size > reader.length() - segment.content;
+    const std::uint64_t end = is_stated && !is_short ? segment.end() : reader.length();
     std::uint64_t position = segment.content, headers = 0;
+    bool has_cluster = false;
+    const auto cut_here = [&](std::uint64_t at) -> Result<MatroskaEnd> {
+        if (!is_stated || has_cluster) return MatroskaEnd{at, is_stated, true};
+        return input_error(file + ": is truncated: it has " +
+                           std::to_string(reader.length() - segment.content) + " of " +
+                           std::to_string(segment.size) + " bytes, and no whole cluster of frames");
+    };
     while (position < end) {
         const auto damaged = [&file, position] {
             return input_error(file + ": is damaged near byte " + std::to_string(position));
         };
         const auto element = reader.at(position);
         if (!element || element->content > end || element->size > end - element->content) {
-            if (is_stated) return damaged();
-            return MatroskaEnd{position, false, true};
+            const bool may_be_cut = element ? element->size <= segment.size : end - position < longest_head;
+            if (is_stated && !(is_short && may_be_cut)) return damaged();
+            return cut_here(position);
         }
         position = element->end();
+        has_cluster = has_cluster || element->id == id_cluster;
         if (element->id == id_cluster || element->id == id_void) continue;
         headers += element->size;
         if (headers > largest_headers)
@@ -117,7 +128,7 @@ Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment,
                 file + ": its headers, tags and attachments are larger than 64 MiB together: must be less");
         if (!reader.crc_holds(*element)) return damaged();
     }
-    return MatroskaEnd{end, is_stated};
+    return is_short ? cut_here(end) : MatroskaEnd{end, is_stated};
 }
 
 }  // namespace
@@ -135,10 +146,6 @@ Result<MatroskaEnd> check_matroska(ByteSource& bytes, const std::string& file) {
         return input_error(file + ": is truncated: it ends at byte " + std::to_string(reader.length()));
     if (segment->id != id_segment)
         return input_error(file + ": is damaged: its header is not followed by a segment");
-    if (segment->size != unknown_size && segment->size > reader.length() - segment->content)
-        return input_error(file + ": is truncated: it has " +
-                           std::to_string(reader.length() - segment->content) + " of " +
-                           std::to_string(segment->size) + " bytes");
     const auto end = check_segment(reader, *segment, file);
     if (reader.failure()) return error_at(file, *reader.failure());
     return end;

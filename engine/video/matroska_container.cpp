@@ -12,8 +12,8 @@
 namespace touchable {
 namespace {
 
-/// Tags say what each track is, and attachments what the clip means. A stream that was saved is a clip as far
-/// as it goes.
+/// Tags say what each track is, and attachments what the clip means. A stream that was saved, or a file that
+/// is cut, is a clip as far as it goes.
 class MatroskaContainer final : public ClipContainer {
 public:
     explicit MatroskaContainer(const SourceFile& source)
@@ -30,7 +30,7 @@ public:
 private:
     Result<void> count_pictures(const Demuxer& file);
 
-    std::optional<WholePart> whole_;      // of a stream, once counted
+    std::optional<WholePart> whole_;      // of a stream or a file that is cut, once counted
     std::vector<std::int64_t> times_ns_;  // of its pictures of depth, from 0 up
 };
 
@@ -71,7 +71,7 @@ Result<void> MatroskaContainer::count_pictures(const Demuxer& file) {
 }
 
 Result<std::optional<WholePart>> MatroskaContainer::whole_part(const Demuxer& file) {
-    if (file.is_open_ended() && !whole_)
+    if ((file.is_open_ended() || file.is_cut()) && !whole_)
         if (auto counted = count_pictures(file); !counted) return counted.error();
     return whole_;
 }

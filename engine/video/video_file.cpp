@@ -161,6 +161,9 @@ Result<void> VideoFile::read_times() {
         note_ = file_.string() +
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
+    if (demuxer_->is_cut())
+        note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
+                std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";
     return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <optional>
 
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/matroska_writer.hpp"
@@ -33,6 +34,12 @@ bool same_outcome(const Outcome& a, const Outcome& b) {
            std::equal(a.frames.begin(), a.frames.end(), b.frames.begin(), b.frames.end(), same_frame);
 }
 
+/// Whether a clip that was cut is the other one up to a frame.
+bool begins_as(const Outcome& whole, const Outcome& cut) {
+    return cut.scene == whole.scene && !cut.frames.empty() && cut.frames.size() <= whole.frames.size() &&
+           std::equal(cut.frames.begin(), cut.frames.end(), whole.frames.begin(), same_frame);
+}
+
 /// A clip as bytes, what it holds, and a place to put damaged copies.
 struct Subject {
     Subject(int side, int frames, int depth_bits, const Planes& planes = all_planes,
@@ -54,17 +61,48 @@ struct Subject {
     Outcome whole;
 };
 
-TEST(ClipDamage, EveryTruncationIsAnErrorOrAllFrames) {
+TEST(ClipDamage, TruncationIsErrorOrFirstFrames) {
     const Subject subject(8, 3, 16);
     for (std::size_t length = 0; length < subject.bytes.size(); length += sweep_step()) {
         const Outcome cut = subject.with(subject.bytes.substr(0, length));
-        ASSERT_TRUE(!cut.error.empty() || same_outcome(cut, subject.whole))
+        ASSERT_TRUE(!cut.error.empty() || begins_as(subject.whole, cut))
             << length << " of " << subject.bytes.size();
         ASSERT_TRUE(cut.error.empty() || cut.error.find("damaged.mkv: ") != std::string::npos) << cut.error;
     }
     EXPECT_NE(subject.with(subject.bytes.substr(0, subject.bytes.size() / 2)).error.find("is truncated"),
               std::string::npos);
     EXPECT_NE(subject.with("").error.find("is empty"), std::string::npos);
+}
+
+/// Of a few frames in a cluster each.
+TEST(ClipDamage, CutClipEndsWithLastCluster) {
+    const Subject subject(64, 12, 16);
+    std::size_t before = 0;
+    for (const double share : {0.3, 0.5, 0.51, 0.7, 0.9, 0.97}) {
+        const auto length = static_cast<std::size_t>(share * static_cast<double>(subject.bytes.size()));
+        const Outcome cut = subject.with(subject.bytes.substr(0, length));
+        ASSERT_EQ(cut.error, "") << share;
+        const std::size_t frames = cut.frames.size();
+        EXPECT_NEAR(static_cast<double>(frames), share * 12, 1.5);
+        EXPECT_GE(frames, before);
+        ASSERT_LE(frames, 12U);
+        before = frames;
+        EXPECT_TRUE(
+            std::equal(cut.frames.begin(), cut.frames.end(), subject.whole.frames.begin(), same_frame));
+        auto reader = open_clip(subject.folder / "damaged.mkv");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ((*reader)->frame_count(), std::optional(static_cast<std::int64_t>(frames)));
+        const auto& notes = (*reader)->notes();
+        const std::string note = "the file is cut: its first " + std::to_string(frames) + " frames are whole";
+        EXPECT_EQ(std::count(notes.begin(), notes.end(), note), frames < 12 ? 1 : 0) << share;
+        for (const std::size_t frame : {frames - 1, std::size_t{0}, frames / 2}) {
+            ASSERT_EQ(message((*reader)->seek(static_cast<std::int64_t>(frame))), "");
+            const auto there = (*reader)->next();
+            ASSERT_EQ(message(there), "");
+            ASSERT_TRUE(*there);
+            EXPECT_TRUE(same_frame(**there, subject.whole.frames[frame])) << share << ": " << frame;
+        }
+    }
 }
 
 /// As a writer that was stopped leaves it: the segment's size and the duration not filled in.
