@@ -24,7 +24,7 @@ enum class Forked { usable, refused };
 
 /// For all tables of a library: a fork waits for it, so that a child finds it free.
 inline std::mutex tables_mutex;
-/// That lie between the first process and this one.
+/// The number of forks between the first process and this one.
 inline std::atomic<unsigned> forks{0};
 
 inline void watch_forks() {
@@ -117,10 +117,11 @@ public:
         Slot& slot = slots_[place];
         if (slot.id.load(std::memory_order_relaxed) != id) return Removal::stale;
         const bool of_parent = is_of_parent(slot);
-        int nobody = 0;
-        if (of_parent && forked_ == Forked::refused)
+        if (of_parent) parents_.reserve(parents_.size() + 1);
+        int unused = 0;
+        if (of_parent)
             slot.users.store(gone, std::memory_order_relaxed);  // threads of the parent may have used it
-        else if (!slot.users.compare_exchange_strong(nobody, gone, std::memory_order_acq_rel))
+        else if (!slot.users.compare_exchange_strong(unused, gone, std::memory_order_acq_rel))
             return Removal::busy;
         slot.id.store(0, std::memory_order_release);
         last = std::move(slot.object);

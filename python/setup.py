@@ -47,7 +47,7 @@ def folder_of_libraries():
 
 def built():
     """The folder of the libraries, built now: in the release build where there is one, else in one of their own."""
-    install = f"on Debian 12: sudo apt install {' '.join(programs.values())} {packages}"
+    install = f"on Debian: sudo apt install {' '.join(programs.values())} {packages}"
     missing = [program for program in programs if not shutil.which(program)]
     if missing:
         raise SystemExit(f"the C++ libraries of touchable cannot be built: there is no {' and no '.join(missing)}; {install}")

@@ -302,7 +302,7 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         wanted.ramp_in_ticks = wanted.waits_to_be_free = 0;
         wanted.stale_after_ns = 0;
         const auto use = surfaces().find(surface.id);
-        if (!use) return fail_stale(error, "surface");
+        if (!use) return fail_without(use, error, "surface");
         const auto solver = solver_of(*use, wanted);
         if (!solver) return fail(error, solver.error());
         const Reading reading(*use);

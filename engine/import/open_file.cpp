@@ -21,6 +21,7 @@
 #include "engine/picture/stored_image.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/stop_request.hpp"
 #include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
 
@@ -159,9 +160,10 @@ Opened open_jpeg(const Candidate& candidate) {
         return stored && is_grey(stored->image);
     };
     const bool is_described = !(candidate.known == SourceDescription());
-    return !has_jpeg_depth(candidate.source) && (is_described || is_grey_picture())
-               ? open_picture(candidate)
-               : open_jpeg_depth(candidate.source, candidate.described, candidate.known);
+    const bool is_depth = !has_jpeg_depth(candidate.source) && (is_described || is_grey_picture());
+    if (stop_requested()) return interrupted_error();
+    return is_depth ? open_picture(candidate)
+                    : open_jpeg_depth(candidate.source, candidate.described, candidate.known);
 }
 
 Opened open_mpeg4(const Candidate& candidate) {

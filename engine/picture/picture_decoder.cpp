@@ -1,7 +1,6 @@
 #include "engine/picture/picture_decoder.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <utility>

@@ -64,7 +64,7 @@ bool is_own_machine(const std::string& address) {
     return false;
 }
 
-/// Behind the line that says where it is listened.
+/// After the line that says where it listens.
 void say_who_may_listen(const std::string& address) {
     if (is_own_machine(address)) return;
     say_served(address +

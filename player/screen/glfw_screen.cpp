@@ -248,8 +248,8 @@ private:
         wake();
         return number;
     }
-    /// Likewise, and the window has the size that comes of it. Does not wait for a display that hangs once
-    /// the program is asked to stop.
+    /// As `ask`, and returns once it is done and the window has its new size. Does not wait for a display
+    /// that hangs once the program is asked to stop.
     void ask_and_wait(std::function<void()> errand) {
         const std::uint64_t number = ask(std::move(errand));
         std::unique_lock lock(mutex_);

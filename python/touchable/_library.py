@@ -264,7 +264,7 @@ def refuse_copies(held: Any) -> NoReturn:
 
 
 class Handle:
-    """A C object. It ends when nobody refers to it any more, or it is closed; what it needs is kept until then."""
+    """A C object. It ends when there is no reference to it any more, or it is closed; what it needs is kept until then."""
 
     __reduce__ = refuse_copies
 

@@ -1,8 +1,8 @@
 // A struct that has grown is understood from programs that were compiled before it did.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstddef>
+#include <vector>
 
 #include "capi/status.hpp"
 #include "tests/capi/hill.hpp"

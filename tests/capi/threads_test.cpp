@@ -125,6 +125,13 @@ struct HeldObjects {
         EXPECT_EQ(touch_clip_close(clip), TOUCH_OK);
         EXPECT_EQ(touch_surface_destroy(threaded), TOUCH_OK);
     }
+    static touch_status forces_at(touch_surface surface) {
+        const touch_tick at = tick_at(0);
+        const touch_vec3 point{0, 0, -1};
+        touch_contact contact{};
+        return touch_surface_forces_at(surface, nullptr, &at, TOUCH_FRICTION_OFF, &point, 1, &contact,
+                                       sizeof contact, nullptr);
+    }
     static touch_status push(touch_surface surface, int number, touch_error* error = nullptr) {
         const Hill picture(number);
         const touch_frame frame = picture.frame(number);
@@ -164,6 +171,7 @@ TEST(Forks, ChildIsRefusedItsParentsObjects) {
                                          held.tick(0),
                                          touch_solver_force_hash(held.hill.solver, &hash),
                                          held.write(&error),
+                                         HeldObjects::forces_at(held.threaded),
                                          touch_writer_finish(held.writer, &error)};
         int number = 1;
         for (const touch_status status : statuses) {

@@ -5,8 +5,8 @@
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/ffmpeg/matroska_check.hpp"
 #include "engine/video/block_addition.hpp"
-#include "engine/video/clip_tags.hpp"
 #include "engine/video/clip_file_reader.hpp"
+#include "engine/video/clip_tags.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {
@@ -62,11 +62,9 @@ bool parse_block_addition(std::string_view bytes) {
     return found->sound;
 }
 
-const Registered container_target{
-    {.name = "container", .parse = parse_container, .cuts_are_refused = true, .most_bytes = 8192}};
+const Registered container_target{{.name = "container", .parse = parse_container, .most_bytes = 8192}};
 const Registered clip_target{{.name = "clip",
                               .parse = parse_clip,
-                              .cuts_are_refused = true,
                               .changes = 120,
                               .most_bytes = 12288,
                               .most_mebibytes = 2048,

@@ -1,5 +1,5 @@
 // Loaded before a program whose window goes by a script: time waits for the window. Its clocks go as the
-// machine's do while its first thread, which takes the script and draws, looks at them every 50 ms. While
+// machine's do while its first thread, which takes the script and draws, looks at them every 20 ms. While
 // that thread is kept from it for longer, by a machine that is busy with others or by a large picture, they
 // go 64 times slower. So a script meets the same window on a machine of any speed. All threads of the
 // program, and processes that it forks, have the same clocks, and waits that end at a moment end by them.

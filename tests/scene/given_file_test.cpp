@@ -196,7 +196,7 @@ TEST(UnlessStopped, GivesWhatWorkGivesOrThrows) {
     EXPECT_THROW((void)unless_stopped([]() -> int { throw std::bad_alloc(); }), std::bad_alloc);
 }
 
-/// Abandoned work has nobody to ask but itself.
+/// Abandoned work can ask only its own thread whether to stop.
 TEST(UnlessStopped, AbandonedWorkHearsIt) {
     std::stop_source given_up;
     const WorkUntil until(given_up.get_token());

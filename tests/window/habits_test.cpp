@@ -261,7 +261,7 @@ TEST(Habits, ClipStaysBetweenTwoStrokes) {
         return played_by({globe, bumps}, "0.1 move 160 110\n0.2 press left\n3 release left\n", seconds).image;
     };
     EXPECT_GT(in_the_middle(after("5"), next), 1000) << "it went as the finger was lifted";
-    EXPECT_LT(in_the_middle(after("8"), next), 50) << "nobody touches it any more";
+    EXPECT_LT(in_the_middle(after("8"), next), 50) << "it is not touched any more";
 }
 
 TEST(Habits, AKioskGoesThroughItsClipsAlsoWhileNobodyIsThere) {

@@ -138,17 +138,18 @@ TEST_F(LostWindow, OfAKioskOpensAClipThatComesBack) {
     EXPECT_TRUE(first->samples != second->samples) << "it stands still";
 }
 
-/// A display that is gone after so long.
+/// A display that is gone once it is told so.
 class VanishingScreen final : public WrappedScreen {
 public:
-    using WrappedScreen::WrappedScreen;
+    VanishingScreen(const ScreenOptions& options, const std::atomic<bool>& is_gone)
+        : WrappedScreen(options), is_gone_(is_gone) {}
     Result<void> health() const override {
-        if (std::chrono::steady_clock::now() < gone_at_) return {};
+        if (!is_gone_) return {};
         return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
     }
 
 private:
-    const std::chrono::steady_clock::time_point gone_at_ = std::chrono::steady_clock::now() + 3s;
+    const std::atomic<bool>& is_gone_;
 };
 
 TEST_F(LostWindow, LostDisplayDecidesExitCode) {
@@ -165,10 +166,15 @@ TEST_F(LostWindow, LostDisplayDecidesExitCode) {
         if (is_kiosk) options_.kiosk = KioskOptions{.times = {60, 0.3}};
         if (!is_kiosk) options_.kiosk.reset();
         options_.seconds = 60;
-        options_.make_screen = [](const ScreenOptions& size) {
-            return std::make_unique<VanishingScreen>(size);
+        std::atomic<bool> is_gone{false};
+        options_.make_screen = [&is_gone](const ScreenOptions& size) {
+            return std::make_unique<VanishingScreen>(size, is_gone);
         };
-        const auto played = play([&] { std::filesystem::resize_file(file, 20'000); });
+        const auto played = play([&] {
+            std::filesystem::resize_file(file, 20'000);
+            std::this_thread::sleep_for(3s);  // the clip is read to there at once
+            is_gone = true;
+        });
         std::filesystem::copy(aside, file, std::filesystem::copy_options::overwrite_existing);
         ASSERT_FALSE(played.ok());
         EXPECT_EQ(played.error().kind, ErrorKind::gpu) << is_kiosk << ": " << played.error().message;

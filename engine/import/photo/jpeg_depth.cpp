@@ -11,6 +11,7 @@
 #include "engine/number_words.hpp"
 #include "engine/picture/coded_image.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -102,6 +103,7 @@ Result<void> JpegDepth::read_depth() {
         return refuse("its depth map is of " + std::to_string(stored->bits) + " bits: must be of 8 or 16");
     if (stored->image.channels != 1) {
         auto grey = as_grey(stored->image);
+        if (stop_requested()) return interrupted_error();
         if (!grey) return refuse("its depth map is coloured: must be grey, or red, green and blue alike");
         stored->image = std::move(*grey);
     }

@@ -7,6 +7,7 @@
 #include "engine/clip/resized_frame.hpp"
 #include "engine/number_words.hpp"
 #include "engine/picture/stored_image.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -43,7 +44,9 @@ Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string
     const Image& image = stored->image;
     if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
     const std::string what = std::string(property) + ": " + link.name;
-    if (!is_grey(image))
+    const bool is_coloured = !is_grey(image);
+    if (stop_requested()) return interrupted_error();
+    if (is_coloured)
         notes.push_back(what + " is colour: its " +
                         std::string(channel_names[static_cast<std::size_t>(channel)]) + " is taken");
     if (image.channels == 1 && stored->bits > 8)
