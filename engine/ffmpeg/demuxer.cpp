@@ -113,9 +113,6 @@ std::optional<std::string> Demuxer::tag(const char* name) const {
 }
 
 std::optional<double> Demuxer::pictures_end() const {
-    const std::int64_t whole_us = container_->duration;
-    if (whole_us == AV_NOPTS_VALUE || whole_us <= 0) return std::nullopt;
-    const double whole_s = static_cast<double>(whole_us) / AV_TIME_BASE;
     bool has_sound = false;
     double pictures_s = 0;
     for (unsigned k = 0; k < container_->nb_streams; ++k) {
@@ -133,6 +130,11 @@ std::optional<double> Demuxer::pictures_end() const {
         }
         pictures_s = std::max(pictures_s, 3600.0 * hours + 60.0 * minutes + seconds);
     }
+    // FFmpeg 7 leaves an MP4's own open; its tracks have theirs.
+    const std::int64_t whole_us = container_->duration;
+    if (whole_us == AV_NOPTS_VALUE || whole_us <= 0)
+        return pictures_s > 0 ? std::optional(pictures_s) : std::nullopt;
+    const double whole_s = static_cast<double>(whole_us) / AV_TIME_BASE;
     return has_sound && pictures_s > 0 && pictures_s < whole_s ? pictures_s : whole_s;
 }
 

