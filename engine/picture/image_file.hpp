@@ -29,7 +29,7 @@ struct Image {
     }
 };
 
-/// Gives memory that nobody reads again back to the system before its owner is destroyed, as far as it is
+/// Gives memory that is not read again back to the system before its owner is destroyed, as far as it is
 /// whole pages: so a picture that is made of another one, row by row, is held once and not twice.
 void give_back(void* memory, std::size_t bytes);
 

@@ -129,7 +129,7 @@ bool WindowLoop::take_of_study(const InputEvent& event) {
     if (!event.repeated && (event.word == "enter" || (has_page && event.word == "space")))
         study_->go_on(now_s(), by_the_clock());
     last_event_ = Clock::now();
-    if (has_page) return !event.stopped_force;  // which is to be told
+    if (has_page) return !event.stopped_force;  // the window says that the force is off
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
     if (!binding) return true;
     // Whoever holds a device can always stop it.

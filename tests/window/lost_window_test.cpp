@@ -138,7 +138,7 @@ TEST_F(LostWindow, OfAKioskOpensAClipThatComesBack) {
     EXPECT_TRUE(first->samples != second->samples) << "it stands still";
 }
 
-/// A display that is gone once it is told so.
+/// A display that is gone once `is_gone` is set.
 class VanishingScreen final : public WrappedScreen {
 public:
     VanishingScreen(const ScreenOptions& options, const std::atomic<bool>& is_gone)
