@@ -43,6 +43,17 @@ heif_error append(heif_context*, const void* data, std::size_t size, void* user)
     return {heif_error_Ok, heif_suberror_Unspecified, "ok"};
 }
 
+/// Their ids, in the order they were written in.
+std::vector<heif_item_id> pictures_of(const std::string& file) {
+    heif_context* context = heif_context_alloc();
+    check(heif_context_read_from_memory_without_copy(context, file.data(), file.size(), nullptr));
+    std::vector<heif_item_id> ids(
+        static_cast<std::size_t>(heif_context_get_number_of_top_level_images(context)));
+    heif_context_get_list_of_top_level_image_IDs(context, ids.data(), static_cast<int>(ids.size()));
+    heif_context_free(context);
+    return ids;
+}
+
 std::string box(const std::string& type, const std::string& content) {
     return big_endian(content.size() + 8, 4) + type + content;
 }
@@ -276,7 +287,6 @@ std::string HeicFile::bytes() const {
     heif_encoding_options* options = heif_encoding_options_alloc();
     heif_color_profile_nclx* luma = heif_nclx_color_profile_alloc();  // otherwise grey is made colour
     heif_nclx_color_profile_set_matrix_coefficients(luma, 1);
-    heif_item_id count = 0;  // of pictures, which libheif counts from 1 on in the order they are written in
     const auto write = [&](const Image& picture, bool is_depth) {
         heif_image* image = picture_of(picture, is_depth ? depth_bits : 8);
         heif_image_handle* handle = nullptr;
@@ -291,7 +301,6 @@ std::string HeicFile::bytes() const {
                 heif_context_add_exif_metadata(context, handle, exif.data(), static_cast<int>(exif.size())));
         heif_image_handle_release(handle);
         heif_image_release(image);
-        ++count;
     };
     Grid grid;
     if (tile_side == 0) {
@@ -304,8 +313,6 @@ std::string HeicFile::bytes() const {
                 write(tile_of(colour, column * tile_side, row * tile_side, tile_side), false);
     }
     if (has_depth) write(depth, true);
-    std::vector<heif_item_id> ids(count);
-    heif_context_get_list_of_top_level_image_IDs(context, ids.data(), static_cast<int>(count));
     std::string file;
     heif_writer writer{1, append};
     check(heif_context_write(context, &writer, &file));
@@ -313,6 +320,7 @@ std::string HeicFile::bytes() const {
     heif_nclx_color_profile_free(luma);
     heif_encoder_release(encoder);
     heif_context_free(context);
+    const std::vector<heif_item_id> ids = pictures_of(file);
     heif_item_id primary = ids.front();
     if (tile_side > 0) {
         grid.item = 100;  // which no other has

@@ -122,7 +122,8 @@ TEST_F(Heic, DepthMayBeStoredAsColourThatIsGrey) {
     const auto clip = open(file.bytes());
     const RawFrame frame = frame_of(clip);
     EXPECT_GT(frame.depth.sample(20, 0), frame.depth.sample(19, 0));
-    file.depth.samples[1000] ^= 64U;
+    for (std::size_t row = 16; row < 20; ++row)  // so that chroma that four samples share shows it
+        for (std::size_t x = 32; x < 36; ++x) file.depth.samples[(row * deep_wide + x) * 3] ^= 64U;
     EXPECT_NE(message(open(file.bytes())).find("its depth is coloured"), std::string::npos);
 }
 
@@ -198,14 +199,19 @@ TEST_F(Heic, DisparitiesAreReciprocalMetresWhereTheyCanBe) {
 
 TEST_F(Heic, DepthWithoutAScaleIsAssumedAndSaid) {
     HeicFile file = heic_portrait();
+    const std::string no_known_type = depth_info_sei({280, 0.5, 4, unsaid, unsaid});
     for (const auto& [sei, xmp] : {std::pair<std::string, std::string>{"", ""},
                                    {"", apple_xmp("disparity", "0", "1")},
                                    {depth_info_sei({1, unsaid, unsaid, -1, 1}), ""},
                                    {depth_info_sei({3, 0.5, 4, unsaid, unsaid}), "no <xmp"},
-                                   {depth_info_sei({280, 0.5, 4, unsaid, unsaid}), ""}}) {
+                                   {no_known_type, ""}}) {
         file.depth_sei = sei;
         file.depth_xmp = xmp;
         const auto clip = open(file.bytes());
+        if (sei == no_known_type && !clip) {  // as libheif 1.23 reads it
+            EXPECT_NE(message(clip).find("depth representation type"), std::string::npos) << message(clip);
+            continue;
+        }
         const RawFrame frame = frame_of(clip);
         const Scene& scene = (*clip)->scene();
         EXPECT_TRUE(says(**clip, "guessed: depth has no scale: its nearest is taken for 0.5 m"));

@@ -169,7 +169,9 @@ void wait_until_it_minds_interrupts(pid_t child) {
 Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_AS) what, rlim_t bytes) {
     Hooks hooks;
     hooks.prepare = [=] {
-        const rlimit limit{bytes, bytes};
+        rlimit limit{};
+        getrlimit(what, &limit);
+        limit.rlim_cur = bytes;
         setrlimit(what, &limit);
     };
     return run(arguments, hooks);

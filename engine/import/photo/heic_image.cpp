@@ -3,6 +3,7 @@
 #include <libheif/heif.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -49,6 +50,19 @@ std::optional<Image> packed_channel(const heif_image* image, heif_channel channe
         std::memcpy(packed.samples.data() + row * static_cast<std::size_t>(y),
                     from + static_cast<std::ptrdiff_t>(stride) * y, row);
     return packed;
+}
+
+/// Of a picture that is grey: its chroma may be off by what an encoder loses.
+bool is_neutral(const heif_image* image) {
+    for (const heif_channel channel : {heif_channel_Cb, heif_channel_Cr}) {
+        const int bits = heif_image_get_bits_per_pixel_range(image, channel);
+        const auto chroma = packed_channel(image, channel, bits > 8 ? 2 : 1, 1);
+        if (!chroma) continue;
+        for (int y = 0; y < chroma->height; ++y)
+            for (int x = 0; x < chroma->width; ++x)
+                if (std::abs(chroma->view().sample(x, y) - (1 << (bits - 1))) > 1 << (bits - 4)) return false;
+    }
+    return true;
 }
 
 bool has_its_size(const Image& image, const heif_image_handle* handle) {
@@ -190,11 +204,12 @@ Result<void> HeicImage::read_depth() {
     depth.pixel_format = depth.bits == 8 ? "gray" : "gray" + std::to_string(depth.bits) + "le";
     auto grey = packed_channel(image.get(), channel, depth.bits == 8 ? 1 : 2, 1);
     if (!grey) return refuse("its depth cannot be decoded");
+    bool is_grey = is_neutral(image.get());
     for (const heif_channel other : {heif_channel_R, heif_channel_B}) {
         const auto colour = packed_channel(image.get(), other, grey->bytes_per_sample, 1);
-        if (is_rgb && (!colour || colour->samples != grey->samples))
-            return refuse("its depth is coloured: must be grey, or red, green and blue alike");
+        is_grey = is_grey && (!is_rgb || (colour && colour->samples == grey->samples));
     }
+    if (!is_grey) return refuse("its depth is coloured: must be grey, or red, green and blue alike");
     if (!has_its_size(*grey, depth_.get())) return damaged("its depth", *grey);
     depth.image = std::move(*grey);
     return {};
