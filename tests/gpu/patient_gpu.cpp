@@ -1,8 +1,8 @@
 // A software GPU on a busy machine is slow, not lost: where a wait for it would be given up after the 10 s
 // that a picture has, or later, it lasts up to 5 minutes. Linked into each test, and loaded before each run
-// of the program. Shorter limits, which tests of a GPU that hangs set, stay as they are. And its memory, which
-// is a file of the kernel's since Mesa 24, grows where a limit on files stands in for a full disk: Mesa writes
-// to what it was refused, which ends a program by SIGBUS.
+// of the program. Shorter limits, which tests of a GPU that hangs set, stay as they are. And its memory,
+// which is a file of the kernel's since Mesa 24, grows where a limit on files stands in for a full disk: Mesa
+// writes to what it was refused, which ends a program by SIGBUS.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/resource.h>

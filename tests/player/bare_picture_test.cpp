@@ -6,6 +6,7 @@
 
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -120,6 +121,29 @@ TEST_F(BarePicture, ImplausibleUnitIsDoubted) {
     EXPECT_EQ(facts({"--scene", scene})["verdict"],
               "the median depth is 418 m" + doubt +
                   "a scene file's metres_per_unit and depth say otherwise: --scene FILE)");
+}
+
+// As much as the pixels of one frame need, twice as much to be touched.
+TEST_F(BarePicture, OfManyPixelsTakesMemoryForThemAlone) {
+    constexpr int side = 6000;
+    constexpr double mebibytes = 128 + 5.0 * side * side / (1 << 20);
+    Image image{side, side, 2, 1, {}};
+    image.samples.resize(std::size_t{2} * side * side);
+    for (std::size_t k = 0; k < image.samples.size(); k += 2) {
+        const std::size_t depth = 1500 + k / 2 % side / 6;
+        image.samples[k] = static_cast<std::uint8_t>(depth & 255);
+        image.samples[k + 1] = static_cast<std::uint8_t>(depth >> 8);
+    }
+    ASSERT_TRUE(write_png_to(picture(), image.view(), picture(), PngEffort::quick).ok());
+    image = {};
+    const Outcome told = run({"info", picture()}, camera);
+    EXPECT_EQ(told.code, 0) << told.err;
+    const Outcome touched = run({"touch", picture(), "--seconds", "0.02"}, camera);
+    EXPECT_EQ(touched.code, 0) << touched.err;
+#ifndef TOUCHABLE_SANITIZED
+    EXPECT_LE(told.peak_mebibytes, mebibytes);
+    EXPECT_LE(touched.peak_mebibytes, 2 * mebibytes);
+#endif
 }
 
 TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {

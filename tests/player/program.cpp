@@ -141,8 +141,10 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
         kill(child, SIGINT);
     });
     int status = 0;
-    waitpid(child, &status, 0);
+    rusage used{};
+    wait4(child, &status, 0, &used);
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    outcome.peak_mebibytes = static_cast<double>(used.ru_maxrss) / 1024;
     return outcome;
 }
 

@@ -14,6 +14,7 @@ namespace touchable::test {
 struct Outcome {
     int code = -1;  ///< exit code; -signal where it died of one
     std::string out, err;
+    double peak_mebibytes = 0;  ///< the most memory that it had resident
 
     /// True for one line that begins with the program's name: how every failure is told.
     bool one_line_of_error() const;
