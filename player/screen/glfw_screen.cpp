@@ -9,6 +9,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <future>
 #include <mutex>
@@ -272,6 +273,9 @@ private:
     // All that follows is the window's thread's.
     Result<void> open_window(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
+#ifdef GLFW_PLATFORM  // since 3.4, which would look for Wayland first: `connection_` hears of X11 alone
+        if (std::getenv("DISPLAY")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
         if (!glfwInit()) return no_display();
         connection_.open();
         if (options.awake) connection_.keep_awake();
