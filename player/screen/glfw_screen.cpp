@@ -274,7 +274,8 @@ private:
     Result<void> open_window(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
 #ifdef GLFW_PLATFORM  // since 3.4, which would look for Wayland first: `connection_` hears of X11 alone
-        if (std::getenv("DISPLAY")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+        if (std::getenv("DISPLAY") || !std::getenv("WAYLAND_DISPLAY"))
+            glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
         if (!glfwInit()) return no_display();
         connection_.open();
