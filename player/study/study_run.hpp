@@ -72,6 +72,8 @@ public:
     /// The program ends; the last call. Refused where results are missing.
     Result<void> end(double now_s, Time time, std::chrono::milliseconds longest = std::chrono::seconds(2));
 
+    /// Whether a participant has begun, and waits for a file of results.
+    bool is_beginning() const { return is_beginning_; }
     /// Whether all that was done until now is kept, or refused, after that long at most.
     bool wait_for_disk(std::chrono::milliseconds longest) const { return results_.wait(longest); }
     /// Why answers are not kept, now; nothing where they are.
@@ -94,7 +96,7 @@ private:
     double began_s_ = 0, came_s_ = 0;  // the screen, the participant
     std::optional<std::size_t> chosen_;
     StudyResults results_;
-    bool is_beginning_ = false;  // somebody who waits for a file
+    bool is_beginning_ = false;
     double passed_s_ = 0;        // the last `pass`
     double answered_s_ = 0;      // the last one at which the disk had nothing to do
 };

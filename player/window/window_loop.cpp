@@ -122,7 +122,7 @@ Result<void> WindowLoop::turn() {
     const int longest_ms = (clip_ ? clip_->session().playback().playing : opening_.is_busy()) ? 2 : 8;
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     const std::vector<InputEvent> events = screen_->poll(wait);
-    time_s_ = script_clock_.at(now_s(), brush_.is_at_work());
+    time_s_ = script_clock_.at(now_s(), is_at_work());
     lift_after_sleep();
     for (const InputEvent& event : events) take(event);
     if (begun_ && !quit_) take_script();
@@ -211,13 +211,18 @@ bool drops(const ScriptedInput& input) {
 
 }  // namespace
 
+/// What is done before anything that comes after it: what a brush was asked for, and a study's results begun.
+bool WindowLoop::is_at_work() const {
+    return brush_.is_at_work() || (study_ && study_->is_beginning());
+}
+
 void WindowLoop::take_script() {
-    // What a brush is asked for is done before what comes after it, and a first clip is opened.
+    // A first clip is opened before.
     const double until_s = time_s_;
     const auto is_next = [this](double by_s) {
         return scripted_ < options_.script.size() && options_.script[scripted_].seconds <= by_s;
     };
-    while (is_next(until_s) && !brush_.is_at_work() && (clip_ || !opening_.is_busy())) {
+    while (is_next(until_s) && !is_at_work() && (clip_ || !opening_.is_busy())) {
         const auto& [at_s, what] = options_.script[scripted_++];
         time_s_ = at_s;
         if (const auto* event = std::get_if<InputEvent>(&what))

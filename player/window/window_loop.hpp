@@ -67,6 +67,7 @@ private:
     void ask_for_first_clip();
     Result<void> turn();
     void go_on_with_clip();
+    bool is_at_work() const;
     void take_script();
     void take(const InputEvent& event);
     void take_of_pointer(const InputEvent& event);
