@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/real/built_frames.hpp"
+#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
@@ -14,6 +16,7 @@ constexpr int edges_width = 320, edges_height = 240, edges_frames = 16;
 constexpr int first_row = 30, end_row = 210;  // of what is looked at
 constexpr int pen_left = 80, pen_right = 85;  // columns, to before
 constexpr int low_pen_left = 40, low_pen_right = 45;
+constexpr int bare_left = 92, bare_right = 132;  // nothing is there, nor is what filters reach of anything
 constexpr int step_left = 140, step_right = 200;
 constexpr int box_left = 235, box_right = 290, box_top = 60, box_bottom = 180;
 constexpr double pen_steps = 10, low_pen_steps = 4, step_steps = 4;
@@ -21,9 +24,12 @@ constexpr double pen_steps = 10, low_pen_steps = 4, step_steps = 4;
 /// Things are some steps high: even ones of 1/depth.
 struct EdgesScene {
     DepthMap truth;
-    double step = 0;  // 1/mm
+    double step = 0;       // 1/mm
+    double middle = 1000;  // mm: how far away the wall's middle is
 
-    double wall(int x, int y) const { return (1 - 0.4 * truth.camera.u(x) + 0.2 * truth.camera.v(y)) / 1000; }
+    double wall(int x, int y) const {
+        return (1 - 0.4 * truth.camera.u(x) + 0.2 * truth.camera.v(y)) / middle;
+    }
     double box(int x, int y) const {
         const double depth = 1 / wall(x, y);
         return 1 / (depth - 300);
@@ -39,9 +45,10 @@ struct EdgesScene {
     }
 };
 
-EdgesScene edges_scene(double step) {
+EdgesScene edges_scene(double step, double middle = 1000) {
     EdgesScene scene{{edges_width, edges_height, {edges_focal_length, edges_focal_length, 159.5, 119.5}, {}},
-                     step};
+                     step,
+                     middle};
     for (int y = 0; y < edges_height; ++y)
         for (int x = 0; x < edges_width; ++x) scene.truth.depths.push_back(1 / scene.inverse_depth(x, y));
     return scene;
@@ -106,6 +113,29 @@ double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const Sensor
     return pixels;
 }
 
+/// Of the wall's faces where nothing stands before it.
+void add_direction(const EdgesScene& edges, const SurfaceFrame& frame, Figures& figures) {
+    const Camera& camera = edges.truth.camera;
+    const auto point = [&](int x, int y) {
+        const DepthSample shown = sample_of(frame, x, y);
+        return shown.valid ? shown.depth * glm::dvec3(camera.u(x), camera.v(y), 1) : glm::dvec3(0);
+    };
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.4, 0.2, 1));
+    double squares = 0, over = 0, faces = 0;
+    for (int y = first_row; y < end_row; ++y)
+        for (int x = bare_left; x < bare_right; ++x) {
+            const glm::dvec3 here = point(x, y), right = point(x + 1, y), below = point(x, y + 1);
+            if (here.z == 0 || right.z == 0 || below.z == 0) continue;
+            const double cosine = glm::dot(glm::normalize(glm::cross(below - here, right - here)), normal);
+            const double off = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi;
+            squares += off * off;
+            over += off > 20;
+            ++faces;
+        }
+    figures.push_back({"face_angle_deg_rms", std::sqrt(squares / faces), "deg"});
+    figures.push_back({"over_20deg_pct", 100 * over / faces, "%"});
+}
+
 std::vector<RawFrame> stored_frames(const SensorModel& model, const EdgesScene& edges, const Scene& scene) {
     std::vector<RawFrame> raws;
     for (int n = 0; n < edges_frames; ++n) raws.push_back(stored_frame(model, scene, edges.truth, n));
@@ -144,6 +174,24 @@ Result<void> measure_least_steps(const SensorModel& model, Figures& figures) {
     const Scene scene = chosen_filters(stored_frames(model, edges, unfiltered), unfiltered);
     if (auto done = add_figures(without_noise(model), edges, scene, "", figures); !done.ok()) return done;
     return add_figures(model, edges, scene, "_noisy", figures);
+}
+
+Result<void> measure_low_relief(const SensorModel& model, double middle, double pen, Figures& figures) {
+    const EdgesScene edges = edges_scene(pen / low_pen_steps / (middle * middle), middle);
+    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    const std::vector<RawFrame> raws = stored_frames(model, edges, unfiltered);
+    const Scene scene = chosen_filters(raws, unfiltered);
+    const auto frames = built(scene, raws);
+    if (!frames.ok()) return frames.error();
+    const SurfaceFrame& last = frames->back();
+    figures.push_back({"low_pen_pct", pen_pct(edges, last, low_pen_left, low_pen_steps), "%"});
+    figures.push_back({"step_px", step_px(edges, last), "px"});
+    add_direction(edges, last, figures);
+    const double depth = 1 / edges.wall(bare_left, (first_row + end_row) / 2);
+    figures.push_back(
+        {"level_mm", scene.filter.terraces == TerraceRemoval::on ? scene.filter.levels.at(depth) : 0, "mm"});
+    figures.push_back({"median", static_cast<double>(scene.filter.median), ""});
+    return {};
 }
 
 Result<bool> keeps_edges(const SensorModel& model, const FilterSettings& filter) {

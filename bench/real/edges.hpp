@@ -17,6 +17,11 @@ Result<void> measure_edges(const SensorModel& model, const FilterChoice& choice,
 /// least steps high that the sensor can tell.
 Result<void> measure_least_steps(const SensorModel& model, Figures& figures);
 
+/// Of filters that the program chooses by frames with noise, of the same wall `middle` mm away, with the low
+/// pen and the step `pen` mm high there. Appends low_pen_pct, step_px, and of the wall's faces the angle to
+/// the true normal, face_angle_deg_rms, and how many are off by more than 20 degrees, over_20deg_pct.
+Result<void> measure_low_relief(const SensorModel& model, double middle, double pen, Figures& figures);
+
 /// What filters are to keep without noise: of the low pen, and of the step.
 inline constexpr double least_low_pen_pct = 95, most_step_px = 1;
 Result<bool> keeps_edges(const SensorModel& model, const FilterSettings& filter);

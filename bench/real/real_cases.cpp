@@ -39,6 +39,12 @@ void add_least_steps(std::vector<BenchCase>& cases, const SensorModel& model) {
                      [model](Figures& figures) { return measure_least_steps(model, figures); }});
 }
 
+/// A pen so many millimetres high.
+void add_low_relief(std::vector<BenchCase>& cases, const SensorModel& model, double middle, double pen) {
+    cases.push_back({"real-relief-" + model.name + "-chosen",
+                     [=](Figures& figures) { return measure_low_relief(model, middle, pen, figures); }});
+}
+
 void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
     for (const FilterChoice& choice : filter_choices())
         cases.push_back(
@@ -96,6 +102,9 @@ std::vector<BenchCase> real_cases(bool quick) {
     }
     if (std::filesystem::exists(data / "stills/icl_nuim5")) add_drawn(cases, data, quick);
     for (int number = 1; number <= drawn_models; ++number) add_least_steps(cases, drawn_model(number));
+    add_low_relief(cases, kinect_with_lone_pixels(), 1000, 12);
+    add_low_relief(cases, coarse_light(), 1500, 30);
+    add_low_relief(cases, azure_kinect(), 1000, 8);
     add_edges(cases, kinect_v1());
     add_edges(cases, d435(edges_focal_length));
     add_generated(cases);

@@ -47,6 +47,12 @@ double levelled(const SensorModel& model, double depth) {
     return 1 / (model.disparity_step * std::max(1.0, std::floor(1 / depth / model.disparity_step + 0.5)));
 }
 
+/// Nearer or farther.
+double two_levels_off(const SensorModel& model, double depth, SplitMix64& random) {
+    const double off = 2 * model.disparity_step;
+    return 1 / (1 / depth + (random.unit() < 0.5 ? off : -off));
+}
+
 /// Noise to add before depths are rounded to levels: the published one is of what is stored.
 double added_sigma(const SensorModel& model, double depth) {
     const double sigma = model.sigma(depth), level = model.level(depth);
@@ -113,6 +119,35 @@ SensorModel kinect_v1() {
     return model;
 }
 
+SensorModel kinect_with_lone_pixels() {
+    SensorModel model = kinect_v1();
+    model.name = "lone";
+    model.lone_share = 0.003;
+    return model;
+}
+
+SensorModel coarse_light() {
+    SensorModel model;
+    model.name = "coarse";
+    model.far_mm = 4500;
+    model.disparity_step = 20 / (1500.0 * 1500);
+    model.axial_quadratic = 6 / (1500.0 * 1500);
+    model.lateral_px = 0.8;
+    model.stated_noise = {0, model.axial_quadratic};
+    return model;
+}
+
+SensorModel azure_kinect() {
+    SensorModel model;
+    model.name = "azure";
+    model.far_mm = 5000;
+    model.axial_constant = 0.9;
+    model.axial_quadratic = 3e-7;
+    model.mixed_share = 0.3;
+    model.stated_noise = {0.9, 3e-7};
+    return model;
+}
+
 SensorModel d435(double focal_length) {
     constexpr double base = 50;
     SensorModel model;
@@ -138,7 +173,7 @@ SensorModel sr300() {
 
 SensorModel without_noise(SensorModel model) {
     model.axial_constant = model.axial_quadratic = model.lateral_px = model.mixed_share = 0;
-    model.stray_share = 0;
+    model.stray_share = model.lone_share = 0;
     return model;
 }
 
@@ -175,6 +210,8 @@ RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthM
             depth += added_sigma(model, depth) * noise[codes->size()];
             if (model.mixed_share > 0) depth = mixed(model, truth, x, y, depth, random);
             depth = levelled(model, std::max(depth, 1.0));
+            if (model.lone_share > 0 && random.unit() < model.lone_share)
+                depth = two_levels_off(model, depth, random);
             if (model.stray_share > 0 && random.unit() < model.stray_share) depth = model.stray_mm;
             codes->push_back(
                 static_cast<std::uint16_t>(std::floor(std::min(depth / model.code_mm, 65534.0) + 0.5)));

@@ -66,6 +66,18 @@ std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const Depth
 
 }  // namespace
 
+DepthLength length_along_depth(double share, double shift, double near, double far) {
+    // As long as it at both ends, and too short in between.
+    const double quadratic = share / (far + near);
+    const DepthLength chord{share * (near + shift) - quadratic * near * near, quadratic};
+    double least = 1;
+    for (int part = 1; part < 64; ++part) {
+        const double depth = near + (far - near) * part / 64;
+        least = std::min(least, chord.at(depth) / (share * (depth + shift)));
+    }
+    return chord.times(2 / (1 + least));
+}
+
 CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
     CodeCurve curve;
     const int last = largest_code(coding);

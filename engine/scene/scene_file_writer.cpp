@@ -62,7 +62,7 @@ OrderedJson write_depth(const SceneDescription& described) {
     if (stored.rotated > 0) json["rotated"] = stored.rotated;
     if (!disparity) json["code_max"] = depth.code_max;
     if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
-    if (depth.kind == DepthCodingKind::log) json["shift"] = depth.shift;
+    if (depth.kind == DepthCodingKind::log || depth.shift != 0) json["shift"] = depth.shift;
     if (depth.kind == DepthCodingKind::hue) json["least_sum"] = depth.least_sum;
     json["invalid"] =
         std::vector<int>(depth.invalid_codes.begin(), depth.invalid_codes.begin() + depth.invalid_code_count);

@@ -95,21 +95,6 @@ std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding
     return table;
 }
 
-/// Steps of log codes are even along depth + shift. Of all lengths that grow with the depth's square the one
-/// that is off by the same factor at both planes and in between: by 1.18 with LeRobot's.
-DepthLength log_step(const DepthCoding& coding) {
-    const double share = coding.log_span() / coding.code_max, near = coding.near, far = coding.far;
-    // As long as the steps at both planes.
-    const double quadratic = share / (far + near);
-    const DepthLength chord{share * (near + coding.shift) - quadratic * near * near, quadratic};
-    double least = 1;
-    for (int part = 1; part < 64; ++part) {
-        const double depth = near + (far - near) * part / 64;
-        least = std::min(least, chord.at(depth) / (share * (depth + coding.shift)));
-    }
-    return chord.times(2 / (1 + least));
-}
-
 }  // namespace
 
 int largest_code(const DepthCoding& coding) {
@@ -129,7 +114,8 @@ DepthLength code_step(const DepthCoding& coding) {
         case DepthCodingKind::inverse:
             return {0, (1 / coding.near - 1 / coding.far) / coding.code_max};
         case DepthCodingKind::log:
-            return log_step(coding);
+            return length_along_depth(coding.log_span() / coding.code_max, coding.shift, coding.near,
+                                      coding.far);
         case DepthCodingKind::linear:
         case DepthCodingKind::hue:
             break;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace touchable {
@@ -81,7 +82,7 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
     const std::int64_t least = std::max<std::int64_t>(1, pixels / (20 * occupied));
     CodeCount sum;
     std::vector<Weighted> gaps;
-    int last = -1, least_code = -1;
+    int last = -1, least_code = -1, divisor = 0;
     std::int64_t levels = 0;
     for (int code = first; code < end; ++code) {
         const CodeCount& count = counts_[static_cast<std::size_t>(code)];
@@ -92,6 +93,7 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
         else
             least_code = code;
         last = code;
+        divisor = std::gcd(divisor, code);
         ++levels;
         sum.pixels += count.pixels;
         sum.right += count.right;
@@ -100,11 +102,14 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
         sum.same_above += count.same_above;
     }
     if (levels < 4) return std::nullopt;
-    // So many pixels would meet half of the codes and more, were every code a level.
     const std::int64_t span = last - least_code;
-    if (span * sum.pixels < 2 * levels * (span + sum.pixels)) return std::nullopt;
-    // A slope that takes another code at every pixel of a row has gaps, but no terraces.
-    if (7 * sum.same_right < sum.right || 7 * sum.same_above < sum.above) return std::nullopt;
+    // Nothing but levels makes multiples of all codes, as those of floats are, whose finest step is one.
+    if (coding_.kind != DepthCodingKind::metric || divisor < 2 || levels < 8) {
+        // So many pixels would meet half of the codes and more, were every code a level.
+        if (span * sum.pixels < 2 * levels * (span + sum.pixels)) return std::nullopt;
+        // A slope that takes another code at every pixel of a row has gaps, but no terraces.
+        if (7 * sum.same_right < sum.right || 7 * sum.same_above < sum.above) return std::nullopt;
+    }
     const int middle = (least_code + last) / 2;
     const double gap = weighted_median(std::move(gaps));
     const auto at = [&](double code) { return coding_.depth(static_cast<std::uint16_t>(code)); };
@@ -132,7 +137,29 @@ DepthLength LevelEstimator::levels() const {
     }
     if (const auto q = common_value(quadratic)) return {0, *q};
     if (const auto c = common_value(constant)) return {*c, 0};
-    return {};
+    return levels_of_floats(found);
+}
+
+/// A number with m binary digits behind its first one is 2^m to 2^(m + 1) of its steps, in any unit: its step
+/// doubles at each power of two.
+DepthLength LevelEstimator::levels_of_floats(const std::vector<Window>& found) {
+    const auto digits_of = [](const Window& one) { return std::ilogb(one.depth / one.distance); };
+    std::vector<Weighted> digits;
+    for (const Window& one : found) digits.emplace_back(digits_of(one), one.pixels);
+    const double usual = weighted_median(digits);
+    std::int64_t all = 0, like = 0;
+    double nearest = found.back().depth, deepest = 0;
+    for (const Window& one : found) {
+        all += one.pixels;
+        int doublings = 0;
+        const double share = std::frexp(one.distance / found.front().distance, &doublings);  // 0.5 to 1
+        if (digits_of(one) != usual || (share > 0.535 && share < 0.935)) continue;
+        like += one.pixels;
+        nearest = std::min(nearest, one.depth);
+        deepest = std::max(deepest, one.depth);
+    }
+    if (4 * like < 3 * all || !(nearest < deepest)) return {};
+    return length_along_depth(std::ldexp(1.0, -static_cast<int>(usual)), 0, nearest, deepest);
 }
 
 }  // namespace touchable

@@ -37,6 +37,7 @@ private:
 
     std::optional<Window> window(int first, int end) const;
     std::vector<Window> windows() const;
+    static DepthLength levels_of_floats(const std::vector<Window>& found);
 
     const DepthCoding coding_;
     std::vector<CodeCount> counts_;

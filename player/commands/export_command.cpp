@@ -102,19 +102,12 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
 Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
                                const Scene& scene, bool with_mesh) {
     const Image validity = validity_image(surface);
-    const struct {
-        const char* name;
-        PlaneView plane;
-        PngColours colours = PngColours::rgb;
-    } pictures[] = {{"colour.png", raw.colour},
-                    {"depth.png", raw.depth},
-                    {"codes.png", codes_view(surface)},
-                    {"valid.png", validity.view()},
-                    {"haptic.png", raw.haptic, png_colours(PlaneRole::haptic)},
-                    {"height.png", raw.height}};
-    for (const auto& [name, plane, colours] : pictures) {
+    const std::pair<const char*, PlaneView> pictures[] = {
+        {"colour.png", raw.colour},     {"depth.png", raw.depth},   {"codes.png", codes_view(surface)},
+        {"valid.png", validity.view()}, {"haptic.png", raw.haptic}, {"height.png", raw.height}};
+    for (const auto& [name, plane] : pictures) {
         if (plane.empty()) continue;
-        if (auto written = write_png(folder.add(name), plane, colours); !written.ok()) return written;
+        if (auto written = write_png(folder.add(name), plane); !written.ok()) return written;
     }
     if (with_mesh) {
         if (auto written = write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour);

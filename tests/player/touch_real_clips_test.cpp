@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 
+#include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
@@ -191,6 +194,146 @@ TEST(TouchFeltGlobe, EveryForceIsVerifiedWhereFramesBlendAndWhereTheyAreHeld) {
         }
     }
 }
+
+constexpr int coded_width = 160, coded_height = 120;
+
+/// A leaning wall with waves, 0.6 to 2.6 m.
+double coded_depth(int x, int y) {
+    return 1.5 + 0.009 * (x - 80) + 0.005 * (y - 60) + 0.02 * std::sin(x / 9.0) * std::sin(y / 7.0);
+}
+
+/// A float as a half float.
+std::uint16_t half_of(double value) {
+    int exponent = 0;
+    const double digits = std::frexp(value, &exponent);  // 0.5 to 1
+    return static_cast<std::uint16_t>(((exponent + 14) << 10) + std::lround((2 * digits - 1) * 1024));
+}
+
+template <class Number, class Coded>
+void write_coded_npy(const fs::path& file, const char* kind, Coded&& coded) {
+    std::string header = std::string("{'descr': '") + kind + "', 'fortran_order': False, 'shape': (" +
+                         std::to_string(coded_height) + ", " + std::to_string(coded_width) + "), }";
+    header.resize(117, ' ');
+    std::ofstream out(file, std::ios::binary);
+    out << std::string("\x93NUMPY\1\0", 8) << static_cast<char>(header.size() + 1) << '\0' << header << '\n';
+    for (int y = 0; y < coded_height; ++y)
+        for (int x = 0; x < coded_width; ++x) {
+            const Number number = coded(coded_depth(x, y));
+            out.write(reinterpret_cast<const char*>(&number), sizeof number);
+        }
+}
+
+/// The colour of a share of the way round from red to red.
+std::array<std::uint8_t, 3> colour_of_share(double share) {
+    const int code = static_cast<int>(std::lround(share * 1535)), up = code % 256, down = 255 - up;
+    const int sectors[6][3] = {{255, up, 0},   {down, 255, 0}, {0, 255, up},
+                               {0, down, 255}, {up, 0, 255},   {255, 0, down}};
+    std::array<std::uint8_t, 3> colour;
+    for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(sectors[code / 256][c]);
+    return colour;
+}
+
+struct TouchedCoding {
+    const char *name, *depth;  ///< of the scene file
+    const char* filter = "{}";
+};
+
+class TouchCoding : public ::testing::TestWithParam<TouchedCoding> {
+protected:
+    /// Gives the scene file.
+    std::string write() const {
+        const std::string name = GetParam().name;
+        const auto depth = nlohmann::json::parse(GetParam().depth);
+        nlohmann::json scene{
+            {"touchable_scene", 1},
+            {"width", coded_width},
+            {"height", coded_height},
+            {"metres_per_unit", 1},
+            {"camera", {{"fx", 150}, {"fy", 150}, {"cx", 79.5}, {"cy", 59.5}}},
+            {"depth", depth},
+            {"filter", nlohmann::json::parse(GetParam().filter)},
+            {"folder",
+             {{"depth", depth.contains("bits") || depth["coding"] == "hue" ? "depth.png" : "depth.npy"}}}};
+        if (depth.value("near", 0.0) > 0.1) {  // heights need room before the nearest code
+            scene["height_map"] = {{"max", 0.01}, {"units", "world"}};
+            scene["folder"]["height"] = "height.png";
+            Image heights{coded_width, coded_height, 1, 1, {}};
+            for (int k = 0; k < coded_width * coded_height; ++k)
+                heights.samples.push_back(static_cast<std::uint8_t>(k % 7 * 30));
+            EXPECT_TRUE(write_png(folder / "height.png", heights.view()).ok());
+        }
+        std::ofstream(folder / "scene.json") << scene;
+        if (name == "floats")
+            write_coded_npy<float>(folder / "depth.npy", "<f4",
+                                   [](double z) { return static_cast<float>(z); });
+        else if (name == "half_floats")
+            write_coded_npy<std::uint16_t>(folder / "depth.npy", "<f2", half_of);
+        else
+            write_pictures(depth);
+        return folder / "scene.json";
+    }
+    void write_pictures(const nlohmann::json& depth) const {
+        const std::string coding = depth["coding"];
+        const double near = depth.value("near", 0.0), far = depth.value("far", 0.0),
+                     shift = depth.value("shift", 0.0), most = depth.value("code_max", 0);
+        const auto towards_near = [&](double z) {
+            if (coding == "inverse") return (1 / z - 1 / far) / (1 / near - 1 / far);
+            if (coding == "log")
+                return std::log((far + shift) / (z + shift)) / std::log((far + shift) / (near + shift));
+            return (far - z) / (far - near);
+        };
+        Image image{
+            coded_width, coded_height, coding == "hue" || most == 255 ? 1 : 2, coding == "hue" ? 3 : 1, {}};
+        for (int y = 0; y < coded_height; ++y)
+            for (int x = 0; x < coded_width; ++x) {
+                const double z = coded_depth(x, y);
+                if (coding == "hue") {
+                    const auto colour = colour_of_share(1 - towards_near(z));
+                    image.samples.insert(image.samples.end(), colour.begin(), colour.end());
+                    continue;
+                }
+                const auto code = std::lround(coding == "metric" ? z / depth["scale"].get<double>()
+                                                                 : most * towards_near(z));
+                image.samples.push_back(static_cast<std::uint8_t>(code & 255));
+                if (most != 255) image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+            }
+        EXPECT_TRUE(write_png(folder / "depth.png", image.view()).ok());
+    }
+    TemporaryFolder folder;
+};
+
+TEST_P(TouchCoding, EveryForceIsVerified) {
+    expect_wandering_is_verified(folder.path(), write());
+}
+
+constexpr const char* removed = R"({"terraces": "on"})";
+INSTANTIATE_TEST_SUITE_P(
+    , TouchCoding,
+    ::testing::Values(
+        TouchedCoding{"metric", R"({"coding": "metric", "scale": 0.001, "bits": 16})"},
+        TouchedCoding{"metric_looked_up", R"({"coding": "metric", "scale": 0.0001, "bits": 16})", removed},
+        TouchedCoding{"linear", R"({"coding": "linear", "near": 0.5, "far": 3, "bits": 8, "code_max": 255})",
+                      removed},
+        TouchedCoding{"linear_looked_up",
+                      R"({"coding": "linear", "near": 0.5, "far": 3, "bits": 16, "code_max": 65535})",
+                      removed},
+        TouchedCoding{"inverse",
+                      R"({"coding": "inverse", "near": 0.5, "far": 4, "bits": 8, "code_max": 255})"},
+        TouchedCoding{"inverse_looked_up",
+                      R"({"coding": "inverse", "near": 0.5, "far": 4, "bits": 16, "code_max": 65535})",
+                      removed},
+        TouchedCoding{
+            "log",
+            R"({"coding": "log", "near": 0.01, "far": 10, "shift": 3.5, "bits": 12, "code_max": 4095})",
+            R"({"terraces": "off"})"},
+        TouchedCoding{
+            "log_looked_up",
+            R"({"coding": "log", "near": 0.01, "far": 10, "shift": 3.5, "bits": 12, "code_max": 4095})",
+            removed},
+        TouchedCoding{"hue", R"({"coding": "hue", "near": 0.5, "far": 3})"},
+        TouchedCoding{"floats", R"({"coding": "metric", "scale": 1})"},
+        TouchedCoding{"half_floats", R"({"coding": "metric", "scale": 1})"}),
+    [](const auto& run) { return std::string(run.param.name); });
 
 }  // namespace
 }  // namespace touchable::test

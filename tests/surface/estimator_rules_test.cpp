@@ -198,14 +198,23 @@ TEST(EstimatorRules, OfLargePicturesSomeRowsAreLookedAt) {
 /// what decides.
 CodePicture any_levels(SplitMix64& random) {
     const int width = 60, height = 40;
-    const auto rule = random.next() % 4;  // evenly, with depth squared, about one of these, none
+    // Evenly, with depth squared, about one of these, none, as of floats.
+    const auto rule = std::min<std::uint64_t>(random.next() % 7, 4);
     const double gap = random.within(3, 14), exponent = rule == 0 ? 0 : 2, wrong = rule == 2 ? 0.5 : 0.1;
+    const auto digits = static_cast<double>(6 + random.next() % 3);
     std::vector<int> levels;
     const int windows = static_cast<int>(2 + random.next() % 4);
     double code = random.within(600, 1200);
     for (int n = 0; n < windows; ++n, code *= random.within(1.15, 1.4)) {
-        const int count = static_cast<int>(2 + random.next() % 7);
+        const int count = static_cast<int>(2 + random.next() % (rule == 4 ? 19 : 7));
         double level = code;
+        for (int k = 0; rule == 4 && k < count; ++k) {
+            const double step = std::exp2(std::max(0.0, std::floor(std::log2(level)) - digits));
+            level = step * std::floor(level / step);
+            levels.push_back(static_cast<int>(level));
+            level += step;
+        }
+        if (rule == 4) continue;
         const double off = 1 + random.within(-wrong, wrong);
         for (int k = 0; k < count; ++k) {
             levels.push_back(static_cast<int>(level));
@@ -236,7 +245,7 @@ CodePicture any_levels(SplitMix64& random) {
 }
 
 TEST(EstimatorRules, LevelsAreMeasuredAsThePageSays) {
-    const int rounds = 1200 / static_cast<int>(sweep_step());
+    const int rounds = 1600 / static_cast<int>(sweep_step());
     SplitMix64 random(37);
     std::map<std::string, int> decided;
     for (int round = 0; round < rounds && !testing::Test::HasFailure(); ++round) {
@@ -258,7 +267,8 @@ TEST(EstimatorRules, LevelsAreMeasuredAsThePageSays) {
     for (const char* rule :
          {"fewer than 20 pixels a code", "stray codes", "fewer than 4 levels", "chance meets as few codes",
           "no terraces", "fewer than three windows", "levels grow with depth squared",
-          "levels are evenly apart", "levels have no rule"})
+          "levels are evenly apart", "all codes are multiples", "levels double at powers of two",
+          "levels have no rule"})
         EXPECT_GT(decided[rule], sweep_step() == 1 ? 50 : 5) << rule;
 }
 

@@ -91,11 +91,11 @@ private:
     }
     DepthLength levels() {
         const auto pixels = frequency();
-        std::vector<Weight> distances, shares;
+        std::vector<Weight> distances, shares, depths;
         for (int first = 0; first < 65536; first = window_of(first).second) {
             std::map<int, std::int64_t> here(pixels.lower_bound(first),
                                              pixels.lower_bound(window_of(first).second));
-            if (!here.empty()) add_levels(here, distances, shares);
+            if (!here.empty()) add_levels(here, distances, shares, depths);
         }
         if (distances.size() < 3) {
             if (!distances.empty()) decide("fewer than three windows");
@@ -119,11 +119,55 @@ private:
             decide("levels are evenly apart");
             return {*constant, 0};
         }
+        if (const auto floats = levels_of_floats(distances, depths); floats != DepthLength{}) {
+            decide("levels double at powers of two");
+            return floats;
+        }
         decide("levels have no rule");
         return {};
     }
+    /// As of numbers of so many binary digits.
+    static DepthLength levels_of_floats(const std::vector<Weight>& distances,
+                                        const std::vector<Weight>& depths) {
+        std::vector<Weight> digits;
+        for (std::size_t k = 0; k < depths.size(); ++k)
+            digits.push_back({std::floor(std::log2(depths[k].value / distances[k].value)), depths[k].pixels});
+        const double usual = middle_of(digits);
+        std::int64_t whole = 0, like = 0;
+        std::vector<double> seen;
+        for (std::size_t k = 0; k < depths.size(); ++k) {
+            whole += depths[k].pixels;
+            const double doublings = std::log2(distances[k].value / distances[0].value),
+                         off = std::exp2(doublings - std::floor(doublings)) / 2;  // 0.5 to 1
+            if (digits[k].value != usual || (off > 0.535 && off < 0.935)) continue;
+            like += depths[k].pixels;
+            seen.push_back(depths[k].value);
+        }
+        if (like * 4 < whole * 3) return {};
+        const double n = *std::min_element(seen.begin(), seen.end()),
+                     f = *std::max_element(seen.begin(), seen.end());
+        if (n == f) return {};
+        // Through the line at both ends: share (n f + z^2)/(n + f), least of it, against the line, between
+        // them.
+        const double share = std::exp2(-usual);
+        double least = 1;
+        for (int k = 0; k <= 64; ++k) {
+            const double z = n + (f - n) * k / 64;
+            least = std::min(least, (n * f / z + z) / (n + f));
+        }
+        const double wider = 2 / (1 + least);
+        return {wider * share * n * f / (n + f), wider * share / (n + f)};
+    }
+    /// Of two or more.
+    static bool have_a_divisor(const std::map<int, std::int64_t>& levels) {
+        for (int divisor = 2; divisor <= levels.begin()->first; ++divisor)
+            if (std::all_of(levels.begin(), levels.end(),
+                            [&](const auto& one) { return one.first % divisor == 0; }))
+                return true;
+        return false;
+    }
     void add_levels(std::map<int, std::int64_t> here, std::vector<Weight>& distances,
-                    std::vector<Weight>& shares) {
+                    std::vector<Weight>& shares, std::vector<Weight>& depths) {
         std::int64_t whole = 0;
         for (const auto& [code, pixels] : here) whole += pixels;
         const auto codes = static_cast<std::int64_t>(here.size());
@@ -135,8 +179,12 @@ private:
         std::int64_t n = 0;
         for (const auto& [code, pixels] : here) n += pixels;
         const double s = most - least, met = s * static_cast<double>(n) / (s + static_cast<double>(n));
-        if (met < 2 * static_cast<double>(here.size())) return decide("chance meets as few codes");
-        if (!is_terraced(here)) return decide("no terraces");
+        if (coding_.kind == DepthCodingKind::metric && here.size() >= 8 && have_a_divisor(here)) {
+            decide("all codes are multiples");
+        } else {
+            if (met < 2 * static_cast<double>(here.size())) return decide("chance meets as few codes");
+            if (!is_terraced(here)) return decide("no terraces");
+        }
         std::vector<Weight> gaps;
         for (auto one = here.begin(), next = std::next(one); next != here.end(); ++one, ++next)
             gaps.push_back(
@@ -144,6 +192,7 @@ private:
         const double distance = middle_of(gaps) * std::fabs(depth(most) - depth(least)) / s;
         const double z = depth((least + most) / 2);
         distances.push_back({distance, n});
+        depths.push_back({z, n});
         shares.push_back({distance / (z * z), n});
     }
     /// A seventh of the pixels of these codes have the code of their right neighbour, and of the upper one.

@@ -52,14 +52,17 @@ void read_depth(const Json& depth, Meaning& m) {
         m.kind = Meaning::Kind::linear;
     else if (coding == "inverse")
         m.kind = Meaning::Kind::inverse;
+    else if (coding == "log")
+        m.kind = Meaning::Kind::log;
     else if (coding == "metric")
         m.kind = Meaning::Kind::metric;
     else
-        throw Refusal{"member depth.coding must be linear, inverse, metric or hue"};
+        throw Refusal{"member depth.coding must be linear, inverse, log, metric or hue"};
     m.range = either(depth, "semantics", "range", "planar");
     m.near = number(depth, "near");
     m.far = number(depth, "far");
     m.code_max = number(depth, "code_max");
+    if (depth.contains("shift")) m.shift = number(depth, "shift");
     if (m.kind == Meaning::Kind::metric)
         m.scale = number(depth, "scale");
     else
@@ -79,8 +82,10 @@ Meaning meaning_of(const Json& scene, const Json& codes) {
     m.cx = number(camera, "cx");
     m.cy = number(camera, "cy");
     read_depth(object(codes, "depth"), m);
+    const Json& stored = object(scene, "depth");
+    m.scene_far = number(stored, "far");
     const Json& height = object(scene, "height_map");
-    const real level = (m.far - m.near) / 255;
+    const real level = (m.scene_far - number(stored, "near")) / 255;
     m.largest_height = number(height, "max") * (either(height, "units", "levels", "world") ? level : 1);
     m.height_code_max = std::ldexp(1.0L, static_cast<int>(number(height, "bits"))) - 1;
     const Json& haptic = object(scene, "haptic");
@@ -92,7 +97,7 @@ Meaning meaning_of(const Json& scene, const Json& codes) {
                                                         : 1000 * number(usual, "stiffness"),
                     number(usual, "static_friction"), number(usual, "dynamic_friction")};
     if (scene.contains("hole_stiffness")) m.hole_stiffness = 1000 * number(scene, "hole_stiffness");
-    if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.code_max > 0))
+    if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.scene_far > 0 && m.code_max > 0))
         throw Refusal{"fx, fy, far and code_max must be greater than 0"};
     return m;
 }
@@ -141,7 +146,9 @@ real Meaning::depth(std::uint16_t code) const {
     if (kind == Kind::metric) return scale * code;
     const real towards_near = near_is_high ? code / code_max : 1 - code / code_max;
     if (kind == Kind::linear) return far + (near - far) * towards_near;
-    return 1 / (1 / far + (1 / near - 1 / far) * towards_near);
+    const real deep = far + shift, close = near + shift;
+    if (kind == Kind::log) return deep * std::pow(close / deep, towards_near) - shift;
+    return 1 / (1 / deep + (1 / close - 1 / deep) * towards_near) - shift;
 }
 
 Result<Meaning> read_meaning(const std::filesystem::path& folder) {

@@ -19,13 +19,15 @@ struct Touch {
 
 /// What scene.json says, read without the engine: the meaning of the numbers in the pictures.
 struct Meaning {
-    enum class Kind { linear, inverse, metric };
+    enum class Kind { linear, inverse, log, metric };
     int width = 0, height = 0;
     real fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
     Kind kind = Kind::linear;
     bool range = true;         ///< depth along the pixel's ray; otherwise along -Z
-    bool near_is_high = true;  ///< linear and inverse
-    real near = 0, far = 0;    ///< scene units
+    bool near_is_high = true;  ///< all but metric
+    real near = 0, far = 0;    ///< of the codes, scene units
+    real shift = 0;            ///< of inverse and log: scene units, added to a depth
+    real scene_far = 0;        ///< of holes and of what is around the picture
     real scale = 0;            ///< metric: scene units per code
     real code_max = 255;
     real largest_height = 0;  ///< scene units at the largest height code

@@ -66,7 +66,7 @@ Vertex Surface::vertex(int i, int j) const {
             s = &nearer_ == &earlier_ ? a : b;
         }
     }
-    const real depth = s.valid ? s.depth - s.height : meaning_.far;
+    const real depth = s.valid ? s.depth - s.height : meaning_.scene_far;
     const Vec3 r = ray(i, j);
     const real planar = meaning_.range ? depth / length(r) : depth;
     return {planar * r, 1 / planar, s.valid, s.valid ? s.height : 0};

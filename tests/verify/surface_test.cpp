@@ -19,7 +19,7 @@ ExportedFrame round_frame() {
     frame.meaning.fx = frame.meaning.fy = 1;
     frame.meaning.cx = frame.meaning.cy = 2;
     frame.meaning.near = 100;
-    frame.meaning.far = 200;
+    frame.meaning.far = frame.meaning.scene_far = 200;
     frame.meaning.code_max = 200;
     return frame;
 }
@@ -27,7 +27,7 @@ ExportedFrame round_frame() {
 TEST(Depth, FollowsTheWrittenCodings) {
     Meaning m;
     m.near = 100;
-    m.far = 200;
+    m.far = m.scene_far = 200;
     m.code_max = 200;
     EXPECT_EQ(m.depth(0), 200);
     EXPECT_EQ(m.depth(50), 175);

@@ -34,7 +34,7 @@ nlohmann::json range(real low, real high) {
 }
 
 nlohmann::json depth_json(const Meaning& m) {
-    static constexpr std::array<const char*, 3> kinds = {"linear", "inverse", "metric"};
+    static constexpr std::array<const char*, 4> kinds = {"linear", "inverse", "log", "metric"};
     nlohmann::json depth = {{"coding", kinds[static_cast<std::size_t>(m.kind)]},
                             {"semantics", m.range ? "range" : "planar"},
                             {"near", narrow(m.near)},
@@ -107,7 +107,7 @@ ExportedFrame blank_frame(int width, int height) {
     m.cx = width / 2.0L;
     m.cy = height / 2.0L - 1;
     m.near = 40;
-    m.far = 180;
+    m.far = m.scene_far = 180;
     m.code_max = 65535;
     m.height_code_max = 255;
     m.low = {100, 0, 0};
@@ -124,7 +124,7 @@ void make_flat(ExportedFrame& frame, int code, int code_per_column, int code_per
     m.kind = Meaning::Kind::inverse;
     m.range = false;
     m.near = 50;
-    m.far = 200;
+    m.far = m.scene_far = 200;
     for (int j = 0; j < m.height; ++j)
         for (int i = 0; i < m.width; ++i)
             frame.codes[static_cast<std::size_t>(j * m.width + i)] =
