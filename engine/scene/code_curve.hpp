@@ -24,10 +24,10 @@ DepthLength length_along_depth(double share, double shift, double near, double f
 /// So twice as much has 16 bits.
 inline constexpr int code_curve_most = 32767;
 
-/// Such a length at a code, told in codes, in integers (docs/conventions.md). With every coding it is a
-/// polynomial of second degree in the code's distance from one end: of inverse depth w it is constant w^2 +
-/// quadratic. It is not negative, and neither are its coefficients, but for the linear one where codes have a
-/// shift.
+/// Such a length at a code, told in codes, in integers (docs/conventions.md): a polynomial of second degree
+/// in the code's distance from one end. For inverse depth w it is constant w^2 + quadratic. For log codes it
+/// equals the length at both planes and in the middle. It is not negative. Of its coefficients only the
+/// linear one can be, for log codes and where codes have a shift; then it can be least between the ends.
 struct CodeCurve {
     std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
     bool falls = false;                                     ///< the linear coefficient counts as negative

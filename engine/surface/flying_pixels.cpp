@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
 #include "engine/vectors.hpp"
 
@@ -11,8 +12,8 @@ namespace touchable {
 namespace {
 
 /// Which pixels of a row may fly, as bits: those whose code differs from that of a valid neighbour by more
-/// than the least gate of the strip. Reads one code beyond both ends. Strips from
-/// `first` to before `end`, whole ones only.
+/// than the least gate of the strip, or than their own where the curve falls. Reads one code beyond both
+/// ends. Strips from `first` to before `end`, whole ones only.
 struct RowSuspicion {
     const std::uint16_t *above, *here, *below;
     const FlyingPixels& filter;
@@ -26,8 +27,8 @@ struct RowSuspicion {
             suspects[strip] = suspects_of<typename Kind::Lanes>(strip * strip_pixels);
     }
 
-    /// A gate grows towards one end of the codes or the other. 0, which is what invalid pixels have, does not
-    /// count where it is no code.
+    /// For a curve that does not fall: its gate grows towards one end of the codes. 0, which is what invalid
+    /// pixels have, does not count where it is no code.
     template <class Lanes>
     [[gnu::always_inline]] int least_gate(int x) const {
         Lanes least = Lanes{} + std::uint16_t{65535}, greatest{};
@@ -46,11 +47,14 @@ struct RowSuspicion {
 
     template <class Lanes>
     [[gnu::always_inline]] std::uint32_t suspects_of(int x) const {
-        const Lanes gate = Lanes{} + static_cast<std::uint16_t>(least_gate<Lanes>(x));
+        const bool falls = filter.gate.falls;  // of log codes, whose gate may be least between the ends
+        Lanes gate{};
+        if (!falls) gate += static_cast<std::uint16_t>(least_gate<Lanes>(x));
         std::uint16_t masks[strip_pixels];
         Lanes any{};
         for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
             const Lanes code = load_lanes<Lanes>(here + x + k);
+            if (falls) gate = greater<Lanes>(curve_at(filter.gate, code), Lanes{} + std::uint16_t{1});
             Lanes least = code, greatest = code;
             for (const std::uint16_t* row : {above, here, below})
                 for (int dx = -1; dx <= 1; ++dx) {

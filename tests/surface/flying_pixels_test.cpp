@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "engine/scene/flying_pixels.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 
@@ -118,6 +121,85 @@ TEST(FlyingPixels, ANeighbourWithoutDepthLeavesItToOtherLines) {
                   return x == 11 || x == 13 ? 0 : x < 12 ? 900 : x == 12 ? 1000 : 1300;
               }),
               "");
+}
+
+Scene log_scene(double near, double far, double shift, int code_max, bool near_is_high, DepthLength length) {
+    Scene scene = depth_scene(96, 64, 16, Marking::none, {.flying_pixels = length});
+    DepthCoding& depth = scene.depth;
+    depth.kind = DepthCodingKind::log;
+    depth.near = near;
+    depth.far = far;
+    depth.shift = shift;
+    depth.code_max = static_cast<std::uint16_t>(code_max);
+    depth.near_is_high = near_is_high;
+    derive_valid_range(depth);
+    return scene;
+}
+
+// The gate of docs/conventions.md, step 5, for log codes.
+TEST(FlyingPixels, LogGateEqualsThreePointPolynomial) {
+    int falling = 0, rising = 0;
+    for (const auto& [near, far, shift] : {std::array{0.01, 10.0, 3.5}, {400, 2800, 0}, {0.5, 1.5, -0.2}})
+        for (const int code_max : {300, 4095, 65535})
+            for (const DepthLength share : {DepthLength{0.02, 0}, {0, 0.02}, {0.01, 0.01}, {0.2, 0.3}})
+                for (const bool near_is_high : {false, true}) {
+                    const double middle = std::sqrt((near + shift) * (far + shift)) - shift;
+                    const DepthLength length{share.constant * middle, share.quadratic / middle};
+                    const Scene scene = log_scene(near, far, shift, code_max, near_is_high, length);
+                    const FlyingPixels filter = *flying_pixels(scene);
+                    const double way = std::log((far + shift) / (near + shift));
+                    const auto in_codes = [&](double z) {
+                        return code_max * (length.constant + length.quadratic * z * z) / ((z + shift) * way);
+                    };
+                    const double a = in_codes(near), m = in_codes(middle), b = in_codes(far);
+                    const double linear = 4 * m - 3 * a - b, quadratic = 2 * (a + b) - 4 * m;
+                    ++(linear < 0 ? falling : rising);
+                    int scale = 1;
+                    while (code_max * scale * 2 <= 65535) scale *= 2;
+                    const double unit = 65536.0 / (code_max * scale);
+                    const auto rounded = [](double x) {
+                        return static_cast<std::int64_t>(std::floor(std::min(x, 21845.0) + 0.5));
+                    };
+                    const std::int64_t constant = rounded(a), slope = rounded(std::fabs(linear) * unit),
+                                       bend = rounded(quadratic * unit * unit);
+                    for (int code = 0; code <= code_max; ++code) {
+                        const std::int64_t from_near = near_is_high ? code_max - code : code;
+                        const std::int64_t n = from_near * scale, part = slope * n / 65536;
+                        const std::int64_t rest = constant + bend * (n * n / 65536) / 65536;
+                        const std::int64_t gate =
+                            linear < 0 ? std::max<std::int64_t>(rest - part, 0) : rest + part;
+                        ASSERT_EQ(filter.gate_at(static_cast<std::uint16_t>(code)),
+                                  std::clamp<std::int64_t>(gate, 1, 32767))
+                            << near << " to " << far << ", largest code " << code_max << ", code " << code;
+                    }
+                }
+    EXPECT_GT(falling, 10);
+    EXPECT_GT(rising, 4);
+}
+
+// Each row is a ramp from one end of the codes to the other, with steps between the least gate, which is in
+// the middle, and those of its ends.
+TEST(FlyingPixels, LogRampsLandByEveryBuilder) {
+    for (const bool near_is_high : {false, true}) {
+        const Scene scene = log_scene(500, 1500, -200, 4095, near_is_high, {26, 7.5e-5});
+        const FlyingPixels filter = *flying_pixels(scene);
+        const int low = 512, high = 3584, steps = 8;
+        ASSERT_GT(std::min(filter.gate_at(low), filter.gate_at(high)), (high - low) / steps);
+        ASSERT_LT(filter.gate_at(2048), (high - low) / steps);
+        std::vector<std::uint16_t> stored;
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x)
+                stored.push_back(static_cast<std::uint16_t>(
+                    low + (high - low) * std::clamp(x % 48 - 12, 0, steps) / steps));
+        const StoredPlane plane = store_plane(scene.width, scene.height, stored, {});
+        SurfaceFrame expected, frame;
+        ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), expected).ok());
+        EXPECT_FALSE(std::equal(stored.begin(), stored.end(), expected.codes.begin()));
+        for (const VectorUnit unit : usable_vector_units()) {
+            ASSERT_TRUE(make_cpu_builder(scene, {1, unit})->build(plane.frame(), frame).ok());
+            EXPECT_EQ(first_difference(expected, frame), "") << "vectors " << static_cast<int>(unit);
+        }
+    }
 }
 
 }  // namespace
