@@ -133,6 +133,10 @@ double mask_brightness(const GlobeMap& mask, int x, int y) {
     return sum;
 }
 
+bool is_land(const GlobeMap& mask, const Shore& shore, int x, int y) {
+    return (mask_brightness(mask, x, y) > shore.mask_middle) == shore.bright_is_land;
+}
+
 MapPlace map_place(const glm::dvec3& direction) {
     const double length = std::sqrt(glm::dot(direction, direction));
     return {0.5 + arctangent2(direction.x, direction.z) / (2 * pi), 0.5 - arcsine(direction.y / length) / pi};

@@ -61,6 +61,8 @@ struct GlobeMaps {
 
 /// Of all channels of a pixel together.
 double mask_brightness(const GlobeMap& mask, int x, int y);
+/// What the mask says of a pixel.
+bool is_land(const GlobeMap& mask, const Shore& shore, int x, int y);
 
 /// Refuses what no globe can be made of: a map that is missing, of the wrong kind, or not twice as wide as
 /// high, within a hundredth, and a relief or smoothing out of range. Does not look at the shore.

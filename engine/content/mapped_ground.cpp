@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/content/lakes.hpp"
 #include "engine/content/valley_floor.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/trigonometry.hpp"
@@ -15,19 +16,21 @@ namespace {
 /// What the maps say of a place, together.
 class MapReader {
 public:
-    explicit MapReader(const GlobeMaps& maps) : maps_(maps), shore_(maps.shore) {}
+    explicit MapReader(const GlobeMaps& maps)
+        : maps_(maps), shore_(maps.shore), lakes_(lakes_above_sea(maps)) {}
 
     /// 0 to 1.
     double land(const MapPlace& place) const {
-        return between_pixels(maps_.mask, place, [&](int x, int y) {
-            const bool bright = mask_brightness(maps_.mask, x, y) > shore_.mask_middle;
-            return bright == shore_.bright_is_land ? 1.0 : 0.0;
-        });
+        return between_pixels(maps_.mask, place,
+                              [&](int x, int y) { return is_land(maps_.mask, shore_, x, y) ? 1.0 : 0.0; });
     }
-    /// Above the sea, 1 being the highest place; 0 at sea.
-    double elevation(const MapPlace& place, double land) const {
-        if (land == 0) return 0;
-        return land * between_pixels(maps_.elevation, place, [&](int x, int y) {
+    /// Above the sea, 1 being the highest place; 0 at sea, but not on lakes.
+    double elevation(const MapPlace& place) const {
+        const double inland = between_pixels(maps_.mask, place, [&](int x, int y) {
+            return is_land(maps_.mask, shore_, x, y) || is_lake(x, y) ? 1.0 : 0.0;
+        });
+        if (inland == 0) return 0;
+        return inland * between_pixels(maps_.elevation, place, [&](int x, int y) {
                    const double stored = maps_.elevation.at(x, y, 0);
                    if (!std::isfinite(stored)) return 0.0;
                    return std::clamp((stored - shore_.sea_level) / (shore_.top - shore_.sea_level), 0.0, 1.0);
@@ -47,8 +50,15 @@ public:
     }
 
 private:
+    bool is_lake(int x, int y) const {
+        return !lakes_.empty() &&
+               lakes_[static_cast<std::size_t>(y) * static_cast<std::size_t>(maps_.mask.width) +
+                      static_cast<std::size_t>(x)];
+    }
+
     const GlobeMaps& maps_;
     const Shore& shore_;
+    const std::vector<bool> lakes_;
 };
 
 /// The mean of `sum(place)` over taps that stand for a cell of `cell` radians around a direction, of a map
@@ -89,7 +99,7 @@ HeightGrid lowest_elevations(const GlobeMaps& maps, const MapReader& reader, Row
                 for (int tap = 0; tap < taps * taps; ++tap) {
                     const MapPlace place{(x + (tap % taps + 0.5) / taps) / grid.width,
                                          (y + (tap / taps + 0.5) / taps) / grid.height};
-                    lowest = std::min(lowest, reader.elevation(place, reader.land(place)));
+                    lowest = std::min(lowest, reader.elevation(place));
                 }
                 grid.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
                             static_cast<std::size_t>(x)] = static_cast<float>(lowest);
@@ -114,7 +124,7 @@ DisplacedSphere shape_of(const GlobeMaps& maps, const MapReader& reader, RowBand
                 const MapPlace place = map_place(grid.direction(face, i, j));
                 const double elevation =
                     smooth.empty()
-                        ? reader.elevation(place, reader.land(place))
+                        ? reader.elevation(place)
                         : between_pixels(smooth, place, [&](int x, int y) { return smooth.at(x, y, 0); });
                 rise[grid.index(face, i, j)] = static_cast<float>(maps.relief * elevation);
             }
@@ -170,9 +180,8 @@ Result<std::unique_ptr<const MappedGround>> map_ground(const GlobeMaps& maps, do
     const int cells = cells_for(finest, widest);
     CubePyramid<5> look(cells, rows, [&, cell = CubeGrid(cells).spacing()](const glm::dvec3& direction) {
         return mean_over_cell(direction, cell, 2 * pi / widest, [&](const MapPlace& place) {
-            const double land = reader.land(place);
-            return std::array{reader.light(place, 0), reader.light(place, 1), reader.light(place, 2), land,
-                              reader.elevation(place, land)};
+            return std::array{reader.light(place, 0), reader.light(place, 1), reader.light(place, 2),
+                              reader.land(place), reader.elevation(place)};
         });
     });
     if (stop_requested()) return interrupted_error();

@@ -17,6 +17,11 @@ constexpr std::int64_t enough_pixels = 640 * 480;
 constexpr int edge_share = 20;
 /// So few pixels say nothing.
 constexpr std::int64_t least_count = 200;
+/// Pixels that are this share of the picture's width apart have no noise in common.
+constexpr int far_apart_share = 16;
+/// Common changes over the variance of codes: below 0.07 in films whose noise can be measured (a fast pan),
+/// mostly above 0.2 in unrelated pictures.
+constexpr double most_of_film = 0.125;
 
 int row_step(const CodePicture& picture) {
     return static_cast<int>(
@@ -176,6 +181,7 @@ void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
 
 void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePicture& here,
                                      const CodePicture& after, int step) {
+    const int far_apart = std::max(1, here.width / far_apart_share);
     for (int y = 1; y < here.height - 1; y += step)
         for (int x = 1; x < here.width - 1; ++x) {
             const int a = before.row(y)[x], b = here.row(y)[x], c = after.row(y)[x];
@@ -189,6 +195,14 @@ void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePictur
             const auto place = static_cast<std::size_t>(place_of(here, x, y));
             windows_[window_of_code_[static_cast<std::size_t>(b)]].changes[place].add(
                 static_cast<int>(std::max(std::abs(d), std::abs(e))), d * e, (d * d + e * e) / 2);
+            const int there = x + far_apart;
+            const std::int64_t f = code_of(before, there, y), g = code_of(here, there, y),
+                               h = code_of(after, there, y);
+            if (std::min({f, g, h}) < 0) continue;
+            ++pairs_.count;
+            pairs_.code += b;
+            pairs_.square += std::int64_t{b} * b;
+            pairs_.product -= d * (h - g) + e * (g - f);
         }
 }
 
@@ -201,7 +215,16 @@ void NoiseEstimator::add(const CodePicture& picture) {
     last_.erase(last_.begin());
 }
 
+bool NoiseEstimator::is_film() const {
+    if (pairs_.count == 0) return true;
+    const auto count = static_cast<double>(pairs_.count);
+    const double mean = static_cast<double>(pairs_.code) / count;
+    const double variance = static_cast<double>(pairs_.square) / count - mean * mean;
+    return static_cast<double>(pairs_.product) / (2 * count) <= most_of_film * std::max(0.0, variance);
+}
+
 DepthLength NoiseEstimator::noise(Place place) const {
+    if (!is_film()) return {};
     std::vector<LengthAtDepth> points;
     std::int64_t all = 0, noisy = 0;
     for (const Window& window : windows_) {
@@ -235,7 +258,7 @@ DepthLength NoiseEstimator::roughness() const {
 }
 
 double NoiseEstimator::dropouts() const {
-    return kept_ > 0 ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
+    return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
 }
 
 double NoiseEstimator::flying() const {

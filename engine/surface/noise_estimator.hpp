@@ -44,11 +44,12 @@ public:
     enum class Place { flat, edge, rim };  ///< rim: beside an invalid pixel
     /// Standard deviation of a depth from frame to frame, scene units. Of a quantity that goes up and down
     /// about a value, successive differences d, d' have the mean product -variance; what moves steadily has
-    /// d d' > 0. So zero where most pixels move, and where nothing changes.
+    /// d d' > 0. So zero where most pixels move, and where nothing changes. Zero for unrelated pictures, too.
     DepthLength noise(Place place) const;
     /// How far a depth is off the plane of its eight neighbours, RMS over flat places, scene units.
     DepthLength roughness() const;
     /// Of the pixels that are valid in a frame and in the one after the next: those that are not in between.
+    /// 0 for unrelated pictures.
     double dropouts() const;
     /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
     double tiny_holes() const;
@@ -76,6 +77,10 @@ private:
     /// Of pictures of which every `step`th row is looked at.
     void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after,
                          int step);
+    /// False for unrelated pictures. Their depths change like noise, too, but pixels far apart change
+    /// together, by about as much as depth varies over a picture. Pixels far apart share none of a camera's
+    /// noise.
+    bool is_film() const;
     const Window& window_of(int code) const;
 
     std::vector<Window> windows_;
@@ -83,6 +88,10 @@ private:
     std::vector<CodePicture> last_;  // two at most
     std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0, midway_ = 0,
                  clean_edges_ = 0;
+    /// Pixels with a partner far away: their codes, and how much both change together.
+    struct {
+        std::int64_t count = 0, code = 0, square = 0, product = 0;
+    } pairs_;
 };
 
 }  // namespace touchable

@@ -1,6 +1,8 @@
 #include "player/commands/globe_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <tuple>
 #include <utility>
@@ -37,10 +39,32 @@ Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, Store
     return map_of(picture);
 }
 
-std::string shore_in_words(const Shore& shore, bool told) {
+double least_of(const GlobeMap& elevation) {
+    double least = HUGE_VAL;
+    for (int y = 0; y < elevation.height; ++y)
+        for (int x = 0; x < elevation.width; ++x)
+            if (const double here = elevation.at(x, y, 0); std::isfinite(here)) least = std::min(least, here);
+    return least;
+}
+
+/// White where the map of heights is above this level.
+StoredImage mask_of(const GlobeMap& elevation, double level) {
+    StoredImage mask{};
+    mask.image = {elevation.width, elevation.height, 1, 1, {}};
+    for (int y = 0; y < elevation.height; ++y)
+        for (int x = 0; x < elevation.width; ++x)
+            mask.image.samples.push_back(elevation.at(x, y, 0) > level ? 255 : 0);
+    return mask;
+}
+
+std::string shore_in_words(const Shore& shore, bool told, bool has_mask) {
     char agreement[32], level[32];
     std::snprintf(agreement, sizeof agreement, "%.1f", 100 * shore.agreement);
     std::snprintf(level, sizeof level, "%.9g", shore.sea_level);
+    if (!has_mask)
+        return std::string("sea level ") + level +
+               (told ? ", as told" : ", the least of the elevation map (--sea-level VALUE says otherwise)") +
+               "; --mask FILE would say which is land";
     return std::string("sea level ") + level + (told ? ", as told" : " of the elevation map") + "; land is " +
            (shore.bright_is_land ? "bright" : "dark") + " in the mask; the two agree on " + agreement +
            " % of the globe" + (told ? "" : " (--sea-level VALUE says otherwise)");
@@ -64,7 +88,8 @@ void add_globe_options(CLI::App& make, GlobeWords& words) {
         "globe of maps: a picture of all of it, longitude -180 to 180 from left to right, north up");
     add_file_option(make, "--elevation", maps.elevation, "globe of maps: the same of heights, in any unit");
     add_file_option(make, "--mask", maps.mask,
-                    "globe of maps: land and ocean, black and white or white and black");
+                    "globe of maps: land and ocean, black and white or white and black (default: ocean is "
+                    "where elevation is least, or up to --sea-level)");
     add_file_option(
         make, "--haptic", maps.haptic,
         "globe of maps: RGB, the codes of stiffness (0.1 to 2 N/mm), static and dynamic friction (0 "
@@ -72,7 +97,7 @@ void add_globe_options(CLI::App& make, GlobeWords& words) {
     add_number_option(
         make, "--sea-level", maps.sea_level,
         "globe of maps: value of the elevation map up to which it is sea (default: where the mask "
-        "says so)");
+        "says so; without a mask the least value)");
     add_number_option(make, "--relief", maps.relief_percent,
                       "globe of maps: how far the highest place rises, percent of the radius (default 3)",
                       0.01, 10);
@@ -100,7 +125,7 @@ Result<void> check_globe_words(const GlobeWords& words, const std::string& scene
                            "; it belongs to " + whose);
     };
     const char* const turning = "a globe that turns";
-    const char* const of_maps = "a globe of maps (--colour, --elevation and --mask)";
+    const char* const of_maps = "a globe of maps (--colour and --elevation)";
     for (const Result<void>& checked :
          {only(!maps.colour.empty(), "--colour", turns, turning),
           only(!maps.elevation.empty(), "--elevation", turns, turning),
@@ -114,11 +139,10 @@ Result<void> check_globe_words(const GlobeWords& words, const std::string& scene
           only(maps.smoothing_degrees.has_value(), "--smoothing", maps.any(), of_maps)})
         if (!checked.ok()) return checked;
     if (!maps.any()) return {};
-    for (const auto& [option, file] :
-         {std::pair{"--colour", &maps.colour}, {"--elevation", &maps.elevation}, {"--mask", &maps.mask}})
+    for (const auto& [option, file] : {std::pair{"--colour", &maps.colour}, {"--elevation", &maps.elevation}})
         if (file->empty())
             return usage_error(std::string(option) +
-                               " is missing; a globe of maps needs --colour, --elevation and --mask");
+                               " is missing; a globe of maps needs --colour and --elevation");
     return {};
 }
 
@@ -144,13 +168,24 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
         if (!found.ok()) return found.error();
         *map = *found;
     }
+    std::optional<double> sea_level = files.sea_level;
+    if (files.mask.empty() && !maps.elevation.empty() && maps.elevation.channels == 1) {
+        if (!sea_level) sea_level = least_of(maps.elevation);
+        read->mask = mask_of(maps.elevation, *sea_level);
+        maps.mask = map_of(read->mask);
+        const auto& mask = read->mask.image.samples;
+        if (std::find(mask.begin(), mask.end(), mask.front() ^ 255) == mask.end())
+            return input_error(files.sea_level
+                                   ? "--sea-level leaves only land, or only sea, in the elevation map"
+                                   : "the elevation map is level everywhere");
+    }
     if (files.relief_percent) maps.relief = *files.relief_percent / 100;
     if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
     if (auto checked = check_globe_maps(maps); !checked.ok()) return checked.error();
-    auto shore = find_shore(maps.elevation, maps.mask, files.sea_level);
+    auto shore = find_shore(maps.elevation, maps.mask, sea_level);
     if (!shore.ok()) return shore.error();
     maps.shore = *shore;
-    read->remark = shore_in_words(*shore, files.sea_level.has_value());
+    read->remark = shore_in_words(*shore, files.sea_level.has_value(), !files.mask.empty());
     return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
 }
 

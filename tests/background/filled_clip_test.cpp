@@ -112,6 +112,23 @@ TEST(FilledClip, LeavesTheHolesOfAHandThatLooksLikeTheTable) {
     EXPECT_EQ(f.filled_in_hand, 0);
 }
 
+/// Half of the hand has no depth, up to the table beside it. Colour tells only where it lies on depth's
+/// pixels.
+TEST(FilledClip, LeavesHolesOfAMovingSleeve) {
+    for (const int shift : {0, 8, 24}) {
+        StillScene scene;
+        scene.hand_has_sleeve = true;
+        scene.colour_shift = shift;
+        const auto clip = filled(clip_of(scene, frames));
+        const Figures f = figures_of(*clip, scene);
+        print(("a sleeve, its colour " + std::to_string(shift) + " pixels beside it").c_str(), f);
+        EXPECT_LT(f.filled_in_hand + f.filled_rim, f.in_hand / 50);
+        EXPECT_EQ(clip->notes().back().find("colour is not used") != std::string::npos, shift > 0)
+            << clip->notes().back();
+        EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
+    }
+}
+
 /// It is nearly as deep, and there for long.
 TEST(FilledClip, IsNotDrawnToAHandThatRestsOnTheTable) {
     StillScene scene;

@@ -23,6 +23,8 @@ struct StillScene {
 
     bool has_colour = true;
     bool hand_has_colour_of_table = false;
+    int colour_shift = 0;  ///< pixels that colour lies to the right of its depth: it is not registered
+    bool hand_has_sleeve = false;  ///< its right half has no depth
     int pan = 0;    ///< sixteenths of a pixel that the camera goes to the right from frame to frame
     int rise = 0;   ///< sixteenths of a millimetre that it goes up likewise
     int table = 0;  ///< which one: another texture, another depth
@@ -46,6 +48,9 @@ struct StillScene {
         const int dx = x - hand_x(frame), dy = y - 50;
         return dx * dx + dy * dy < wide * wide;
     }
+    bool is_hole_of_hand(int x, int y, std::int64_t frame) const {
+        return is_hand(x, y, frame, hole_radius) || (hand_has_sleeve && x > hand_x(frame));
+    }
     int shift(std::int64_t frame) const { return static_cast<int>(pan * frame / 16); }
     int table_depth(int y) const { return 1000 + 150 * table + 2 * y; }
     int hand_depth(int y, std::int64_t frame) const {
@@ -59,7 +64,7 @@ struct StillScene {
         if (is_box(there, y)) seen = {Thing::box, table_depth(y) - 60 + up, false, false};
         const bool beside_box = seen.thing == Thing::table && is_box(there + 3, y);
         if (is_hand(x, y, frame, radius)) {
-            seen = {Thing::hand, hand_depth(y, frame), is_hand(x, y, frame, hole_radius), false};
+            seen = {Thing::hand, hand_depth(y, frame), is_hole_of_hand(x, y, frame), false};
         } else if (is_hand(x + shadow, y, frame, radius)) {
             seen.is_shadow = seen.is_hole = true;
         }
@@ -89,7 +94,7 @@ struct StillScene {
                 const int code = seen.is_hole ? 0 : seen.depth + noise;
                 depth.samples.push_back(static_cast<std::uint8_t>(code & 255));
                 depth.samples.push_back(static_cast<std::uint8_t>(code >> 8));
-                const auto pixel = colour(x, y, number);
+                const auto pixel = colour(x - colour_shift, y, number);
                 rgb.samples.insert(rgb.samples.end(), pixel.begin(), pixel.end());
             }
         add_plane(frame, PlaneRole::depth, plane_from(std::move(depth), 16));

@@ -313,6 +313,47 @@ TEST(MapGlobe, MapsOfTenBitsAreAsBrightAndStiffAsThoseOfEight) {
         }
 }
 
+// Water in the mask: a lake, another one across the date line, and a bay of the ocean.
+TEST(MapGlobe, LakesAboveTheSeaKeepTheirElevation) {
+    MadeWorld world;
+    const auto is_lake = [](double longitude, double latitude) {
+        return std::hypot(longitude - 0.2, latitude + 0.2) < 0.15;
+    };
+    const auto is_far_lake = [](double longitude, double latitude) {
+        return std::hypot(3.14159 - std::fabs(longitude), latitude) < 0.15;
+    };
+    const auto is_far_island = [](double longitude, double latitude) {
+        return std::hypot(3.14159 - std::fabs(longitude), latitude) < 0.4;
+    };
+    const auto is_bay = [](double longitude, double latitude) {
+        return longitude > -1 && longitude < -0.3 && std::fabs(latitude) < 0.1;
+    };
+    const MadeMap mask = made_map(360, 1, 1, [&](double x, double y, int) {
+        const bool is_dry = MadeWorld::is_land(x, y) || is_far_island(x, y);
+        return is_dry && !is_lake(x, y) && !is_far_lake(x, y) && !is_bay(x, y) ? 255 : 0;
+    });
+    const MadeMap elevation = made_map(360, 1, 2, [&](double x, double y, int) {
+        return is_far_island(x, y) ? 40000 : MadeWorld::height(x, y);
+    });
+    world.maps.mask = mask.map();
+    world.maps.elevation = elevation.map();
+    RowBands rows(2);
+    const auto ground = map_ground(world.maps, 0.02, rows);
+    ASSERT_TRUE(ground.ok()) << ground.error().message;
+    const auto expect_at = [&](double longitude, double latitude, double stored) {
+        const glm::dvec3 place{std::cos(latitude) * std::sin(longitude), std::sin(latitude),
+                               std::cos(latitude) * std::cos(longitude)};
+        const double expected = std::max(0.0, (stored - 20000) / 45535);
+        EXPECT_NEAR((*ground)->look.mean(place, 0.02, MappedGround::elevation), expected, 0.02) << longitude;
+        EXPECT_NEAR((*ground)->look.mean(place, 0.02, MappedGround::land), 0, 1e-6) << longitude;
+        EXPECT_NEAR((*ground)->shape.rise(place), 0.03 * expected, 0.005) << longitude;
+    };
+    expect_at(0.2, -0.2, MadeWorld::height(0.2, -0.2));
+    for (const double longitude : {3.1, -3.1}) expect_at(longitude, 0, 40000);
+    expect_at(-0.5, 0, 0);
+    expect_at(-2, 0, 0);
+}
+
 TEST(MapGlobe, WhatIsNoFiniteElevationIsNoMountain) {
     MadeWorld world(64);
     const MadeMap land = made_map(64, 1, 1, [](double, double, int) { return 255.0; });

@@ -255,6 +255,36 @@ TEST_F(GuessedFolder, SaysWhereFilesTellThatColourIsElsewhere) {
     EXPECT_FALSE(says("")) << "there is no colour";
 }
 
+/// As ViSP stores them. Colour's pixels are half as large, and its lens is 20 mm to the right of depth's.
+TEST_F(GuessedFolder, BringsColourOfVispOntoDepth) {
+    for (const std::string number : {"1", "2"}) {
+        depth("depth_" + number + ".png");
+        colour("color_" + number + ".png");
+    }
+    const auto camera = [](double focal_length) {
+        std::string text = "<?xml version=\"1.0\"?>\n<conf><camera><u0>7.5</u0><v0>5.5</v0>";
+        for (const char* name : {"px", "py"})
+            text += "<" + std::string(name) + ">" + std::to_string(focal_length) + "</" + name + ">";
+        return text + "</camera></conf>\n";
+    };
+    write_bytes(folder / "box_depth.xml", camera(20));
+    write_bytes(folder / "box.xml", camera(40));
+    EXPECT_FALSE(guess().scene.colour_camera);
+    write_bytes(folder / "depth_M_color.txt", "1 0 0 0.02\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    const GuessedScene found = guess();
+    ASSERT_TRUE(found.scene.colour_camera) << remarks_in(found);
+    EXPECT_EQ(found.scene.colour_camera->camera.fx, 40);
+    EXPECT_EQ(found.scene.colour_camera->camera.cx, 7.5);
+    EXPECT_EQ(found.scene.colour_camera->from_depth.translation, (std::array{-0.02, 0.0, 0.0}));
+    EXPECT_NE(remarks_in(found).find("as depth_M_color.txt and box.xml say, by the unit that is guessed"),
+              std::string::npos)
+        << remarks_in(found);
+    // No rotation: colour is left where it is.
+    write_bytes(folder / "depth_M_color.txt", "1 0 0 0.02\n0 3 0 0\n0 0 1 0\n0 0 0 1\n");
+    EXPECT_FALSE(guess().scene.colour_camera);
+    EXPECT_NE(remarks_in(guess()).find("colour lies on depth's pixels, though"), std::string::npos);
+}
+
 TEST_F(GuessedFolder, WithoutPicturesSaysWhereTheyAre) {
     const auto refusal = [&] { return message(open_clip(folder.path())); };
     colour("a b/seq/rgb/1.png");

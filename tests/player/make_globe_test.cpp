@@ -100,6 +100,31 @@ TEST(MakeGlobe, SeaLevelThatIsToldIsTakenAndSaid) {
     EXPECT_NE(run.out.find("sea level 8123.5, as told;"), std::string::npos) << run.out;
 }
 
+TEST(MakeGlobe, WithoutAMaskSeaIsWhereElevationIsLeast) {
+    const MapsInAFolder maps;
+    auto words = maps.words();
+    words.resize(words.size() - 2);
+    ASSERT_EQ(run_touchable(maps.words({"--longitude", "0"})).code, 0);
+    const std::string with_mask = file_contents(maps / "out.mkv");
+    words.insert(words.end(), {"--longitude", "0", "--overwrite"});
+    const Outcome run = run_touchable(words);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(
+        run.out.find("sea level 8000, the least of the elevation map (--sea-level VALUE says otherwise)"),
+        std::string::npos)
+        << run.out;
+    EXPECT_EQ(file_contents(maps / "out.mkv"), with_mask);
+    words.insert(words.end(), {"--sea-level", "13000"});
+    const Outcome told = run_touchable(words);
+    ASSERT_EQ(told.code, 0) << told.err;
+    EXPECT_NE(told.out.find("sea level 13000, as told"), std::string::npos) << told.out;
+    EXPECT_NE(file_contents(maps / "out.mkv"), with_mask);
+    words.back() = "7000";
+    const Outcome dry = run_touchable(words);
+    EXPECT_EQ(dry.code, 3);
+    EXPECT_NE(dry.err.find("--sea-level leaves only land"), std::string::npos) << dry.err;
+}
+
 TEST(MakeGlobe, HapticMapIsTakenCodeByCode) {
     const MapsInAFolder maps;
     Image touch{32, 16, 1, 3, {}};
@@ -194,8 +219,6 @@ TEST(MakeGlobe, OptionsThatDoNothingOrAreNotAllThereAreRefused) {
     const MapsInAFolder maps;
     const std::string out = maps / "out.mkv", colour = maps / "colour.png";
     expect_refusal(maps, {"make", "globe", out, "--colour", colour}, 2, "--elevation is missing");
-    expect_refusal(maps, {"make", "globe", out, "--colour", colour, "--elevation", maps / "elevation.png"}, 2,
-                   "--mask is missing");
     expect_refusal(maps, {"make", "globe", out, "--mask", maps / "mask.png"}, 2, "--colour is missing");
     expect_refusal(maps, {"make", "plane", out, "--colour", colour}, 2, "--colour does nothing for 'plane'");
     expect_refusal(maps, maps.words({"--plain"}), 2, "--colour does nothing for 'globe' --plain");

@@ -71,7 +71,10 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
                                      [&](const Stripe& stripe) { return k % width < stripe.end; });
         hole.push_back(random.unit() < of->holes);
     }
+    SplitMix64 others = random;  // pictures that are no film sway
+    const double sway = others.next() % 4 == 0 ? others.within(0, 0.1) : 0;
     for (std::size_t n = 0; n < pictures.size(); ++n) {
+        const double sways = n % 2 == 0 ? 1 + sway : 1 - sway;
         pictures[n] = {width, height, {}};
         for (int k = 0; k < width * height; ++k) {
             const auto of = std::find_if(stripes.begin(), stripes.end(),
@@ -79,6 +82,7 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
             double code = of->code + of->noise * normal_number(random) + of->drift * static_cast<double>(n);
             code += of->wave * random.unit() * (k % 3 == 0);
             if (random.unit() < of->outliers) code *= 1 + random.within(-of->farthest, of->farthest);
+            code *= sways;
             const bool none = hole[static_cast<std::size_t>(k)] || random.unit() < of->dropouts;
             pictures[n].codes.push_back(none ? CodePicture::invalid
                                              : static_cast<int>(std::clamp(code + 0.5, 1.0, 4000.0)));
@@ -122,7 +126,7 @@ TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
     EXPECT_GT(rough, rounds * 3 / 4);
     for (const char* rule : {"fewer than 200 pixels", "more than half is left out", "not noisy",
                              "less than half is noisy", "noise has no constant", "noise does not grow",
-                             "flying", "flying on a ramp", "midway", "clean edge"})
+                             "flying", "flying on a ramp", "midway", "clean edge", "unrelated pictures"})
         EXPECT_GT(decided[rule], rounds / 20) << rule;
 }
 

@@ -124,6 +124,51 @@ TEST(NoiseEstimator, OneOrTwoFramesHaveNone) {
     EXPECT_EQ(estimator_of(noisy, 2).measured()->noise, DepthLength{});
 }
 
+/// Hills of 40 mm and less, others for each number.
+double hills(double x, int y, int number) {
+    const double a = 0.031 * (number % 5 + 1), b = 0.023 * (number * 3 % 5 + 1);
+    return 1500 + 25 * std::sin(a * x + number) + 15 * std::cos(b * y + 0.02 * x + 2 * number);
+}
+
+// They go up and down like noise of some 25 mm.
+TEST(NoiseEstimator, UnrelatedPicturesHaveNone) {
+    for (const double sigma : {0.0, 1.0, 4.0}) {
+        const auto stills = estimator_of(
+                                [&](int x, int y, int n, SplitMix64& random) {
+                                    const bool hole = (x / 10 + y / 10 + n) % 5 == 0;
+                                    return hole ? 0 : hills(x, y, n) + sigma * normal(random);
+                                },
+                                5)
+                                .measured();
+        EXPECT_EQ(stills->noise, DepthLength{}) << sigma;
+        EXPECT_EQ(stills->noise_at_edges, 0) << sigma;
+        EXPECT_EQ(stills->dropouts, 0) << sigma;
+        EXPECT_FALSE(stills->from_a_camera()) << sigma;
+        Scene scene = camera_scene();
+        choose_filters(stills, all_unstated, scene);
+        EXPECT_FALSE(scene.filter.temporal) << sigma;
+    }
+}
+
+// Of a camera that turns by an eighth of the picture from frame to frame, and of one that is shaken to and
+// fro.
+TEST(NoiseEstimator, FastFilmKeepsItsNoise) {
+    for (const double speed : {0.0, 2.0, 8.0, 20.0})
+        for (const bool is_shaken : {false, true}) {
+            const auto film = estimator_of([&](int x, int y, int n, SplitMix64& random) {
+                                  const double way = is_shaken ? speed / 4 * (n % 2) : speed * n;
+                                  // A wall, and pillars before it that pass.
+                                  const double at = std::fmod(x + way, 150);
+                                  const double z = at < 40 ? 900 : 2000 + 0.5 * y;
+                                  return z + 4 * normal(random);
+                              }).measured();
+            EXPECT_NEAR(film->noise_at_median(), 4, 1) << speed << (is_shaken ? " to and fro" : "");
+            Scene scene = camera_scene();
+            choose_filters(film, all_unstated, scene);
+            EXPECT_TRUE(scene.filter.temporal) << speed;
+        }
+}
+
 TEST(NoiseEstimator, CountsDropoutsAndTinyHoles) {
     const auto dropouts = estimator_of([](int x, int y, int n, SplitMix64&) {
                               return n % 2 == 1 && x % 10 == 4 && y % 10 == 4 ? 0 : slope(x, y);

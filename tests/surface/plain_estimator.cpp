@@ -244,7 +244,8 @@ private:
         const auto share = [](std::int64_t part, std::int64_t whole) {
             return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
         };
-        estimator_.dropouts = share(dropped, kept);
+        is_film_ = is_film();
+        estimator_.dropouts = is_film_ ? share(dropped, kept) : 0;
         estimator_.tiny_holes = share(tiny, pixels);
         estimator_.flying = share(in_the_air, pixels);
         estimator_.midway = share(between, pixels);
@@ -343,6 +344,24 @@ private:
         const std::int64_t d = at(b, x, y) - at(a, x, y), e = at(c, x, y) - at(b, x, y);
         changes_[place_of(b, x, y)][window_of(at(b, x, y)).first].push_back(
             {std::max(std::abs(d), std::abs(e)), d * e, (d * d + e * e) / 2});
+        const int there = x + std::max(1, b.width / 16);
+        if (at(a, there, y) == nothing || at(b, there, y) == nothing || at(c, there, y) == nothing) return;
+        const std::int64_t d2 = at(b, there, y) - at(a, there, y), e2 = at(c, there, y) - at(b, there, y);
+        pairs_.push_back({static_cast<double>(at(b, x, y)), static_cast<double>(-(d * e2 + e * d2)) / 2});
+    }
+    /// What a pixel and one far away have in common is no more than an eighth of the codes' variance.
+    struct Pair {
+        double code, common;
+    };
+    bool is_film() {
+        double mean = 0, variance = 0, common = 0;
+        for (const Pair& pair : pairs_) mean += pair.code / static_cast<double>(pairs_.size());
+        for (const Pair& pair : pairs_) {
+            variance += (pair.code - mean) * (pair.code - mean);
+            common += pair.common;
+        }
+        if (8 * common > variance) decide("unrelated pictures");
+        return 8 * common <= variance;
     }
 
     using Samples = std::map<int, std::vector<Sample>>;  // by the window's first code
@@ -374,6 +393,7 @@ private:
         return means;
     }
     DepthLength noise(const Samples& changes) {
+        if (!is_film_) return {};
         std::vector<Fit> noisy;
         double pixels = 0, pixels_of_noisy = 0;
         for (const auto& [first, samples] : changes) {
@@ -434,6 +454,8 @@ private:
     const std::vector<CodePicture>& pictures_;
     PlainEstimator estimator_;
     Samples changes_[3], bends_;
+    std::vector<Pair> pairs_;
+    bool is_film_ = true;
 };
 
 }  // namespace

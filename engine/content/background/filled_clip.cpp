@@ -29,8 +29,9 @@ struct KnownRest {
 
 /// What reading all frames tells.
 struct Known {
-    explicit Known(const DepthCoding& coding) : depth(coding) {}
+    Known(const DepthCoding& coding, bool with_colour) : depth(coding), uses_colour(with_colour) {}
     CodedDepth depth;
+    bool uses_colour;              // to tell what is behind; where a camera rests it always tells
     std::vector<KnownRest> rests;  // in the order of their frames
     std::int64_t frames = 0;       // that could be read
     std::int64_t moving = 0;       // frames in which the camera moves
@@ -52,6 +53,7 @@ public:
         if (frame.colour.width == coded.depth.width && frame.colour.height == coded.depth.height)
             coded.colour = frame.colour;
         if (rest_.ends_with(cell_picture(coded, known_.depth.coding()))) keep(rest_.ended());
+        if (!known_.uses_colour) coded.colour = {};
         has_colour_ = has_colour_ && !coded.colour.empty();
         model_.add(coded.depth, coded.colour, bands_);
         ++known_.frames;
@@ -82,6 +84,23 @@ private:
     bool has_colour_ = true;  // of all frames of the rest
 };
 
+/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
+Result<void> learn(ClipReader& clip, Known& known) {
+    Learning learning(clip.scene(), known);
+    while (true) {
+        if (stop_requested())
+            return Error{
+                ErrorKind::interrupted,
+                clip.inputs().front().string() + ": interrupted while what is behind its holes was searched"};
+        const auto frame = clip.next();
+        if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
+        if (!frame || !*frame) break;
+        learning.add(**frame);
+    }
+    learning.finish();
+    return {};
+}
+
 class FilledReader final : public ReaderAround {
 public:
     FilledReader(std::unique_ptr<ClipReader> clip, Known known)
@@ -95,25 +114,40 @@ public:
         if (!frame || !*frame) return frame;
         const std::int64_t number = (*frame)->number;
         for (const KnownRest& rest : known_.rests)
-            if (rest.first <= number && number < rest.end) filling_.fill(**frame, rest.background);
+            if (rest.first <= number && number < rest.end)
+                filling_.fill(**frame, rest.background, known_.uses_colour);
         return frame;
     }
     /// It tells what is behind.
     void leave_out_colour() override {
-        if (known_.rests.empty()) ReaderAround::leave_out_colour();
+        if (known_.rests.empty() || !known_.uses_colour) ReaderAround::leave_out_colour();
     }
-    /// In some frames at places all over the clip, and says so.
-    Result<void> measure();
+    /// Looks at some frames all over the clip, and does without colour if that misleads there. Says what was
+    /// found.
+    Result<void> prepare();
 
 private:
+    Result<void> measure();
     std::string in_words() const;
     std::int64_t frame_at_rest(std::int64_t n) const;
 
-    const Known known_;
+    Known known_;
     HoleFilling filling_;
     std::vector<std::string> notes_;
     std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
 };
+
+Result<void> FilledReader::prepare() {
+    if (auto measured = measure(); !measured) return measured;
+    if (filling_.is_misled_by_colour()) {
+        if (auto back = inner().rewind(); !back) return back;
+        known_ = Known(scene().depth, false);
+        if (auto learned = learn(inner(), known_); !learned) return learned;
+        if (auto measured = measure(); !measured) return measured;
+    }
+    notes_.push_back(in_words());
+    return rewind();
+}
 
 /// The nth of the frames in which the camera rests.
 std::int64_t FilledReader::frame_at_rest(std::int64_t n) const {
@@ -128,6 +162,7 @@ Result<void> FilledReader::measure() {
     std::int64_t at_rest = 0;
     for (const KnownRest& rest : known_.rests) at_rest += rest.end - rest.first;
     const std::int64_t count = std::min(measured_frames, at_rest);
+    measured_ = holes_ = filled_ = 0;
     for (std::int64_t k = 0; k < count; ++k) {
         if (auto there = seek(frame_at_rest(k * at_rest / count)); !there) return there;
         const auto frame = next();
@@ -136,7 +171,6 @@ Result<void> FilledReader::measure() {
         holes_ += filling_.holes();
         filled_ += filling_.filled();
     }
-    notes_.push_back(in_words());
     return {};
 }
 
@@ -166,6 +200,10 @@ std::string FilledReader::in_words() const {
                std::to_string(filled_ / measured_) + " pixels a frame were filled (of " + frames(measured_) +
                ")";
     }
+    if (!known_.uses_colour)
+        said +=
+            "; colour is not used: where depth shows something nearer, colour often shows what is behind "
+            "(it does not lie on depth's pixels, or both look alike)";
     if (known_.moving > 0)
         said += "; " + frames(known_.moving) + " of " + std::to_string(known_.frames) +
                 ", in which the camera moves, are left as they are";
@@ -175,35 +213,16 @@ std::string FilledReader::in_words() const {
     return said;
 }
 
-/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
-Result<void> learn(ClipReader& clip, Known& known) {
-    Learning learning(clip.scene(), known);
-    while (true) {
-        if (stop_requested())
-            return Error{
-                ErrorKind::interrupted,
-                clip.inputs().front().string() + ": interrupted while what is behind its holes was searched"};
-        const auto frame = clip.next();
-        if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
-        if (!frame || !*frame) break;
-        learning.add(**frame);
-    }
-    learning.finish();
-    return {};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> with_filled_holes(std::unique_ptr<ClipReader> clip) {
     if (clip->is_live())
         return usage_error(clip->inputs().front().string() +
                            ": is a live camera, of which no later frame can tell what is behind a hole");
-    Known known(clip->scene().depth);
+    Known known(clip->scene().depth, true);
     if (auto learned = learn(*clip, known); !learned) return learned.error();
-    if (auto back = clip->rewind(); !back) return back.error();
     auto filled = std::make_unique<FilledReader>(std::move(clip), std::move(known));
-    if (auto measured = filled->measure(); !measured) return measured.error();
-    if (auto back = filled->rewind(); !back) return back.error();
+    if (auto prepared = filled->prepare(); !prepared) return prepared.error();
     return std::unique_ptr<ClipReader>(std::move(filled));
 }
 

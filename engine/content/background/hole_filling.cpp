@@ -13,10 +13,23 @@ namespace {
 /// A shadow of a depth camera is a narrow strip: at most this share of the picture's width.
 constexpr int narrow_share = 16, least_narrow = 8;
 constexpr std::size_t most_nearer = 4;
+/// Without colour: a hole that is narrow in parts only is no shadow. Those parts touch the rest in less than
+/// this share of the places in which they touch what is behind.
+constexpr std::size_t left_share = 4;
+/// Of a registered recording of a person 16 % look like what is behind, of hands whose colour lies 24 pixels
+/// beside them 40 to 100 %. So few pixels say nothing.
+constexpr double most_alike = 0.25;
+constexpr std::int64_t least_nearer = 100;
+
+Rgb colour_at(const PlaneView& colour, int x, int y) {
+    const std::uint8_t* rgb = colour.row(y) + std::ptrdiff_t{3} * x;
+    return {rgb[0], rgb[1], rgb[2]};
+}
 
 }  // namespace
 
-void HoleFilling::find_places(const PlaneView& codes, const Background& background) {
+/// `colour` may be empty.
+void HoleFilling::find_places(const PlaneView& codes, const PlaneView& colour, const Background& background) {
     width_ = codes.width;
     height_ = codes.height;
     places_.resize(background.size());
@@ -36,7 +49,15 @@ void HoleFilling::find_places(const PlaneView& codes, const Background& backgrou
             places_[pixel] = !behind.is_known || deeper > apart ? Place::other
                              : deeper < -apart                  ? Place::nearer
                                                                 : Place::behind;
+            if (places_[pixel] != Place::nearer || colour.empty() || behind.is_ambiguous) continue;
+            ++nearer_;
+            nearer_but_alike_ += agree(colour_at(colour, x, y), behind.colour);
         }
+}
+
+bool HoleFilling::is_misled_by_colour() const {
+    return nearer_ >= least_nearer &&
+           static_cast<double>(nearer_but_alike_) > most_alike * static_cast<double>(nearer_);
 }
 
 /// Along a row or a column (`step`), in which the pixel has this place of so many.
@@ -72,8 +93,7 @@ bool HoleFilling::is_coloured_as_behind(const PlaneView& colour, const Backgroun
                                         std::size_t pixel) const {
     const int x = static_cast<int>(pixel) % width_, y = static_cast<int>(pixel) / width_;
     const auto agrees = [&](int u, int v) {
-        const std::uint8_t* rgb = colour.row(v) + std::ptrdiff_t{3} * u;
-        return agree({rgb[0], rgb[1], rgb[2]}, background[static_cast<std::size_t>(v * width_ + u)].colour);
+        return agree(colour_at(colour, u, v), background[static_cast<std::size_t>(v * width_ + u)].colour);
     };
     if (!agrees(x, y)) return false;
     int alike = 0, other = 0;
@@ -96,18 +116,19 @@ void HoleFilling::find_candidates(const PlaneView& colour, const Background& bac
 }
 
 /// Group by group of candidates that touch.
-void HoleFilling::leave_those_of_nearer_things() {
+void HoleFilling::leave_those_of_nearer_things(bool colour_tells) {
     const auto columns = static_cast<std::size_t>(width_);
     fills_.clear();
     for (const std::size_t first : holes_) {
         if (places_[first] != Place::candidate) continue;
-        std::size_t behind = 0, nearer = 0;
+        std::size_t behind = 0, nearer = 0, left = 0;
         group_.assign(1, first);
         places_[first] = Place::looked_at;
         const auto look = [&](std::size_t pixel) {
             Place& place = places_[pixel];
             behind += place == Place::behind;
             nearer += place == Place::nearer;
+            left += place == Place::hole;
             if (place != Place::candidate) return;
             place = Place::looked_at;
             group_.push_back(pixel);
@@ -119,7 +140,8 @@ void HoleFilling::leave_those_of_nearer_things() {
             if (pixel >= columns) look(pixel - columns);
             if (pixel + columns < places_.size()) look(pixel + columns);
         }
-        if (behind > 0 && nearer <= most_nearer * behind)
+        const bool is_whole = colour_tells || left_share * left <= behind;
+        if (behind > 0 && nearer <= most_nearer * behind && is_whole)
             fills_.insert(fills_.end(), group_.begin(), group_.end());
     }
 }
@@ -145,14 +167,15 @@ void HoleFilling::write(RawFrame& frame, const Background& background) {
     frame.filled = std::move(filled);
 }
 
-void HoleFilling::fill(RawFrame& frame, const Background& background) {
+void HoleFilling::fill(RawFrame& frame, const Background& background, bool uses_colour) {
     filled_ = 0;
-    find_places(depth_.codes_of(frame, hue_codes_), background);
+    const bool has_colour =
+        frame.colour.width == frame.depth.width && frame.colour.height == frame.depth.height;
+    const PlaneView colour = uses_colour && has_colour ? frame.colour : PlaneView{};
+    find_places(depth_.codes_of(frame, hue_codes_), colour, background);
     if (holes_.empty()) return;
-    const PlaneView& colour = frame.colour;
-    const bool has_colour = colour.width == frame.depth.width && colour.height == frame.depth.height;
-    find_candidates(has_colour ? colour : PlaneView{}, background);
-    leave_those_of_nearer_things();
+    find_candidates(colour, background);
+    leave_those_of_nearer_things(!colour.empty());
     filled_ = static_cast<std::int64_t>(fills_.size());
     if (filled_ > 0) write(frame, background);
 }

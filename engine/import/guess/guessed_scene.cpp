@@ -90,7 +90,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
     if (const std::string others = left_out(depths); !others.empty())
         guess.say("left out: " + others, "name one of these to open it");
-    if (colour != nullptr) guess.doubt_colour(folder, colour->first, *pictures);
+    if (colour != nullptr) guess.place_colour(folder, colour->first, *pictures);
     if (depth->count > 1)
         if (auto timed = guess.find_rate(folder); !timed) return timed.error();
     GuessedScene made = guess.made();
@@ -134,7 +134,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (const auto colour = colour_beside(file, *pictures)) {
         guess.scene().folder->colour = colour->filename().string();
         guess.say("colour is " + guess.scene().folder->colour);
-        guess.doubt_colour(file.parent_path(), *colour, *pictures);
+        guess.place_colour(file.parent_path(), *colour, *pictures);
     } else if (stored.beside && stored.beside->colour) {
         guess.scene().folder->colour = name;
     }

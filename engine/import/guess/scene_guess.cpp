@@ -316,14 +316,36 @@ Result<void> SceneGuess::find_rate(const fs::path& folder) {
     return {};
 }
 
-/// Says so where colour is taken to lie on depth's pixels and a file there says something else.
-void SceneGuess::doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures) {
+/// Only of depth that has metres, as the movement has.
+bool SceneGuess::take_colour_camera(const fs::path& movement, const Image& colour) {
+    if (scene_.stored.kind == StoredDepth::Kind::relative) return false;
+    const auto found = visp_colour_camera(movement, beside_.file, colour.width, colour.height);
+    if (!found) return false;
+    scene_.colour_camera = found->camera;
+    if (!validate(described_)) {
+        scene_.colour_camera.reset();
+        return false;
+    }
+    inputs_.push_back(found->file);
+    const bool is_unit_told = preset_ != nullptr || known_.metres_per_code.has_value();
+    add_remark(scene_.remarks,
+               {"colour is brought onto depth's pixels, as " + printable(movement.filename().string()) +
+                    " and " + printable(found->file.filename().string()) + " say" +
+                    (is_unit_told ? "" : ", by the unit that is guessed"),
+                !is_unit_told, "a scene file's colour_camera says otherwise",
+                is_unit_told ? Hints{} : Hints{{Setting::depth_unit, ""}}});
+    return true;
+}
+
+void SceneGuess::place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures) {
     const fs::path here = folder.empty() ? fs::path(".") : folder;
+    const auto picture = pictures.look(colour);
     std::string why;
     if (const auto file = colour_movement_in(here)) {
-        why = file->filename().string() + " says how its camera stands";
         inputs_.push_back(*file);
-    } else if (const auto picture = pictures.look(colour); picture && has_camera_of_depth_) {
+        if (picture && take_colour_camera(*file, (*picture)->image)) return;
+        why = file->filename().string() + " says how its camera stands";
+    } else if (picture && has_camera_of_depth_) {
         const auto other =
             camera_of_colour_in(here, scene_, (*picture)->image.width, (*picture)->image.height);
         if (!other) return;

@@ -48,11 +48,13 @@ public:
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
     /// By the times of its frames, or a rate that a file beside them states.
     Result<void> find_rate(const std::filesystem::path& folder);
-    /// Says so where colour is taken to lie on depth's pixels and a file there says something else.
-    void doubt_colour(const std::filesystem::path& folder, const std::filesystem::path& colour,
+    /// Where files there say that colour does not lie on depth's pixels: takes colour's camera from them, or
+    /// says that colour is taken to lie there all the same.
+    void place_colour(const std::filesystem::path& folder, const std::filesystem::path& colour,
                       ReadPictures& pictures);
 
 private:
+    bool take_colour_camera(const std::filesystem::path& movement, const Image& colour);
     Result<void> find_camera(const std::filesystem::path& folder);
     std::string not_understood() const;
     void doubt_unit(const EstimatedValues& values);

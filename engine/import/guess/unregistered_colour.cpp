@@ -30,18 +30,28 @@ std::vector<fs::path> texts_of_colour(const fs::path& folder) {
     return files;
 }
 
-/// Of three or four rows.
-bool is_movement(const fs::path& file) {
+/// Of three or four rows; nothing where it is none, or moves nothing.
+std::optional<CameraPose> movement_of(const fs::path& file) {
     constexpr std::size_t longest = 1 << 12;
     auto text = read_given_file(file, file.string(), "a matrix", longest);
-    if (!text) return false;
+    if (!text) return {};
     std::istringstream words(std::move(*text));
     std::vector<double> numbers;
     for (double number = 0; words >> number;) numbers.push_back(number);
-    if (!words.eof() || (numbers.size() != 12 && numbers.size() != 16)) return false;
-    for (std::size_t k = 0; k < 12; ++k)
-        if (std::abs(numbers[k] - (k % 5 == 0 ? 1 : 0)) > 1e-6) return true;
-    return false;
+    if (!words.eof() || (numbers.size() != 12 && numbers.size() != 16)) return {};
+    CameraPose pose;
+    bool moves = false;
+    for (std::size_t k = 0; k < 12; ++k) {
+        moves = moves || std::abs(numbers[k] - (k % 5 == 0 ? 1 : 0)) > 1e-6;
+        (k % 4 == 3 ? pose.translation[k / 4] : pose.rotation[k / 4 * 3 + k % 4]) = numbers[k];
+    }
+    return moves ? std::optional(pose) : std::nullopt;
+}
+
+/// Of pictures of this size, unless it says another.
+Intrinsics sized(Intrinsics camera, int width, int height) {
+    if (camera.width <= 0 || camera.height <= 0) camera.width = width, camera.height = height;
+    return camera;
 }
 
 /// Whether a pixel is elsewhere by more than two hundredths of the picture.
@@ -55,8 +65,26 @@ bool differs(const Camera& a, const Camera& b, const Scene& scene) {
 
 std::optional<fs::path> colour_movement_in(const fs::path& folder) {
     for (const fs::path& file : texts_of_colour(folder))
-        if (has_word(file.stem().string(), {"depth", "extrinsic"}) && is_movement(file)) return file;
+        if (has_word(file.stem().string(), {"depth", "extrinsic"}) && movement_of(file)) return file;
     return {};
+}
+
+std::optional<VispColourCamera> visp_colour_camera(const fs::path& movement, const fs::path& camera_of_depth,
+                                                   int width, int height) {
+    const std::string stem = camera_of_depth.stem().string(), of_depth = "_depth";
+    const auto to_depth = movement_of(movement);
+    if (movement.filename() != "depth_M_color.txt" || !stem.ends_with(of_depth) || !to_depth) return {};
+    fs::path file = camera_of_depth;
+    file.replace_filename(stem.substr(0, stem.size() - of_depth.size()) +
+                          camera_of_depth.extension().string());
+    auto read = read_camera_file(file);
+    if (!read || read->has_distortion) return {};
+    return VispColourCamera{{scaled_camera(sized(read->intrinsics, width, height), width, height),
+                             width,
+                             height,
+                             {},
+                             to_depth->inverse()},
+                            file};
 }
 
 std::optional<fs::path> camera_of_colour_in(const fs::path& folder, const Scene& scene, int width,
@@ -65,8 +93,7 @@ std::optional<fs::path> camera_of_colour_in(const fs::path& folder, const Scene&
         if (has_word(file.stem().string(), {"depth"})) continue;
         auto read = read_camera_file(file);
         if (!read) continue;
-        Intrinsics& of_colour = read->intrinsics;
-        if (of_colour.width <= 0 || of_colour.height <= 0) of_colour.width = width, of_colour.height = height;
+        const Intrinsics of_colour = sized(read->intrinsics, width, height);
         if (differs(scaled_camera(of_colour, scene.width, scene.height), scene.camera, scene)) return file;
     }
     return {};
