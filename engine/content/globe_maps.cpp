@@ -143,12 +143,14 @@ MapPlace map_place(const glm::dvec3& direction) {
 }
 
 Result<void> check_globe_maps(const GlobeMaps& maps) {
+    // Before the mask, which is made of it where there is none.
+    if (!maps.elevation.empty() && maps.elevation.channels != 1)
+        return input_error("the elevation map has colours; must be grey");
     for (const auto& [map, which] : {std::pair{&maps.colour, "colour"},
                                      std::pair{&maps.elevation, "elevation"}, std::pair{&maps.mask, "mask"}})
         if (auto checked = check_map(*map, which); !checked.ok()) return checked;
     if (!maps.haptic.empty())
         if (auto checked = check_map(maps.haptic, "haptic"); !checked.ok()) return checked;
-    if (maps.elevation.channels != 1) return input_error("the elevation map has colours; must be grey");
     if (!maps.colour.values.empty() || !maps.haptic.values.empty())
         return input_error(std::string("the ") + (maps.colour.values.empty() ? "haptic" : "colour") +
                            " map holds numbers; must be a picture of 8 or 16 bits");
