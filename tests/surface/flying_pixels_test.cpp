@@ -139,10 +139,14 @@ Scene log_scene(double near, double far, double shift, int code_max, bool near_i
 // The gate of docs/conventions.md, step 5, for log codes.
 TEST(FlyingPixels, LogGateEqualsThreePointPolynomial) {
     int falling = 0, rising = 0;
-    for (const auto& [near, far, shift] : {std::array{0.01, 10.0, 3.5}, {400, 2800, 0}, {0.5, 1.5, -0.2}})
+    struct Planes {
+        double near, far, shift;
+    };
+    for (const Planes planes : {Planes{0.01, 10, 3.5}, {400, 2800, 0}, {0.5, 1.5, -0.2}})
         for (const int code_max : {300, 4095, 65535})
             for (const DepthLength share : {DepthLength{0.02, 0}, {0, 0.02}, {0.01, 0.01}, {0.2, 0.3}})
                 for (const bool near_is_high : {false, true}) {
+                    const double near = planes.near, far = planes.far, shift = planes.shift;
                     const double middle = std::sqrt((near + shift) * (far + shift)) - shift;
                     const DepthLength length{share.constant * middle, share.quadratic / middle};
                     const Scene scene = log_scene(near, far, shift, code_max, near_is_high, length);
