@@ -126,7 +126,7 @@ TEST_F(BarePicture, ImplausibleUnitIsDoubted) {
 // As much as the pixels of one frame need, twice as much to be touched.
 TEST_F(BarePicture, OfManyPixelsTakesMemoryForThemAlone) {
     constexpr int side = 6000;
-    constexpr double mebibytes = 128 + 5.0 * side * side / (1 << 20);
+    [[maybe_unused]] constexpr double mebibytes = 128 + 5.0 * side * side / (1 << 20);
     Image image{side, side, 2, 1, {}};
     image.samples.resize(std::size_t{2} * side * side);
     for (std::size_t k = 0; k < image.samples.size(); k += 2) {
