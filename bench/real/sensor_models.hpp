@@ -22,8 +22,7 @@ struct SensorModel {
     double mixed_share = 0;  ///< of the pixels at a silhouette, those anywhere between its sides
     double stray_share = 0;  ///< of all pixels, those that are at stray_mm
     double stray_mm = 0;
-    double lone_share =
-        0;  ///< of all pixels, those that are two levels nearer or farther than what is around them
+    double lone_share = 0;     ///< of all pixels, those that are two levels nearer or farther
     DepthLength stated_noise;  ///< the axial one as a scene states it
 
     /// Standard deviation of what is stored of a depth.
@@ -39,10 +38,10 @@ struct SensorModel {
 /// silhouettes: Nguyen, Izadi and Lovell 2012. Levels: even steps of disparity, 2.95 z^2 mm apart, which are
 /// the 2.73 z^2 + 0.74 z - 0.58 mm of Smisek, Jancosek and Pajdla 2011 to 3 % from 1 to 4 m. Millimetres.
 SensorModel kinect_v1();
-/// The same, with as many lone pixels two levels off as a recording had: with 0.3 % of them, 1.8 % of all
-/// faces have one for a corner.
+/// The same, with lone pixels two levels off: 0.3 % (assumed), so that 1.8 % of all faces have one for a
+/// corner, as about 1.7 % of a recording's forces were off by more than 20 degrees.
 SensorModel kinect_with_lone_pixels();
-/// Structured light whose levels are 20 mm apart at 1.5 m, as a ROS bag had them.
+/// Structured light whose levels are 20 mm apart at 1.5 m, with noise of 6 mm there (both assumed).
 SensorModel coarse_light();
 /// Time of flight: Azure Kinect, narrow and unbinned. Noise of 0.9 + 0.3 z^2 mm (assumed; z in metres), which
 /// neighbours share, millimetres.

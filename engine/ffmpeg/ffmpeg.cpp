@@ -50,7 +50,8 @@ bool encodes(const AVCodec& codec, AVPixelFormat format) {
 
 /// In the place of libsrt's two, which FFmpeg calls as it opens and closes a connection: libsrt 1.5.4 (Debian
 /// 13) does not count them (its issue 3098), so that one that is closed ends all others of the process, or
-/// waits for ever for one that is just opened. C's libraries, which export nothing of this, have it as it is.
+/// waits for ever for one that is just opened. The C libraries export nothing of
+/// this, so libsrt's own are called there.
 namespace {
 std::mutex srt_mutex;
 int srt_users = 0;
