@@ -15,25 +15,34 @@ std::vector<Target> make_real_targets(const std::string& choice) {
         drawn.push_back("real-search-drawn" + std::to_string(number));
         drawn_edges.push_back(named(("edges-drawn" + std::to_string(number)).c_str()));
     }
-    return {
-        {"direction, cube, RMS", {named("cube")}, "force_angle_deg_rms", below(5, "deg")},
-        {"direction, redwood, RMS", {named("redwood")}, "force_angle_deg_rms", below(6, "deg")},
-        {"direction, known room, Kinect, RMS", {kinect}, "force_angle_deg_rms", below(6, "deg")},
-        {"at rest, 20 to 500 Hz, Kinect", {kinect}, "force_band_mn", at_most(40, "mN")},
-        {"behind at 0.3 m/s, Kinect", {kinect}, "lag_mm", at_most(1.5, "mm")},
-        {"CPU time of a frame, 640x480", {kinect}, "frame_cpu_ms", at_most(1.5, "ms")},
-        {"relief of a pen of 5 pixels", edges, "pen_pct", {90, Sense::at_least, "%"}},
-        {"a step of 4 levels, one level off its sides", edges, "step_px", at_most(1, "px")},
-        {"between forms of the same depth",
-         {"real-forms-cube", "real-forms-redwood"},
-         "forms_apart_deg",
-         at_most(0.5, "deg")},
-        {"relief of a pen of 4 levels, drawn models", drawn_edges, "low_pen_pct", {95, Sense::at_least, "%"}},
-        {"a step of 4 levels, drawn models", drawn_edges, "step_px", at_most(1, "px")},
-        {"direction, drawn models, RMS", drawn, "force_angle_deg_chosen", at_most(6, "deg")},
-        {"direction, over the best of a search", drawn, "times_best", at_most(1.2, "")},
-        {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
-        {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
+    const std::string lone = named("relief-lone");
+    const auto at_least = [](double value, const char* unit) { return Limit{value, Sense::at_least, unit}; };
+    return {{"direction, cube, RMS", {named("cube")}, "force_angle_deg_rms", below(5, "deg")},
+            {"direction, redwood, RMS", {named("redwood")}, "force_angle_deg_rms", below(6, "deg")},
+            {"direction, known room, Kinect, RMS", {kinect}, "force_angle_deg_rms", below(6, "deg")},
+            {"at rest, 20 to 500 Hz, Kinect", {kinect}, "force_band_mn", at_most(40, "mN")},
+            {"behind at 0.3 m/s, Kinect", {kinect}, "lag_mm", at_most(1.5, "mm")},
+            {"CPU time of a frame, 640x480", {kinect}, "frame_cpu_ms", at_most(1.5, "ms")},
+            {"relief of a pen of 5 pixels", edges, "pen_pct", at_least(90, "%")},
+            {"a step of 4 levels, one level off its sides", edges, "step_px", at_most(1, "px")},
+            {"between forms of the same depth",
+             {"real-forms-cube", "real-forms-redwood"},
+             "forms_apart_deg",
+             at_most(0.5, "deg")},
+            {"relief of a pen of 4 levels, drawn models", drawn_edges, "low_pen_pct", at_least(95, "%")},
+            {"a step of 4 levels, drawn models", drawn_edges, "step_px", at_most(1, "px")},
+            {"direction, drawn models, RMS", drawn, "force_angle_deg_chosen", at_most(6, "deg")},
+            {"direction, over the best of a search", drawn, "times_best", at_most(1.2, "")},
+            {"lone pixels, faces over 20 degrees", {lone}, "over_20deg_pct", at_most(0.7, "%")},
+            {"lone pixels, direction, RMS", {lone}, "face_angle_deg_rms", at_most(5, "deg")},
+            {"low pen of 30 mm, coarse light", {named("relief-coarse")}, "low_pen_pct", at_least(70, "%")},
+            {"low pen of 8 mm, time of flight", {named("relief-azure")}, "low_pen_pct", at_least(80, "%")},
+            {"direction, half floats, RMS",
+             {named("relief-half-0.5m"), named("relief-half-1m"), named("relief-half-2m")},
+             "face_angle_deg_rms",
+             at_most(1.5, "deg")},
+            {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
+            {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
 }
 
 }  // namespace

@@ -40,7 +40,9 @@ void add_least_steps(std::vector<BenchCase>& cases, const SensorModel& model) {
 }
 
 /// A pen so many millimetres high.
-void add_low_relief(std::vector<BenchCase>& cases, const SensorModel& model, double middle, double pen) {
+void add_low_relief(std::vector<BenchCase>& cases, SensorModel model, double middle, double pen,
+                    const char* suffix = "") {
+    model.name += suffix;
     cases.push_back({"real-relief-" + model.name + "-chosen",
                      [=](Figures& figures) { return measure_low_relief(model, middle, pen, figures); }});
 }
@@ -105,6 +107,9 @@ std::vector<BenchCase> real_cases(bool quick) {
     add_low_relief(cases, kinect_with_lone_pixels(), 1000, 12);
     add_low_relief(cases, coarse_light(), 1500, 30);
     add_low_relief(cases, azure_kinect(), 1000, 8);
+    add_low_relief(cases, half_float_render(), 550, 2, "-0.5m");
+    add_low_relief(cases, half_float_render(), 1100, 4, "-1m");
+    add_low_relief(cases, half_float_render(), 2200, 8, "-2m");
     add_edges(cases, kinect_v1());
     add_edges(cases, d435(edges_focal_length));
     add_generated(cases);

@@ -43,6 +43,10 @@ double mixed(const SensorModel& model, const DepthMap& truth, int x, int y, doub
 
 /// The level nearest to a depth.
 double levelled(const SensorModel& model, double depth) {
+    if (model.half_floats) {
+        const double step = 1000 * std::exp2(std::ilogb(depth / 1000) - 10);
+        return step * std::floor(depth / step + 0.5);
+    }
     if (model.disparity_step == 0) return depth;
     return 1 / (model.disparity_step * std::max(1.0, std::floor(1 / depth / model.disparity_step + 0.5)));
 }
@@ -145,6 +149,15 @@ SensorModel azure_kinect() {
     model.axial_quadratic = 3e-7;
     model.mixed_share = 0.3;
     model.stated_noise = {0.9, 3e-7};
+    return model;
+}
+
+SensorModel half_float_render() {
+    SensorModel model;
+    model.name = "half";
+    model.far_mm = 15900;
+    model.code_mm = 1000.0 / 4096;  // of a half float from 0.25 to 0.5 m
+    model.half_floats = true;
     return model;
 }
 

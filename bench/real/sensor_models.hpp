@@ -23,6 +23,7 @@ struct SensorModel {
     double stray_share = 0;  ///< of all pixels, those that are at stray_mm
     double stray_mm = 0;
     double lone_share = 0;     ///< of all pixels, those that are two levels nearer or farther
+    bool half_floats = false;  ///< of metres: 11 bits from each power of two to the next
     DepthLength stated_noise;  ///< the axial one as a scene states it
 
     /// Standard deviation of what is stored of a depth.
@@ -46,6 +47,8 @@ SensorModel coarse_light();
 /// Time of flight: Azure Kinect, narrow and unbinned. Noise of 0.9 + 0.3 z^2 mm (assumed; z in metres), which
 /// neighbours share, millimetres.
 SensorModel azure_kinect();
+/// No camera: a render without noise, kept as half floats of metres up to 16 m.
+SensorModel half_float_render();
 /// Stereo with a base of 50 mm: disparity has a standard deviation of 0.08 pixels (Grunnet-Jepsen, Sweetser
 /// and Woodfill 2018) and steps of 1/32 pixel (Grunnet-Jepsen, Sweetser, Khuong, Tong and Woodfill 2019).
 /// Millimetres. `focal_length` in pixels.

@@ -21,9 +21,10 @@ constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_fro
 /// What the temporal filter is told, over the noise that was measured, by the median before it.
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// What leaves this much more than the best, or so few degrees, is as good.
-constexpr double as_good = 1.05, good_deg = 0.7;
-/// What a median costs in sharpness, in levels that are a least step wider.
-constexpr double harshness_of_median[] = {0, 0, 0, 0.35, 0, 0.9};
+constexpr double as_good = 1.10, good_deg = 0.7;
+/// What a median costs of a low pen's relief, in levels that are a least step wider (docs/real-depth.md, Low
+/// relief).
+constexpr double harshness_of_median[] = {0, 0, 0, 0.17, 0, 0.37};
 
 DepthLength least_step(const DepthLength& levels, const DepthLength& codes, const DepthLength& roughness,
                        double depth) {

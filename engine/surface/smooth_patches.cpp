@@ -27,6 +27,10 @@ constexpr int rounds_without_outliers = 3;
 constexpr double outlier_per_residual = 4;
 /// What is as rough in all pictures together as in one has not moved.
 constexpr double moves_per_residual = 1.1;
+/// Over 8x8 pixels of all pictures noise and levels have hardly a mean: over the residual 0.08 to 0.3 was
+/// measured where nothing stands out, 0.35 to 2 beside relief (docs/real-depth.md, Low relief).
+constexpr double relief_per_residual = 1.0 / 3;
+constexpr int relief_block = 8, relief_blocks = SmoothPatches::core / relief_block;
 
 using Terms = std::array<double, fit_terms>;
 
@@ -143,10 +147,12 @@ SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& 
         ++no_depth_;
     if (!pictures.empty()) choose(pictures.back());
     if (!enough()) return;
+    std::vector<const CodePicture*> all;
+    for (const CodePicture& picture : pictures) all.push_back(&picture);
+    fit_to_all(all);
     const int count = static_cast<int>(patches_.size()), across = std::min(count, most_across);
     mosaic_scene_.width = across * side;
     mosaic_scene_.height = (count + across - 1) / across * side;
-    fit_to_all(pictures);
     for (const CodePicture& picture : pictures) {
         mosaics_.push_back(mosaic(picture));
         mosaics_.back().number = static_cast<std::int64_t>(mosaics_.size());
@@ -177,9 +183,22 @@ const int* SmoothPatches::row_of(const CodePicture& picture, int x, int y) const
     return picture.row(kept_before(y, scene_.height)) + kept_before(x, scene_.width);
 }
 
-SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pictures, int left,
-                                         int top) const {
+template <class Visit>
+void SmoothPatches::each_depth(Pictures pictures, int left, int top, const Visit& visit) const {
     const bool is_range = scene_.depth.semantics == DepthSemantics::range;
+    for (const CodePicture* const picture : pictures)
+        for (int y = 0; y < core; ++y) {
+            const int* const row = row_of(*picture, left, top + y);
+            for (int x = 0; x < core; ++x) {
+                if (row[x] == CodePicture::invalid) continue;
+                const double inverse = inverse_of_code_[static_cast<std::size_t>(row[x])];
+                visit(x, y, inverse,
+                      is_range ? inverse * scene_.camera.ray_length(left + x, top + y) : inverse);
+            }
+        }
+}
+
+SmoothPatches::Fit SmoothPatches::fitted(Pictures pictures, int left, int top) const {
     const double all = core * core * static_cast<double>(pictures.size());
     // Of every pixel that has a depth, and lies within the limit of what was fitted before.
     Fit fit;
@@ -188,22 +207,13 @@ SmoothPatches::Fit SmoothPatches::fitted(std::span<const CodePicture* const> pic
     const auto each = [&](const auto& visit) {
         least = std::numeric_limits<double>::infinity();
         most = 0;
-        for (const CodePicture* const picture : pictures)
-            for (int y = 0; y < core; ++y) {
-                const int* const row = row_of(*picture, left, top + y);
-                for (int x = 0; x < core; ++x) {
-                    const int code = row[x];
-                    if (code == CodePicture::invalid) continue;
-                    const double inverse = inverse_of_code_[static_cast<std::size_t>(code)];
-                    const double w =
-                        is_range ? inverse * scene_.camera.ray_length(left + x, top + y) : inverse;
-                    const Terms terms = terms_at(middle_of(x), middle_of(y));
-                    if (std::fabs(w - sum_of(fit.of, terms)) > limit) continue;
-                    least = std::min(least, inverse);
-                    most = std::max(most, inverse);
-                    visit(terms, w);
-                }
-            }
+        each_depth(pictures, left, top, [&](int x, int y, double inverse, double w) {
+            const Terms terms = terms_at(middle_of(x), middle_of(y));
+            if (std::fabs(w - sum_of(fit.of, terms)) > limit) return;
+            least = std::min(least, inverse);
+            most = std::max(most, inverse);
+            visit(terms, w);
+        });
     };
     for (int round = 0; round < rounds_without_outliers; ++round) {
         LeastSquares sums;
@@ -255,14 +265,30 @@ void SmoothPatches::choose(const CodePicture& picture) {
         if (rough <= limit) patches_.push_back(patch);
 }
 
-/// Where nothing moves all pictures tell more than one.
-void SmoothPatches::fit_to_all(const std::deque<CodePicture>& pictures) {
-    std::vector<const CodePicture*> all;
-    for (const CodePicture& picture : pictures) all.push_back(&picture);
-    for (Patch& patch : patches_)
-        if (const Fit fit = fitted(all, patch.x, patch.y);
-            fit.ok && fit.residual <= moves_per_residual * patch.fit.residual)
-            patch.fit.of = fit.of;
+/// Whether a block of the core is beside the fit on the mean.
+bool SmoothPatches::has_relief(Pictures pictures, const Patch& patch) const {
+    std::array<double, relief_blocks * relief_blocks> sums{}, counts{};
+    each_depth(pictures, patch.x, patch.y, [&](int x, int y, double, double w) {
+        const auto block = static_cast<std::size_t>(y / relief_block * relief_blocks + x / relief_block);
+        sums[block] += w - sum_of(patch.fit.of, terms_at(middle_of(x), middle_of(y)));
+        ++counts[block];
+    });
+    for (std::size_t n = 0; n < sums.size(); ++n)
+        if (std::fabs(sums[n]) > relief_per_residual * patch.fit.residual * counts[n]) return true;
+    return false;
+}
+
+/// Where nothing moves all pictures tell more than one. Relief that filters keep would count as what they
+/// leave of noise.
+void SmoothPatches::fit_to_all(Pictures pictures) {
+    std::vector<Patch> flat;
+    for (Patch& patch : patches_) {
+        const Fit fit = fitted(pictures, patch.x, patch.y);
+        const bool stands_still = fit.ok && fit.residual <= moves_per_residual * patch.fit.residual;
+        if (stands_still) patch.fit.of = fit.of;
+        if (!has_relief(stands_still ? pictures : pictures.last(1), patch)) flat.push_back(patch);
+    }
+    if (flat.size() >= fewest) patches_ = std::move(flat);
 }
 
 RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {

@@ -20,8 +20,8 @@ namespace touchable {
 class SmoothPatches {
 public:
     /// Places are chosen in the last of some pictures of one size: of 8x8 parts of it the smoothest place in
-    /// each that is not all of one code, and of these those that are about as smooth as the best. Of the
-    /// pictures only what `cropped` leaves.
+    /// each that is not all of one code, and of these those that are about as smooth as the best, without the
+    /// ones that have a low relief where there are enough others. Of the pictures only what `cropped` leaves.
     SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures);
     /// The columns and rows in which a place can lie: of a side that is longer, 1536 at most.
     static CodePicture cropped(const CodePicture& picture);
@@ -65,12 +65,17 @@ private:
         int x = 0, y = 0;  // of the first pixel of its core
         Fit fit;
     };
+    using Pictures = std::span<const CodePicture* const>;
 
+    /// visit(x, y, 1/depth as stored, w) of each pixel of a core that has a depth.
+    template <class Visit>
+    void each_depth(Pictures pictures, int left, int top, const Visit& visit) const;
     /// To the same core in one picture, or several.
-    Fit fitted(std::span<const CodePicture* const> pictures, int left, int top) const;
+    Fit fitted(Pictures pictures, int left, int top) const;
+    bool has_relief(Pictures pictures, const Patch& patch) const;
     const int* row_of(const CodePicture& picture, int x, int y) const;
     void choose(const CodePicture& picture);
-    void fit_to_all(const std::deque<CodePicture>& pictures);
+    void fit_to_all(Pictures pictures);
     RawFrame mosaic(const CodePicture& picture) const;
 
     const Scene scene_;

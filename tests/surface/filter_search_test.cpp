@@ -34,6 +34,9 @@ struct Wall {
     double noise = 0;  ///< standard deviation, mm
     double level = 0;  ///< mm at a metre, of disparity; 0: none
     bool holes = false, strays = false;
+    double pens = 0;  ///< mm that pens stand out: columns 5 wide, 80 apart
+
+    static bool is_pen(int x) { return x % 80 >= 40 && x % 80 < 45; }
 
     CodePicture picture(std::uint64_t seed) const {
         Random random(seed);
@@ -43,7 +46,7 @@ struct Wall {
                 double depth = 1000 / (1 - 0.3 * (x - 159.5) / 300 + 0.2 * (y - 119.5) / 300);
                 double sum = -6;
                 for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
-                depth += noise * sum;
+                depth += noise * sum - (is_pen(x) ? pens : 0);
                 if (level > 0) {
                     const double step = level * 1e-6;
                     depth = 1 / (step * std::floor(1 / depth / step + 0.5));
@@ -165,6 +168,34 @@ TEST(SmoothPatches, OfALargePictureAreTheSamePixels) {
     }
 }
 
+// Pens of five times the noise fit into a patch that is about as smooth as the others.
+TEST(SmoothPatches, LeaveOutLowRelief) {
+    for (const double level : {0.0, 4.0}) {
+        const Wall wall{.noise = 2, .level = level, .pens = 10};
+        std::deque<CodePicture> pictures;
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n) pictures.push_back(wall.picture(n));
+        const SmoothPatches patches(scene_of_millimetres(), pictures);
+        ASSERT_TRUE(patches.enough());
+        for (const auto& [from, to] : patches.places())
+            for (int x = 2; x < SmoothPatches::core - 2; ++x)
+                EXPECT_FALSE(Wall::is_pen(from.x + x)) << from.x << " + " << x;
+        // Without pens no patch is left out.
+        pictures.clear();
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+            pictures.push_back(Wall{.noise = 2, .level = level}.picture(n));
+        EXPECT_GE(SmoothPatches(scene_of_millimetres(), pictures).places().size(), 60U);
+    }
+}
+
+// Where relief is everywhere, it is better to judge filters by it than by nothing.
+TEST(SmoothPatches, KeepLowReliefWhereNothingElseIs) {
+    CodePicture picture = Wall{.noise = 2}.picture(1);
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width; ++x)
+            if (x % 16 < 5) picture.codes[static_cast<std::size_t>(y * picture_width + x)] -= 10;
+    EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), {picture}).enough());
+}
+
 // A background of one code is the smoothest place of all, and says nothing.
 TEST(SmoothPatches, AreNotOfABackgroundOfOneCode) {
     std::deque<CodePicture> pictures = still_of({.level = 12});
@@ -197,6 +228,20 @@ TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
     EXPECT_LT(best.left_deg, 6);
     EXPECT_TRUE(best.terraces);
     for (std::size_t n = 1; n < tried.size(); ++n) EXPECT_GE(tried[n].harshness, tried[n - 1].harshness);
+}
+
+// Filters that smooth pens away leave no less than others, so the mildest is taken.
+TEST(FilterSearch, KeepsLowRelief) {
+    const auto chosen = [](double pens) {
+        std::deque<CodePicture> pictures;
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+            pictures.push_back(Wall{.noise = 2, .pens = pens}.picture(n));
+        const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {2, 0});
+        return *mildest_of_the_best(tried, true);
+    };
+    const TriedFilters with = chosen(12), without = chosen(0);
+    EXPECT_LE(with.harshness, without.harshness);
+    EXPECT_LT(with.left_deg, 1.3 * without.left_deg);
 }
 
 TEST(FilterSearch, TriesAllWithAndWithoutAveragingWhatIsNoisyFromFrameToFrame) {

@@ -123,26 +123,39 @@ TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
             }
 }
 
+/// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
 TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
     auto device = GpuDevice::open();
     ASSERT_TRUE(device.ok()) << device.error().message;
-    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
-    EXPECT_TRUE(make_vulkan_builder(scene, *device).ok());
+    const auto kernels = std::make_shared<SurfaceKernels>(*device);
+    const Scene scene = depth_scene(640, 400, 16, Marking::zero, {3, 0});
+    constexpr std::uint32_t row_texels = 80, texels = row_texels * 400, strips = 200;
     GpuLimits& limits = (*device)->vulkan()->facts.limits;
     const GpuLimits whole = limits;
-    limits.max_texel_buffer_elements = 8 * 40 - 1;
-    const auto few_texels = make_vulkan_builder(scene, *device);
-    ASSERT_FALSE(few_texels.ok());
-    EXPECT_EQ(few_texels.error().kind, ErrorKind::gpu);
-    EXPECT_NE(few_texels.error().message.find("64x40"), std::string::npos) << few_texels.error().message;
-    limits = whole;
-    limits.max_storage_buffer_range = 2 * 64 * 40 - 1;
-    EXPECT_FALSE(make_vulkan_builder(scene, *device).ok());
-    limits = whole;
-    limits.max_group_count[0] = 2;  // of eight strips each
-    const auto few_groups = make_vulkan_builder(scene, *device);
-    ASSERT_FALSE(few_groups.ok());
-    EXPECT_EQ(few_groups.error().kind, ErrorKind::gpu);
+    for (const SurfacePlan& plan : {all_plans[0], all_plans[1], plan_for((*device)->facts())}) {
+        const std::uint32_t segments =
+            plan.segment_texels > 0 ? groups_for(row_texels, plan.segment_texels) : 1;
+        const auto make_with = [&](std::uint32_t most_texels, std::uint32_t most_bytes,
+                                   std::uint32_t most_groups) {
+            limits.max_texel_buffer_elements = most_texels;
+            limits.max_storage_buffer_range = most_bytes;
+            limits.max_group_count[0] = most_groups;
+            auto made = make_vulkan_builder(scene, kernels, plan);
+            limits = whole;
+            return made;
+        };
+        const std::uint32_t bytes = 16 * texels, groups = groups_for(strips * segments, plan.group_size);
+        const auto fitting = make_with(texels, bytes, groups);
+        EXPECT_TRUE(fitting.ok()) << plan_text(plan) << ": " << fitting.error().message;
+        const auto expect_refusal = [&](const Result<std::unique_ptr<VulkanSurfaceBuilder>>& made) {
+            ASSERT_FALSE(made.ok()) << plan_text(plan);
+            EXPECT_EQ(made.error().kind, ErrorKind::gpu);
+            EXPECT_NE(made.error().message.find("640x400"), std::string::npos) << made.error().message;
+        };
+        expect_refusal(make_with(texels - 1, bytes, groups));
+        expect_refusal(make_with(texels, bytes - 1, groups));
+        expect_refusal(make_with(texels, bytes, groups - 1));
+    }
 }
 
 std::string stages_of(const FilterSettings& filter) {

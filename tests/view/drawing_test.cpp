@@ -99,6 +99,37 @@ std::size_t different(const Image& a, const Image& b, int most) {
     return count;
 }
 
+/// Whether a channel of a pixel of `a` is by more than `most` of 255 outside the range of values that `b` has
+/// there and in the eight pixels around.
+bool is_outside(const Image& a, const Image& b, int x, int y, int most) {
+    const auto value = [&](const Image& image, int u, int v, int channel) {
+        return int{image.samples[static_cast<std::size_t>((v * image.width + u) * 3 + channel)]};
+    };
+    for (int channel = 0; channel < 3; ++channel) {
+        int least = 255, greatest = 0;
+        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, b.height - 1); ++v)
+            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, b.width - 1); ++u) {
+                least = std::min(least, value(b, u, v, channel));
+                greatest = std::max(greatest, value(b, u, v, channel));
+            }
+        const int here = value(a, x, y, channel);
+        if (here < least - most || here > greatest + most) return true;
+    }
+    return false;
+}
+
+/// Pixels whose colour in one picture lies between no colours that the other has within a pixel. An edge that
+/// is smooth in one picture and hard in the other is no such place, however much of a pixel it covers.
+std::size_t different_beyond_edges(const Image& a, const Image& b, int most) {
+    EXPECT_EQ(a.samples.size(), b.samples.size());
+    if (a.samples.size() != b.samples.size()) return a.samples.size();
+    std::size_t count = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x)
+            count += is_outside(a, b, x, y, most) || is_outside(b, a, x, y, most);
+    return count;
+}
+
 TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
     const auto shown = shown_scene("globe", 203, 133);
     for (const char* painter : gpu_painters) {
@@ -176,8 +207,8 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
             const Image drawn = picture_of(*drawing, camera, fingers, sizes, target);
             const std::size_t marked = different(bare, expected, 3);
             EXPECT_GT(marked, 3000U);
-            // Edges are smooth in one and not in the other, and threads are ribbons.
-            EXPECT_LE(different(drawn, expected, 12), marked / 8) << painter << ", " << words;
+            // What is left: the thin ends of threads, which are ribbons on a GPU, and the tips of arrows.
+            EXPECT_LE(different_beyond_edges(drawn, expected, 12), marked / 32) << painter << ", " << words;
         }
     }
 }
