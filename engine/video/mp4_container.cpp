@@ -20,7 +20,7 @@
 namespace touchable {
 namespace {
 
-constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
+constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_format_version};
 
 /// The MPEG-4 scene of a file, as far as it has one.
 struct FoundScene {
