@@ -26,7 +26,7 @@ private:
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
-    std::vector<std::pair<PlaneRole, Plane>> planes_;
+    std::vector<StillPlane> planes_;
 };
 
 /// Puts its track where the order of roles has it. Whether one of the clip's own went.
@@ -56,7 +56,8 @@ Result<void> StillPlanesReader::lay(StillPlane still) {
     const std::string file = still.files.front().string();
     forget_notes_of(still.role);
     const bool replaces = replace_track(still);
-    notes_.push_back(file + " is " + std::string(role_name(still.role)) + " of every frame" +
+    notes_.push_back(file + " is " + std::string(role_name(still.role)) +
+                     (still.at ? ", frame by frame" : " of every frame") +
                      (replaces ? ", in place of the clip's own" : ""));
     std::move(still.notes.begin(), still.notes.end(), std::back_inserter(notes_));
     const TrackInfo& stored = still.info;
@@ -64,15 +65,20 @@ Result<void> StillPlanesReader::lay(StillPlane still) {
         notes_.push_back(resampling_note(still.role, stored.width, stored.height, scene_));
     auto fitted = fit_plane(still.role, std::move(still.plane), scene_, file);
     if (!fitted) return fitted.error();
-    planes_.emplace_back(still.role, std::move(*fitted));
+    still.plane = std::move(*fitted);
     for (auto& input : still.files) add_input(std::move(input));
+    planes_.push_back(std::move(still));
     return {};
 }
 
 Result<std::optional<RawFrame>> StillPlanesReader::next() {
     auto frame = ReaderAround::next();
     if (!frame || !*frame) return frame;
-    for (const auto& [role, plane] : planes_) add_plane(**frame, role, plane);
+    for (const StillPlane& still : planes_) {
+        auto plane = still.at ? still.at((*frame)->number, (*frame)->time_ns) : Result<Plane>(still.plane);
+        if (!plane) return plane.error();
+        add_plane(**frame, still.role, std::move(*plane));
+    }
     return frame;
 }
 

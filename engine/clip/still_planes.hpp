@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +21,8 @@ struct StillPlane {
     TrackInfo info;                              ///< how it is stored
     std::vector<std::filesystem::path> files{};  ///< that it was read from, the one that was named first
     std::vector<std::string> notes{};
+    /// Where it changes: the plane in a frame, which fits the scene, by its number and time.
+    std::function<Result<Plane>(std::int64_t frame, std::int64_t time_ns)> at{};
 };
 
 /// The clip with these planes under every frame, in place of its own of their roles. `scene` is the clip's

@@ -29,7 +29,9 @@ private:
     using Corner = std::array<std::uint32_t, 3>;
 
     void add_vertex(int x, int y);
-    void add_triangle(const Corner& corners);
+    void add_triangle(Corner corners);
+    bool is_edge(std::uint32_t a, std::uint32_t b) const;
+    std::uint32_t add_behind(std::uint32_t vertex, std::uint32_t deeper);
     void add_rectangle();
     /// Along -Z, scene units; nothing in a hole.
     std::optional<double> planar(int x, int y) const;
@@ -64,17 +66,35 @@ void MeshOfFrame::add_vertex(int x, int y) {
     add_position(x, y, there.value_or(scene_.depth.far));
 }
 
-/// Where no corner is in a hole, and none lies far behind another.
-void MeshOfFrame::add_triangle(const Corner& corners) {
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-        const std::uint32_t a = corners[k], b = corners[(k + 1) % corners.size()];
-        if (is_hole_[a]) return;
-        const auto &from = mesh_.positions[a], &to = mesh_.positions[b];
-        const double nearer = std::min(-from[2], -to[2]), deeper = to[2] - from[2];
-        const double across_x = nearer * (to[0] / to[2] - from[0] / from[2]),
-                     across_y = nearer * (to[1] / to[2] - from[1] / from[2]);
-        if (deeper * deeper > steepest * steepest * (across_x * across_x + across_y * across_y)) return;
-    }
+/// Whether one lies far behind the other.
+bool MeshOfFrame::is_edge(std::uint32_t a, std::uint32_t b) const {
+    const auto &from = mesh_.positions[a], &to = mesh_.positions[b];
+    const double nearer = std::min(-from[2], -to[2]), deeper = to[2] - from[2];
+    const double across_x = nearer * (to[0] / to[2] - from[0] / from[2]),
+                 across_y = nearer * (to[1] / to[2] - from[1] / from[2]);
+    return deeper * deeper > steepest * steepest * (across_x * across_x + across_y * across_y);
+}
+
+/// Another vertex where the camera sees this one, but as deep as that other.
+std::uint32_t MeshOfFrame::add_behind(std::uint32_t vertex, std::uint32_t deeper) {
+    std::array<float, 3> position = mesh_.positions[vertex];
+    const float farther = mesh_.positions[deeper][2] / position[2];
+    for (float& each : position) each *= farther;
+    mesh_.positions.push_back(position);
+    mesh_.texture_places.push_back(std::array(mesh_.texture_places[vertex]));
+    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
+}
+
+/// Where no corner is in a hole. Corners that lie far before another are as deep as that, so that from the
+/// clip's own camera nothing is missing between two surfaces.
+void MeshOfFrame::add_triangle(Corner corners) {
+    for (const std::uint32_t corner : corners)
+        if (is_hole_[corner]) return;
+    const std::uint32_t deepest = *std::min_element(
+        corners.begin(), corners.end(),
+        [this](std::uint32_t a, std::uint32_t b) { return mesh_.positions[a][2] < mesh_.positions[b][2]; });
+    for (std::uint32_t& corner : corners)
+        if (corner != deepest && is_edge(corner, deepest)) corner = add_behind(corner, deepest);
     mesh_.triangles.push_back(corners);
 }
 

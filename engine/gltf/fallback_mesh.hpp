@@ -18,8 +18,8 @@ struct FallbackMesh {
 };
 
 /// A frame's depth by at most 97 vertices along its longer side, heights and filters left out. Where it is a
-/// hole, or falls away so steeply that two surfaces lie behind each other, there is no triangle. Of a frame
-/// without depth: a rectangle.
+/// hole there is no triangle. Where it falls away so steeply that two surfaces lie behind each other, the
+/// deeper one goes on to the edge of the nearer. Of a frame without depth: a rectangle.
 FallbackMesh fallback_mesh(const RawFrame& frame, const Scene& scene);
 
 }  // namespace touchable

@@ -12,6 +12,7 @@
 #include "engine/import/image_folder.hpp"
 #include "engine/import/touch_maps/gltf_material.hpp"
 #include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/import/touch_videos.hpp"
 #include "engine/import/video_clip.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -67,6 +68,7 @@ private:
     }
     void find_planes();
     void find_touch();
+    TouchSource touch_source(const GltfLayer& property);
     SceneDescription described() const;
     SceneDescription assumed() const;
     bool take_ranges(Scene& scene) const;
@@ -82,7 +84,8 @@ private:
     const std::optional<Node> own_;  // what we wrote of it
     std::array<std::optional<ClipTexture>, all_roles.size()> planes_;
     std::optional<GltfTouch> touch_;
-    StillMaps maps_;  // pictures that serve all frames of a video
+    StillMaps maps_;                       // pictures that serve all frames of a video
+    std::optional<TouchSources> sources_;  // of touch that is no plane of ours, and moves
     std::vector<Remark> remarks_;
 };
 
@@ -156,30 +159,48 @@ void GltfClip::find_planes() {
     find_touch();
 }
 
-/// A material's textures that are one video are a plane; pictures are a map, as of any other clip.
+/// The video of a property, or its picture.
+TouchSource GltfClip::touch_source(const GltfLayer& property) {
+    if (!is_video(property.texture))
+        return TouchSource{.picture = gltf_.picture(gltf_.texture(property.texture)),
+                           .channel = property.channel};
+    const GltfVideo video = *plane(property.texture).video;
+    if (video.tracks.size() > 1)
+        throw Refusal{"a texture of touch is " + std::to_string(video.tracks.size()) +
+                      " tracks of its file: must be one"};
+    return TouchSource{.video = folder_ / video.file,
+                       .track = video.tracks.empty() ? std::nullopt : std::optional(video.tracks.front()),
+                       .channel = property.channel};
+}
+
+/// In a clip of ours a material's textures are one plane. Those of others are videos, each of its own;
+/// pictures alone are a map, as of any other clip.
 void GltfClip::find_touch() {
     if (!has_touch(gltf_)) return;
     touch_ = touch_of(gltf_);
     std::optional<std::size_t> texture;
-    bool is_one = true;
+    bool is_one = own_.has_value(), is_moving = false;
     for (std::size_t k = 0; k < touch_->properties.size(); ++k) {
         const auto& property = touch_->properties[k];
         if (!property) continue;
         is_one =
             is_one && (!texture || *texture == property->texture) && property->channel == static_cast<int>(k);
         texture = property->texture;
+        is_moving = is_moving || is_video(*texture);
     }
     if (touch_->height) planes_[static_cast<std::size_t>(PlaneRole::height)] = plane(touch_->height->texture);
     if (!texture) return;
-    const bool is_moving = is_video(*texture);
-    if (is_moving && !is_one)
-        throw Refusal{
-            "its stiffness and friction are not channels 0, 1 and 2 of one video, which alone is read "
-            "(\"extras\": {\"touchable_channel\": 1, \"touchable_kind\": \"static\"} beside a texture)"};
-    if (is_one && (is_moving || own_))
+    if (is_one) {
         planes_[static_cast<std::size_t>(PlaneRole::haptic)] = plane(*texture);
-    else
+        return;
+    }
+    if (!is_moving) {
         maps_.haptic = gltf_.file();
+        return;
+    }
+    sources_.emplace();
+    for (std::size_t k = 0; k < touch_->properties.size(); ++k)
+        if (const auto& property = touch_->properties[k]) (*sources_)[k] = touch_source(*property);
 }
 
 /// Of depth that says nothing of lengths: of larger values as a depth buffer's are, which are farther.
@@ -258,7 +279,7 @@ bool GltfClip::take_height(Scene& scene) const {
 }
 
 void GltfClip::take_touch(Scene& scene) {
-    const bool has_haptic = planes_[static_cast<std::size_t>(PlaneRole::haptic)].has_value();
+    const bool has_haptic = planes_[static_cast<std::size_t>(PlaneRole::haptic)] || sources_;
     const bool has_others = has_haptic && take_ranges(scene);
     const bool is_other = (touch_->height && take_height(scene)) || has_others;
     if (own_ && is_other)
@@ -351,6 +372,7 @@ Result<std::unique_ptr<ClipReader>> GltfClip::open(const std::optional<SceneDesc
     scene.scene.video.reset();
     const bool has_tracks = depth().video && !depth().video->tracks.empty();
     auto reader = has_tracks ? open_tracks(scene, colour) : open_files(std::move(scene), colour);
+    if (sources_) reader = with_touch_videos(std::move(reader), *sources_);
     if (!reader) return reader;
     (*reader)->add_input(gltf_.file());
     for (auto& file : files_of_others()) (*reader)->add_input(std::move(file));

@@ -1,10 +1,11 @@
 #include "engine/import/mp4_stills.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
 
-#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/byte_source.hpp"
 #include "engine/import/guess/stored_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/video/mp4_scene.hpp"
@@ -12,7 +13,8 @@
 namespace touchable {
 namespace {
 
-/// Each plane's picture, the first sample of its track.
+/// Each plane's picture, the first sample of its track. FFmpeg refuses files of MP4Box, so its tables are not
+/// asked.
 class Mp4Stills final : public FrameSource {
 public:
     explicit Mp4Stills(const SourceFile& source) : source_(source), file_(source.string()) {}
@@ -29,8 +31,27 @@ private:
     SourceFile source_;
     std::string file_;
     StillRules rules_{DepthCodingKind::linear, true};  // as the paper's own example is
-    std::array<int, all_roles.size()> streams_{};
+    std::array<mpeg4::FirstSample, all_roles.size()> samples_{};
 };
+
+/// Nothing where the scene has no such plane. Errors have no place.
+Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& movie, const Mp4Scene& scene,
+                                                          PlaneRole role) {
+    const auto track = track_of_plane(scene, role);
+    if (!track) return track.error();
+    if (!*track) return std::optional<mpeg4::FirstSample>();
+    const auto sample = mpeg4::first_sample_of(movie, **track);
+    if (!sample) return error_at("its MPEG-4 scene: " + std::string(role_name(role)), sample.error());
+    return std::optional(*sample);
+}
+
+constexpr std::uint64_t largest_picture = std::uint64_t{257} << 20;  // as of a picture in a file
+
+/// What the object types of an ImageTexture are.
+bool is_picture(const mpeg4::Bytes& begin) {
+    const std::string_view kind = picture_kind({reinterpret_cast<const char*>(begin.data()), begin.size()});
+    return kind == "PNG" || kind == "JPEG";
+}
 
 /// A texture that changes has no place among still ones.
 Result<void> check_textures(const mpeg4::ClipNodes& nodes, const std::string& file) {
@@ -44,33 +65,34 @@ Result<void> check_textures(const mpeg4::ClipNodes& nodes, const std::string& fi
 
 Result<void> Mp4Stills::find(const Mp4Scene& scene, StoredClip& clip) {
     if (auto checked = check_textures(scene.nodes, file_); !checked) return checked;
-    const auto tracks = Demuxer::open_quicktime(source_);
-    if (!tracks) return tracks.error();
+    const auto bytes = bytes_of_file(source_);
+    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+    if (!movie) return error_at(file_, movie.error());
     for (const PlaneRole role : all_roles) {
-        const auto stream = stream_of_plane(scene, **tracks, role);
-        if (!stream) return input_error(file_ + ": " + stream.error().message);
-        if (!*stream) continue;
-        streams_[static_cast<std::size_t>(role)] = **stream;
+        const auto sample = sample_of_plane(*movie, scene, role);
+        if (!sample) return error_at(file_, sample.error());
+        if (!*sample) continue;
+        samples_[static_cast<std::size_t>(role)] = **sample;
         clip.roles.push_back(role);
-        const std::int64_t pictures = (*tracks)->container().streams[**stream]->nb_frames;
-        if (pictures > 1)
+        if ((*sample)->count > 1)
             clip.notes.push_back("track " + std::string(role_name(role)) + " has " +
-                                 std::to_string(pictures) + " pictures; its ImageTexture is the first");
+                                 std::to_string((*sample)->count) +
+                                 " pictures; its ImageTexture is the first");
     }
     return {};
 }
 
 Result<StoredImage> Mp4Stills::stored(PlaneRole role) const {
-    const auto tracks = Demuxer::open_quicktime(source_);
-    if (!tracks) return tracks.error();
-    const int stream = streams_[static_cast<std::size_t>(role)];
-    (*tracks)->select(stream);
-    const auto packet = (*tracks)->next(stream);
-    if (!packet) return packet.error();
-    if (!*packet) return input_error(where(role, 0) + ": has no picture");
-    return decode_stored_image(std::string(reinterpret_cast<const char*>((*packet)->data),
-                                           static_cast<std::size_t>((*packet)->size)),
-                               where(role, 0));
+    const auto file = bytes_of_file(source_);
+    if (!file) return file.error();
+    const auto& [at, size, count] = samples_[static_cast<std::size_t>(role)];
+    const auto picture = size > largest_picture
+                             ? input_error("has " + std::to_string(size) + " bytes: must be " +
+                                           std::to_string(largest_picture) + " at most")
+                             : mpeg4::bytes_at(**file, at, size);
+    if (!picture) return error_at(where(role, 0), picture.error());
+    if (!is_picture(*picture)) return input_error(where(role, 0) + ": is neither PNG nor JPEG");
+    return decode_stored_image(std::string(picture->begin(), picture->end()), where(role, 0));
 }
 
 Result<TrackPicture> Mp4Stills::picture(PlaneRole role, std::int64_t frame) {
@@ -83,12 +105,14 @@ Result<TrackPicture> Mp4Stills::picture(PlaneRole role, std::int64_t frame) {
 bool is_mp4_stills(const SourceFile& file) {
     const auto scene = read_mp4_scene(file);
     if (!scene || !*scene || (*scene)->nodes.depth.is_movie) return false;
-    const auto tracks = Demuxer::open_quicktime(file);
-    const auto stream = tracks ? stream_of_plane(**scene, **tracks, PlaneRole::depth)
-                               : Result<std::optional<int>>(tracks.error());
-    if (!stream || !*stream) return false;
-    const AVCodecID codec = (*tracks)->container().streams[**stream]->codecpar->codec_id;
-    return codec == AV_CODEC_ID_PNG || codec == AV_CODEC_ID_MJPEG;
+    const auto bytes = bytes_of_file(file);
+    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+    const auto sample = movie ? sample_of_plane(*movie, **scene, PlaneRole::depth)
+                              : Result<std::optional<mpeg4::FirstSample>>(movie.error());
+    if (!sample || !*sample) return false;
+    constexpr std::uint64_t told_by = 16;
+    const auto begin = mpeg4::bytes_at(**bytes, (*sample)->at, std::min(told_by, (*sample)->bytes));
+    return begin && is_picture(*begin);
 }
 
 Result<std::unique_ptr<ClipReader>> open_mp4_stills(const SourceFile& file,

@@ -60,7 +60,7 @@ Result<SceneTree> SceneDecoder::decode() {
     if (bits_.get(2) != scene_replace)
         return wrong("an update of a scene: must be one that begins it (SceneReplace)");
     bits_.get(6);
-    has_names_ = bits_.flag();
+    has_names_ = scene_.has_names = bits_.flag();
     while (bits_.flag()) {
         auto made = prototype();
         if (!made) return made.error();
@@ -105,11 +105,12 @@ Result<Prototype> SceneDecoder::prototype() {
     if (has_names_) {
         auto text = name("PROTO");
         if (!text) return text.error();
-        if (prototype_named(scene_.prototypes, *text))
-            return wrong("PROTO " + in_quotes(*text) + ": must have a name of its own");
         made.name = std::move(*text);
     }
     if (auto read = prototype_fields(made); !read) return read.error();
+    if (!has_names_) name_by_fields(made);
+    if (prototype_named(scene_.prototypes, made.name))
+        return wrong("PROTO " + in_quotes(made.name) + ": must have a name of its own");
     if (bits_.flag()) {
         auto urls = values({FieldType::url, true}, NodeSlot::world, 1);
         if (!urls) return urls.error();

@@ -139,11 +139,7 @@ Result<NodeView> only_shape(const SceneTree& scene) {
                : NodeView(scene, *shape);
 }
 
-Result<void> read_depth(const NodeView& shape, ClipNodes& made) {
-    const auto geometry = shape.node("geometry");
-    if (!geometry) return geometry.error();
-    if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
-    const NodeView& depth = **geometry;
+Result<void> read_depth(const NodeView& depth, ClipNodes& made) {
     for (const auto& [name, member] : {std::pair{"focalLength", &made.focal_length},
                                        {"pixelWidth", &made.pixel_width},
                                        {"nearPlane", &made.near},
@@ -181,17 +177,30 @@ Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
     return {};
 }
 
-Result<void> read_appearance(const NodeView& shape, ClipNodes& made) {
-    const auto found = shape.node("appearance");
-    if (!found) return found.error();
-    if (!*found) return {};
-    const NodeView& appearance = **found;
-    auto colour = appearance.texture("texture");
-    if (!colour) return colour.error();
-    made.colour = std::move(*colour);
-    if (!appearance.values("hapticSurface")) return {};
-    const auto surface = appearance.node("hapticSurface");
+/// Nothing where the node has no such field, or it is NULL.
+Result<std::optional<NodeView>> haptic_surface_of(const NodeView& node) {
+    return node.values("hapticSurface") ? node.node("hapticSurface")
+                                        : Result<std::optional<NodeView>>(std::nullopt);
+}
+
+Result<void> read_shape(const NodeView& shape, ClipNodes& made) {
+    const auto geometry = shape.node("geometry"), appearance = shape.node("appearance");
+    if (!geometry) return geometry.error();
+    if (!appearance) return appearance.error();
+    if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
+    if (auto read = read_depth(**geometry, made); !read) return read;
+    auto surface = haptic_surface_of(**geometry);
     if (!surface) return surface.error();
+    if (*appearance) {
+        auto colour = (*appearance)->texture("texture");
+        if (!colour) return colour.error();
+        made.colour = std::move(*colour);
+        auto papers = haptic_surface_of(**appearance);
+        if (!papers) return papers.error();
+        if (*surface && *papers)
+            return shape.wrong("has a hapticSurface in its geometry and in its appearance: must be one");
+        if (*papers) surface->emplace(**papers);
+    }
     return *surface ? read_surface(**surface, made) : Result<void>();
 }
 
@@ -236,8 +245,8 @@ FieldValue pair_of(const PropertyRange& range) {
 }
 
 /// The paper's node as a prototype: with its fields, all of which may change, and its initial values.
-Prototype prototype_of(const char* type, const char* name, NodePtr body) {
-    Prototype made{.name = name, .fields = node_type(type)->fields, .body = {std::move(body)}};
+Prototype prototype_of(const char* type, NodePtr body) {
+    Prototype made{.name = type, .fields = node_type(type)->fields, .body = {std::move(body)}};
     for (FieldSpec& field : made.fields) {
         field.event = FieldEvent::exposed;
         field.slot = NodeSlot::world;
@@ -247,29 +256,32 @@ Prototype prototype_of(const char* type, const char* name, NodePtr body) {
 
 std::vector<Prototype> clip_prototypes(int width, int height) {
     const std::array size{static_cast<float>(width), static_cast<float>(height)};
-    const Node appearance{.type = "Appearance",
-                          .fields = {{"material", {}, "material"},
-                                     {"texture", {}, "texture"},
-                                     {"textureTransform", {}, "textureTransform"}}};
     const Node rectangle{.type = "Rectangle", .fields = {{"size", {size}}}};
-    return {prototype_of("HapticTextureSurface", "HapticTextureSurface",
-                         std::make_shared<Node>(Node{.type = "WorldInfo"})),
-            prototype_of("Appearance", "HapticAppearance", std::make_shared<Node>(appearance)),
-            prototype_of("Depth", "Depth", std::make_shared<Node>(rectangle))};
+    Prototype depth = prototype_of("Depth", std::make_shared<Node>(rectangle));
+    depth.fields.push_back({"hapticSurface", {FieldType::node}, FieldEvent::exposed, {NodePtr()}});
+    return {prototype_of("HapticTextureSurface", std::make_shared<Node>(Node{.type = "WorldInfo"})),
+            std::move(depth)};
 }
 
-}  // namespace
-
-Result<ClipNodes> clip_nodes_of(const SceneTree& scene) {
+Result<ClipNodes> nodes_in(const SceneTree& scene) {
     const auto shape = only_shape(scene);
     if (!shape) return shape.error();
     if (shape->is("DepthImage")) return from_depth_image(*shape);
     if (!shape->is("Shape")) return shape->wrong("must be a Shape");
     ClipNodes made;
     made.scene_file = scene_file_in(scene);
-    if (auto read = read_depth(*shape, made); !read) return read.error();
-    if (auto read = read_appearance(*shape, made); !read) return read.error();
+    if (auto read = read_shape(*shape, made); !read) return read.error();
     return made;
+}
+
+}  // namespace
+
+Result<ClipNodes> clip_nodes_of(const SceneTree& scene) {
+    auto nodes = nodes_in(scene);
+    if (nodes || scene.has_names || scene.prototypes.empty()) return nodes;
+    return input_error(nodes.error().message +
+                       " (the scene is encoded without names, so a PROTO is known by the types of its fields "
+                       "alone; MP4Box -def writes names)");
 }
 
 SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
@@ -280,18 +292,20 @@ SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
                             {"maxHeight", {real(nodes.max_height)}}}};
     if (nodes.haptic) surface.fields.push_back({"hapticTexture", {texture_node(nodes.haptic)}});
     if (nodes.height) surface.fields.push_back({"heightTexture", {texture_node(nodes.height)}});
-    Node appearance{.type = "HapticAppearance"};
-    if (nodes.colour) appearance.fields.push_back({"texture", {texture_node(nodes.colour)}});
-    appearance.fields.push_back({"hapticSurface", {std::make_shared<Node>(std::move(surface))}});
     const Node depth{.type = "Depth",
                      .fields = {{"focalLength", {real(nodes.focal_length)}},
                                 {"pixelWidth", {real(nodes.pixel_width)}},
                                 {"nearPlane", {real(nodes.near)}},
                                 {"farPlane", {real(nodes.far)}},
-                                {"texture", {texture_node(nodes.depth)}}}};
-    const Node shape{.type = "Shape",
-                     .fields = {{"appearance", {std::make_shared<Node>(std::move(appearance))}},
-                                {"geometry", {std::make_shared<Node>(depth)}}}};
+                                {"texture", {texture_node(nodes.depth)}},
+                                {"hapticSurface", {std::make_shared<Node>(std::move(surface))}}}};
+    Node shape{.type = "Shape"};
+    if (nodes.colour)
+        shape.fields.push_back(
+            {"appearance",
+             {std::make_shared<Node>(
+                 Node{.type = "Appearance", .fields = {{"texture", {texture_node(nodes.colour)}}}})}});
+    shape.fields.push_back({"geometry", {std::make_shared<Node>(depth)}});
     Node root{.type = "Group", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
     if (!nodes.scene_file.empty()) root.fields[0].values.emplace_back(scene_file_node(nodes.scene_file));
     return {clip_prototypes(width, height), std::make_shared<Node>(root)};

@@ -17,9 +17,9 @@ struct PlaneTexture {
     bool operator==(const PlaneTexture&) const = default;
 };
 
-/// What the nodes of a touchable clip say (the paper's Fig. 9 to 12): one Shape whose geometry is a Depth and
-/// whose Appearance has a HapticTextureSurface; or MPEG-4's own DepthImage, which cannot be felt otherwise
-/// than everywhere alike.
+/// What the nodes of a touchable clip say (the paper's Fig. 9 to 12): one Shape whose geometry is a Depth,
+/// with a HapticTextureSurface in its Appearance, as the paper has it, or in its Depth, as it is written
+/// here; or MPEG-4's own DepthImage, which cannot be felt otherwise than everywhere alike.
 struct ClipNodes {
     /// Of the paper's camera: square pixels, in one unit of length; of a DepthImage: 0.
     double focal_length = 0, pixel_width = 0;
@@ -41,8 +41,9 @@ struct ClipNodes {
 Result<ClipNodes> clip_nodes_of(const SceneTree& scene);
 
 /// The same by prototypes, so that every reader of MPEG-4 takes it: one that knows nothing of touch shows a
-/// rectangle with the clip's colour. Prototypes have the paper's initial values; all values are said.
-/// `width`, `height`: of the picture, pixels.
+/// rectangle with the clip's colour. The Appearance is MPEG-4's own: GPAC takes whatever stands there for
+/// one, and a prototype crashes it. So `hapticSurface` is a field of the prototype Depth. Prototypes have the
+/// paper's initial values; all values are said. `width`, `height`: of the picture, pixels.
 SceneTree scene_of(const ClipNodes& nodes, int width, int height);
 
 }  // namespace touchable::mpeg4

@@ -180,6 +180,25 @@ const std::vector<FieldSpec>* fields_of(std::span<const Prototype> prototypes, s
     return known ? &known->fields : nullptr;
 }
 
+void name_by_fields(Prototype& prototype) {
+    const FieldSpec& surface = node_type("Appearance")->fields.back();
+    std::vector<FieldSpec> depth = node_type("Depth")->fields, depth_of_ours = depth;
+    depth_of_ours.push_back(surface);
+    const std::pair<const char*, std::vector<FieldSpec>> known[] = {
+        {"HapticTextureSurface", node_type("HapticTextureSurface")->fields},
+        {"Depth", std::move(depth_of_ours)},
+        {"Depth", std::move(depth)},
+        {"HapticAppearance", node_type("Appearance")->fields}};
+    for (const auto& [name, fields] : known) {
+        if (!std::equal(fields.begin(), fields.end(), prototype.fields.begin(), prototype.fields.end(),
+                        [](const FieldSpec& a, const FieldSpec& b) { return a.kind == b.kind; }))
+            continue;
+        prototype.name = name;
+        for (std::size_t k = 0; k < fields.size(); ++k) prototype.fields[k].name = fields[k].name;
+        return;
+    }
+}
+
 std::string_view kind_name(FieldKind kind) {
     for (const auto& [type, names] : kind_names)
         if (type == kind.type) return names[kind.is_list ? 1 : 0];

@@ -40,6 +40,10 @@ const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view
 /// The fields of a node; null where it is neither a prototype nor a node that is known.
 const std::vector<FieldSpec>* fields_of(std::span<const Prototype> prototypes, std::string_view type);
 
+/// A prototype whose fields have the types of those of a prototype of ours, in that order, gets its name, and
+/// they get theirs: HapticTextureSurface, Depth, HapticAppearance. Any other stays as it is.
+void name_by_fields(Prototype& prototype);
+
 /// "SFFloat", "MFURL".
 std::string_view kind_name(FieldKind kind);
 std::optional<FieldKind> kind_named(std::string_view name);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/mpeg4/scene_stream.hpp"
+#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -63,8 +64,7 @@ std::vector<Track> tracks_of(std::span<const Box> boxes) {
     return tracks;
 }
 
-/// Its first, which says all.
-Result<Bytes> first_sample(const Track& track, const ReadBytes& read) {
+Result<FirstSample> first_sample_of(const Track& track) {
     const auto of = [&](std::string_view table) {
         return content_at(track.content, {"mdia", "minf", "stbl", table});
     };
@@ -72,12 +72,21 @@ Result<Bytes> first_sample(const Track& track, const ReadBytes& read) {
     const std::uint64_t common = number_at(sizes, 4, 4);
     const std::uint64_t size = common > 0 ? common : number_at(sizes, 12, 4);
     const bool is_near = places.size() >= 12;
-    if (sizes.size() < 12 || (!is_near && far_places.size() < 16))
-        return input_error("track " + std::to_string(track.id) + " (" + track.handler + ") has no sample");
-    if (size == 0 || size > most_sample_bytes)
-        return input_error("track " + std::to_string(track.id) + " (" + track.handler + ") has a sample of " +
-                           std::to_string(size) + " bytes: must be 1 to 65536");
-    return read(is_near ? number_at(places, 8, 4) : number_at(far_places, 8, 8), size);
+    if (sizes.size() < 12 || size == 0 || (!is_near && far_places.size() < 16))
+        return input_error("track " + std::to_string(track.id) + " (" + in_quotes(track.handler) +
+                           ") has no sample");
+    return FirstSample{is_near ? number_at(places, 8, 4) : number_at(far_places, 8, 8), size,
+                       number_at(sizes, 8, 4)};
+}
+
+/// Its first, which says all.
+Result<Bytes> first_sample(const Track& track, const ReadBytes& read) {
+    const auto sample = first_sample_of(track);
+    if (!sample) return sample.error();
+    if (sample->bytes > most_sample_bytes)
+        return input_error("track " + std::to_string(track.id) + " has a sample of " +
+                           std::to_string(sample->bytes) + " bytes: must be 1 to 65536");
+    return read(sample->at, sample->bytes);
 }
 
 Result<BifsConfig> config_of(const Track& track) {
@@ -136,6 +145,14 @@ Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, Byte
 }
 
 }  // namespace
+
+Result<FirstSample> first_sample_of(BytesView moov, std::uint32_t track) {
+    const auto boxes = boxes_in(moov);
+    if (!boxes) return boxes.error();
+    for (const Track& each : tracks_of(*boxes))
+        if (each.id == track) return first_sample_of(each);
+    return input_error("has no track " + std::to_string(track));
+}
 
 Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadBytes& read) {
     const auto boxes = boxes_in(moov);

@@ -168,6 +168,17 @@ bool shows_pictures(BytesView trak) {
     return number_at(content_at(trak, {"mdia", "hdlr"}), 8, 4) == 0x76696465;  // vide
 }
 
+/// The same track as one that is there: of one that is not enabled MPEG-4 Systems know no object.
+Bytes enabled(BytesView trak) {
+    constexpr std::string_view head[] = {"tkhd"};
+    const BytesView before = content_at(trak, {"tkhd"});
+    constexpr std::size_t last_flags = 3;
+    if (before.size() <= last_flags) return {trak.begin(), trak.end()};
+    Bytes after(before.begin(), before.end());
+    after[last_flags] |= 1;
+    return with_content(trak, head, after);
+}
+
 /// The same track, as auxiliary to another one if it has pictures and is not that one.
 Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
     if (track_id(trak) == shown || !shows_pictures(trak)) return Bytes(trak.begin(), trak.end());
@@ -238,7 +249,10 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
         } else {
             const auto trak = marked(part.content, shown);
             if (!trak) return trak.error();
-            put_box(movie, "trak", *trak);
+            const bool is_object = std::any_of(
+                stream.objects.begin(), stream.objects.end(),
+                [id = track_id(part.content)](const auto& object) { return object.second == id; });
+            put_box(movie, "trak", is_object ? enabled(*trak) : *trak);
         }
     }
     if (!are_added) add_tracks();

@@ -108,6 +108,7 @@ struct Prototype {
 struct SceneTree {
     std::vector<Prototype> prototypes;
     NodePtr root;
+    bool has_names = true;  ///< the binary form may leave them out (name_by_fields)
 };
 
 /// Whether nodes, prototypes and fields may be called so: both forms have all of it, and text reads it as

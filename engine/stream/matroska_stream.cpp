@@ -91,7 +91,7 @@ Result<void> MatroskaStream::begin(const RawFrame& first) {
                                     scene_to_json(said_of_clip(described_)));
         !attached)
         return attached;
-    add_clip_tags(muxer_->context(), scene_.rate);
+    add_clip_tags(muxer_->context(), scene_.rate, clip_format_version);
     av_dict_set(&muxer_->context().metadata, clip_tags::stream_tag, "1", 0);
     if (auto begun = muxer_->begin("live=1"); !begun) return begun;
     header_ = muxer_->take();

@@ -24,9 +24,9 @@ Result<FrameRate> ClipContainer::tagged_rate(const Demuxer& file,
     const auto number = clip_tags::parse_version(*version);
     if (!number)
         return refuse("its tag T3D_VERSION is " + in_quotes(*version) + ": must be a whole number from 1");
-    if (*number > clip_format_version)
+    if (*number > words_.newest_version)
         return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
-                      std::to_string(clip_format_version) + ": use a newer one");
+                      std::to_string(words_.newest_version) + ": use a newer one");
     const auto stated = file.tag(clip_tags::rate_tag);
     auto rate = stated ? clip_tags::parse_rate(*stated) : std::nullopt;
     if (!rate || clip_tags::is_too_fast(*rate))

@@ -32,10 +32,11 @@ struct WholePart {
     bool is_uneven = false;  ///< tracks end at different frames
 };
 
-/// How a kind of container calls what describes a clip, in messages.
+/// How a kind of container calls what describes a clip, in messages, and its newest format that is read.
 struct ContainerWords {
     const char* scene;  ///< "scene.json"
     const char* times;  ///< "timestamps.txt"
+    int newest_version;
 };
 
 /// How a kind of container holds a touchable clip. Errors name the file.

@@ -21,7 +21,8 @@ Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
                                                   const std::optional<SceneDescription>& described,
                                                   Colour colour = Colour::wanted);
 /// Whether a file is one of these: it has tags of ours, an MPEG-4 scene of a clip, or tracks that are named
-/// as planes of touch. One whose scene is damaged may be, unless somebody else describes it.
+/// as planes of touch. One whose scene is damaged may be, or is no clip where FFmpeg cannot read the file,
+/// unless somebody else describes it: its reader says what is wrong with the scene.
 bool is_mp4_clip(const SourceFile& file, bool is_described);
 
 /// A plane in an MP4 file: the numbers of its track, and of that with the low bits of samples of more than 8.

@@ -23,8 +23,8 @@ SceneDescription said_of_clip(const SceneDescription& described) {
     return said;
 }
 
-void add_clip_tags(AVFormatContext& muxer, const FrameRate& rate) {
-    av_dict_set_int(&muxer.metadata, clip_tags::version_tag, clip_format_version, 0);
+void add_clip_tags(AVFormatContext& muxer, const FrameRate& rate, int version) {
+    av_dict_set_int(&muxer.metadata, clip_tags::version_tag, version, 0);
     av_dict_set(&muxer.metadata, clip_tags::rate_tag, clip_tags::rate_text(rate).c_str(), 0);
 }
 

@@ -16,8 +16,8 @@ namespace touchable {
 /// The scene as the clip says it: its frames are here now.
 SceneDescription said_of_clip(const SceneDescription& described);
 
-/// Of the whole: its rate, and that it is a clip of ours.
-void add_clip_tags(AVFormatContext& muxer, const FrameRate& rate);
+/// Of the whole: its rate, and that it is a clip of ours, of this version.
+void add_clip_tags(AVFormatContext& muxer, const FrameRate& rate, int version);
 
 /// A track of pictures, its times in milliseconds; `check` knows the planes.
 Result<void> add_plane_stream(AVFormatContext& muxer, const TrackEncoder& encoder, PlaneRole role,

@@ -17,7 +17,7 @@ namespace {
 class MatroskaContainer final : public ClipContainer {
 public:
     explicit MatroskaContainer(const SourceFile& source)
-        : ClipContainer(source, {clip_tags::scene_file, clip_tags::times_file}) {}
+        : ClipContainer(source, {clip_tags::scene_file, clip_tags::times_file, clip_format_version}) {}
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;

@@ -98,7 +98,7 @@ Result<void> MatroskaWriter::begin_file() {
         if (auto added = add_copied_track(copy_->stream(k), copy_->role(k)); !added) return added;
     if (auto added = add_sound_stream(); !added) return added;
     if (auto attached = attach_scene(); !attached) return attached;
-    add_tags();
+    add_tags(clip_format_version);
     begun_ = true;
     return write_header();
 }

@@ -20,7 +20,7 @@
 namespace touchable {
 namespace {
 
-constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
+constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_format_version};
 
 /// The MPEG-4 scene of a file, as far as it has one.
 struct FoundScene {
@@ -38,7 +38,9 @@ FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
     const auto tree = mpeg4::decode_scene((*stream)->scene, (*stream)->config);
     if (!tree) return damaged("its MPEG-4 scene is damaged: " + tree.error().message);
     auto nodes = mpeg4::clip_nodes_of(*tree);
-    if (!nodes) return {.fault = "its MPEG-4 scene is no touchable clip: " + nodes.error().message};
+    if (!nodes)
+        return {.is_damaged = !tree->has_names && !tree->prototypes.empty(),
+                .fault = "its MPEG-4 scene is no touchable clip: " + nodes.error().message};
     return {.scene = Mp4Scene{std::move(**stream), std::move(*nodes)}};
 }
 
@@ -51,6 +53,16 @@ Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t tr
             container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
             return std::optional(static_cast<int>(k));
     return input_error(what + ", track " + std::to_string(track) + ", which has no pictures");
+}
+
+std::optional<mpeg4::PlaneTexture> texture_of_plane(const mpeg4::ClipNodes& nodes, PlaneRole role) {
+    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
+                                                           nodes.height};
+    return textures[static_cast<std::size_t>(role)];
+}
+
+std::string object_in_words(const std::string& plane, const mpeg4::PlaneTexture& texture) {
+    return "its MPEG-4 scene: " + plane + " is object " + std::to_string(texture.url.object);
 }
 
 /// What a program that makes such files with names alone calls the planes.
@@ -107,8 +119,11 @@ Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
     if (!file) return file.error();
     if (!is_looked_at_)
         if (auto looked = look_at(**file); !looked) return looked.error();
-    return Demuxer::open_quicktime(
+    auto opened = Demuxer::open_quicktime(
         fragments_ ? mpeg4::plain_file(*fragments_, std::move(*file)) : std::move(*file), file_);
+    // FFmpeg refuses files of MP4Box with words that say nothing of the scene.
+    if (!opened && !scene_.fault.empty()) return refuse_scene();
+    return opened;
 }
 
 Result<void> Mp4Container::look_at(ByteSource& file) {
@@ -307,21 +322,25 @@ Result<std::optional<Mp4Scene>> read_mp4_scene(const SourceFile& file) {
     return std::move(found.scene);
 }
 
-Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
+Result<std::optional<std::uint32_t>> track_of_plane(const Mp4Scene& scene, PlaneRole role) {
     const std::string name(role_name(role));
-    const mpeg4::ClipNodes& nodes = scene.nodes;
-    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
-                                                           nodes.height};
-    const auto& texture = textures[static_cast<std::size_t>(role)];
-    if (!texture) return std::optional<int>();
+    const auto texture = texture_of_plane(scene.nodes, role);
+    if (!texture) return std::optional<std::uint32_t>();
     if (texture->url.object == 0)
         return input_error("its MPEG-4 scene has " + name + " in another file (" +
                            in_quotes(texture->url.file) + "): must be a track of its own");
-    const std::string object =
-        "its MPEG-4 scene: " + name + " is object " + std::to_string(texture->url.object);
     const auto track = scene.stream.objects.find(texture->url.object);
-    if (track == scene.stream.objects.end()) return input_error(object + ", which is no track");
-    return stream_numbered(file, track->second, object);
+    if (track == scene.stream.objects.end())
+        return input_error(object_in_words(name, *texture) + ", which is no track");
+    return std::optional(track->second);
+}
+
+Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
+    const auto track = track_of_plane(scene, role);
+    if (!track) return track.error();
+    if (!*track) return std::optional<int>();
+    return stream_numbered(
+        file, **track, object_in_words(std::string(role_name(role)), *texture_of_plane(scene.nodes, role)));
 }
 
 bool is_mp4_clip(const SourceFile& file, bool is_described) {
@@ -331,7 +350,8 @@ bool is_mp4_clip(const SourceFile& file, bool is_described) {
     const std::string_view tag = clip_tags::version_tag;
     if (std::search(movie->begin(), movie->end(), tag.begin(), tag.end()) != movie->end()) return true;
     const FoundScene found = scene_in(*movie, **bytes);
-    return found.scene || has_tracks_of_touch(*movie) || (found.is_damaged && !is_described);
+    if (found.scene || has_tracks_of_touch(*movie)) return true;
+    return !is_described && !found.fault.empty() && (found.is_damaged || !Demuxer::open_quicktime(file));
 }
 
 std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file, const std::optional<PlaneTracks>& told) {

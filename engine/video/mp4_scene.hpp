@@ -20,8 +20,9 @@ struct Mp4Scene {
 /// Nothing where a file has no such scene. Errors name the file.
 Result<std::optional<Mp4Scene>> read_mp4_scene(const SourceFile& file);
 
-/// Which of a file's streams of pictures a plane is; nothing where the scene has no such plane. Errors have
-/// no place.
+/// The number of the track that a plane is; nothing where the scene has no such plane. Errors have no place.
+Result<std::optional<std::uint32_t>> track_of_plane(const Mp4Scene& scene, PlaneRole role);
+/// Likewise which of a file's streams of pictures it is.
 Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role);
 
 }  // namespace touchable

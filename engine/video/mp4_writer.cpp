@@ -179,7 +179,7 @@ Result<void> Mp4Writer::begin_fragments() {
 }
 
 Result<void> Mp4Writer::tag_scene() {
-    add_tags();
+    add_tags(storage_.fragmented ? clip_format_version : mp4_format_version);
     AVDictionary*& tags = muxer_->metadata;
     av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
     if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);

@@ -14,6 +14,9 @@ namespace touchable {
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
 inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (camera_path.hpp)
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text.hpp, of a variable rate
+/// From version 3 on, the scene has `hapticSurface` in Depth. Fragments, which have no scene, are still of
+/// version 2.
+inline constexpr int mp4_format_version = 3;
 /// Bits of the largest height code; the low ones beyond 8 are in a track of their own.
 constexpr int height_bits(const HeightCoding& height) {
     return std::bit_width(height.code_max);

@@ -62,8 +62,8 @@ SceneDescription MuxedClipWriter::to_be_said() const {
     return said_of_clip(described);
 }
 
-void MuxedClipWriter::add_tags() {
-    add_clip_tags(*muxer_, scene_.rate);
+void MuxedClipWriter::add_tags(int version) {
+    add_clip_tags(*muxer_, scene_.rate, version);
 }
 
 Result<void> MuxedClipWriter::add_sound_stream() {

@@ -46,8 +46,8 @@ protected:
     Result<void> check_status(int status) const;
     /// The scene as the clip says it: its frames are here now.
     SceneDescription to_be_said() const;
-    /// Of the file: its rate, and that it is a clip of ours.
-    void add_tags();
+    /// Of the file: its rate, and that it is a clip of ours, of this version.
+    void add_tags(int version);
     /// The stream after those of the pictures, where there is sound.
     Result<void> add_sound_stream();
     Result<void> write_header(AVDictionary* options = nullptr);

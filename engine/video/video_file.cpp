@@ -78,11 +78,12 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
     return {has_mean ? FrameRate{mean.num, mean.den} : FrameRate{}, false};
 }
 
-Result<std::unique_ptr<VideoFile>> VideoFile::open(const SourceFile& file, PlaneRole role) {
+Result<std::unique_ptr<VideoFile>> VideoFile::open(const SourceFile& file, PlaneRole role,
+                                                   std::optional<std::uint32_t> track) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file.path(), ignored))
         return input_error(file.string() + ": is no file: must be a video");
-    std::unique_ptr<VideoFile> video(new VideoFile(file, role));
+    std::unique_ptr<VideoFile> video(new VideoFile(file, role, track));
     if (auto opened = video->rewind(); !opened) return opened.error();
     if (auto read = video->read_times(); !read) return read.error();
     if (auto opened = video->rewind(); !opened) return opened.error();
@@ -99,7 +100,8 @@ Result<void> VideoFile::rewind() {
     const auto has_pictures = [&](int k) {
         const AVStream& stream = *container.streams[k];
         return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
-               (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+               (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0 &&
+               (!track_ || stream.id == static_cast<int>(*track_));
     };
     bool has_disparity = false;
     for (int k = 0; k < streams; ++k) has_disparity = has_disparity || demuxer_->is_disparity(k);
@@ -114,7 +116,9 @@ Result<void> VideoFile::rewind() {
             stream_ = k;
             break;
         }
-    if (stream_ == streams) return input_error(file_.string() + ": has no video track");
+    if (stream_ == streams)
+        return input_error(file_.string() + (track_ ? ": has no pictures in track " + std::to_string(*track_)
+                                                    : ": has no video track"));
     auto decoder = TrackDecoder::open(*container.streams[stream_], role_, file_.string());
     if (!decoder) return decoder.error();
     decoder_ = std::move(*decoder);

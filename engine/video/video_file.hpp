@@ -32,8 +32,9 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
 class VideoFile {
 public:
     /// Reads the file once from end to end, without decoding, for the times of its frames. `role` is how
-    /// messages call the track.
-    static Result<std::unique_ptr<VideoFile>> open(const SourceFile& file, PlaneRole role);
+    /// messages call the track. `track`: its number in the file, where somebody says it.
+    static Result<std::unique_ptr<VideoFile>> open(const SourceFile& file, PlaneRole role,
+                                                   std::optional<std::uint32_t> track = {});
 
     const SourceFile& file() const { return file_; }
     /// Of an iPhone's Cinematic video, whose depth is this one's track.
@@ -70,7 +71,8 @@ public:
     std::int64_t access_point(std::int64_t frame) const;
 
 private:
-    VideoFile(SourceFile file, PlaneRole role) : file_(std::move(file)), role_(role) {}
+    VideoFile(SourceFile file, PlaneRole role, std::optional<std::uint32_t> track)
+        : file_(std::move(file)), role_(role), track_(track) {}
     Result<void> rewind();
     Result<void> read_times();
     Result<bool> begin_at(std::int64_t key);
@@ -78,6 +80,7 @@ private:
 
     SourceFile file_;
     PlaneRole role_;
+    std::optional<std::uint32_t> track_;
     MeasuredRate rate_;
     std::optional<std::string> note_;
     std::vector<std::int64_t> times_;  // of frames, in the stream's time base

@@ -93,6 +93,8 @@ bool parse_scene_stream(std::string_view bytes) {
     };
     const auto stream = mpeg4::read_scene_stream(all, read);
     if (!is_taken(stream) || !stream->has_value()) return false;
+    for ([[maybe_unused]] const auto& [object, track] : (*stream)->objects)
+        (void)is_taken(mpeg4::first_sample_of(all, track));
     const auto written = mpeg4::with_scene_stream(all, **stream, 1, 0);
     (void)is_taken(written);
     (void)is_taken(mpeg4::decode_scene((*stream)->scene, (*stream)->config));

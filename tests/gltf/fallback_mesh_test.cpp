@@ -53,6 +53,22 @@ TEST(FallbackMesh, NothingSpansAnEdgeOrAHole) {
     }
 }
 
+/// From the clip's own camera: each cell has its two triangles, and each vertex lies behind its place in the
+/// picture.
+TEST(FallbackMesh, LeavesNoGapAtSilhouettes) {
+    const Scene scene = small_scene(96, 64);
+    const auto mesh =
+        mesh_of(scene, [](int x, int y) { return x > 30 && x < 60 && y > 20 && y < 50 ? 250 : 20; });
+    EXPECT_EQ(mesh.triangles.size(), 2U * 95U * 63U);
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
+        const auto& [x, y, z] = mesh.positions[k];
+        const double across = scene.camera.cx - scene.camera.fx * x / z,
+                     down = scene.camera.cy + scene.camera.fy * y / z;
+        EXPECT_NEAR(across, 96 * mesh.texture_places[k][0] - 0.5, 1e-3);
+        EXPECT_NEAR(down, 64 * mesh.texture_places[k][1] - 0.5, 1e-3);
+    }
+}
+
 TEST(FallbackMesh, AFrameWithoutDepthIsARectangle) {
     Scene scene = small_scene(20, 10);
     scene.depth.invalid_codes[0] = 7;

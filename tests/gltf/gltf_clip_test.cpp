@@ -122,7 +122,9 @@ TEST_F(GltfClipTest, AFileOfOthersIsOpenedAndSaysWhatItAssumes) {
     const RawFrame whole = test_frame(scene, 0, all_planes);
     EXPECT_TRUE(same_plane((*frame)->depth, whole.depth));
     EXPECT_TRUE(same_plane((*frame)->colour, whole.colour));
-    EXPECT_TRUE(same_plane((*frame)->haptic, whole.haptic));
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 24; ++x)
+            ASSERT_EQ((*frame)->haptic.sample(x, y, 0), whole.haptic.sample(x, y, 0)) << x << ' ' << y;
     EXPECT_TRUE((*frame)->height.empty());
 }
 
@@ -162,6 +164,82 @@ TEST_F(GltfClipTest, SlidingFrictionMayStandAlone) {
     ASSERT_EQ(message(clip), "");
     EXPECT_EQ((*clip)->scene().haptic.dynamic_friction.max, scene.haptic.dynamic_friction.max);
     EXPECT_EQ((*clip)->scene().haptic.static_friction.min, scene.default_properties.static_friction);
+}
+
+/// As the standard has it: a texture each, one friction, no "extras". Here they are the videos of haptic and
+/// height, which have 3 and 1 channels.
+TEST_F(GltfClipTest, StiffnessAndFrictionMayBeVideosOfTheirOwn) {
+    write(3);
+    forget_extras(gltf);
+    gltf["extensions"]["MPEG_haptic_material"]["materials"][0] = {
+        {"stiffness", {{{"texture", {{"index", 3}}}, {"type", "High_Resolution"}}}},
+        {"friction", {{{"texture", {{"index", 2}}}, {"type", "High_Resolution"}}}}};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    for (const char* words : {"states no units", "is static and dynamic friction alike", "frame by frame"})
+        EXPECT_TRUE(is_said(**clip, words)) << words;
+    EXPECT_FALSE(is_said(**clip, "no haptic plane"));
+    const auto expect_frame = [&](const RawFrame& frame, int n) {
+        const RawFrame whole = test_frame(scene, n, all_planes);
+        EXPECT_TRUE(same_plane(frame.depth, whole.depth));
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 24; ++x) {
+                ASSERT_EQ(frame.haptic.sample(x, y, 0), whole.height.sample(x, y))
+                    << n << ' ' << x << ' ' << y;
+                ASSERT_EQ(frame.haptic.sample(x, y, 1), whole.haptic.sample(x, y, 0));
+                ASSERT_EQ(frame.haptic.sample(x, y, 2), whole.haptic.sample(x, y, 0));
+            }
+    };
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    for (int n = 0; n < 3; ++n) expect_frame((*frames)[static_cast<std::size_t>(n)], n);
+    ASSERT_EQ(message((*clip)->seek(1)), "");
+    const auto again = (*clip)->next();
+    ASSERT_EQ(message(again), "");
+    expect_frame(**again, 1);
+}
+
+/// A picture of friction under every frame, beside a video of stiffness.
+TEST_F(GltfClipTest, OnePropertyMayBeAPicture) {
+    write(2);
+    forget_extras(gltf);
+    const Image slippery{12, 8, 1, 1, std::vector<std::uint8_t>(12 * 8, 77)};
+    ASSERT_TRUE(write_png(folder / "slippery.png", slippery.view()).ok());
+    gltf["images"].push_back({{"uri", "slippery.png"}});
+    gltf["textures"].push_back({{"source", 1}});
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material["friction"] = {{{"texture", {{"index", 4}}}, {"type", "High_Resolution"}}};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_said(**clip, "haptic is 12x8: resampled to the nearest pixel of depth's 24x16"));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    for (std::size_t n = 0; n < 2; ++n) {
+        const RawFrame whole = test_frame(scene, static_cast<int>(n), all_planes);
+        EXPECT_EQ((*frames)[n].haptic.sample(7, 5, 0), whole.haptic.sample(7, 5, 0));
+        EXPECT_EQ((*frames)[n].haptic.sample(7, 5, 1), 77);
+        EXPECT_EQ((*frames)[n].haptic.sample(7, 5, 2), 77);
+    }
+}
+
+/// A track that is not there, and a file that is none.
+TEST_F(GltfClipTest, VideosOfTouchMustBeThere) {
+    write(2);
+    forget_extras(gltf);
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material.erase("friction");
+    auto& media = gltf["extensions"]["MPEG_media"]["media"];
+    media[0]["alternatives"][0]["tracks"][2]["track"] = "#track_ID=77";
+    auto refused = open();
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("has no pictures in track 77"), std::string::npos)
+        << refused.error().message;
+    gltf["buffers"][3]["extensions"]["MPEG_buffer_circular"]["tracks"] = {1, 2};
+    refused = open();
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("a texture of touch is 2 tracks"), std::string::npos)
+        << refused.error().message;
 }
 
 /// As .glb files have it.

@@ -71,10 +71,6 @@ TEST_F(GltfClipTest, WhatIsNotReadIsRefusedByName) {
         {[](Json& g) { material(g)["stiffness"][0]["type"] = "Reference"; }, "type Reference"},
         {[](Json& g) { material(g)["stiffness"][0]["extras"]["touchable_channel"] = 3; },
          "a whole number from 0 to 2"},
-        {[](Json& g) { material(g)["stiffness"][0]["extras"]["touchable_channel"] = 1; },
-         "channels 0, 1 and 2 of one video"},
-        {[](Json& g) { material(g)["stiffness"][0]["texture"]["index"] = 0; },
-         "channels 0, 1 and 2 of one video"},
         {[](Json& g) { g["textures"][3].erase("extensions"); }, "neither a picture nor a video"},
         {[](Json& g) {
              g["meshes"][0].erase("extras");

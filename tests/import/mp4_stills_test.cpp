@@ -22,6 +22,20 @@ namespace {
 constexpr int still_wide = 24, still_high = 16;
 constexpr std::uint16_t first_object = 20;  // of depth; those of other planes follow
 
+/// How MP4Box describes a track of PNG pictures of this size: its DecoderSpecificInfo is empty (0500), for
+/// which FFmpeg refuses the whole file.
+constexpr std::string_view description_by_mp4box =
+    "00000000000000010000007b6d703476000000000000000100000000000000000000000000000000001800100048000000480000"
+    "00000000000100000000000000000000000000000000000000000000000000000000000000000018ffff00000025657364730000"
+    "00000317000000040f6d110110c500088628000886280500060102";
+
+mpeg4::Bytes bytes_of_hex(std::string_view text) {
+    mpeg4::Bytes bytes;
+    for (std::size_t k = 0; k + 1 < text.size(); k += 2)
+        bytes.push_back(static_cast<std::uint8_t>(std::stoi(std::string(text.substr(k, 2)), nullptr, 16)));
+    return bytes;
+}
+
 /// A file of one sample in each track, in the order of the planes from the last to the first, as FFmpeg
 /// writes it.
 std::string tracks_of(const std::filesystem::path& file, const std::map<PlaneRole, std::string>& pictures,
@@ -89,7 +103,10 @@ protected:
         made.height = object(PlaneRole::height);
         return made;
     }
-    std::filesystem::path written(const mpeg4::ClipNodes& nodes, int samples = 1) {
+    std::filesystem::path written(const mpeg4::ClipNodes& nodes, int samples = 1, bool by_mp4box = false) {
+        return written(mpeg4::scene_of(nodes, still_wide, still_high), samples, by_mp4box);
+    }
+    std::filesystem::path written(const mpeg4::SceneTree& tree, int samples, bool by_mp4box) {
         std::string bytes = tracks_of(folder / "tracks.mp4", pictures, samples);
         std::size_t moov = 0;
         for (std::size_t at = 0; at + 8 <= bytes.size();) {
@@ -103,12 +120,13 @@ protected:
         std::uint32_t track = static_cast<std::uint32_t>(pictures.size());
         for (const auto& [role, picture] : pictures)
             stream.objects[static_cast<std::uint16_t>(first_object + static_cast<int>(role))] = track--;
-        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, still_wide, still_high);
         stream.config = mpeg4::config_for(tree, still_wide, still_high);
         const auto encoded = mpeg4::encode_scene(tree, stream.config);
         EXPECT_EQ(message(encoded), "");
         stream.scene = *encoded;
-        const mpeg4::Bytes movie(bytes.begin() + static_cast<std::ptrdiff_t>(moov) + 8, bytes.end());
+        mpeg4::Bytes movie(bytes.begin() + static_cast<std::ptrdiff_t>(moov) + 8, bytes.end());
+        constexpr std::string_view description[] = {"trak", "mdia", "minf", "stbl", "stsd"};
+        if (by_mp4box) movie = mpeg4::with_content(movie, description, bytes_of_hex(description_by_mp4box));
         const auto made = mpeg4::with_scene_stream(movie, stream, 1, moov);
         EXPECT_EQ(message(made), "");
         write_bytes(folder / "stills.mp4", bytes.substr(0, moov) + std::string(made->begin(), made->end()));
@@ -154,6 +172,27 @@ TEST_F(Mp4StillClips, EveryPlaneComesBackByTheObjectsOfItsScene) {
     const auto guessed = guess_clip(folder / "stills.mp4", {});
     ASSERT_EQ(message(guessed), "");
     EXPECT_EQ(guessed->scene.depth.far, 200);
+}
+
+TEST_F(Mp4StillClips, ReadsTracksOfMp4Box) {
+    const auto clip = open_clip(written(nodes(), 1, true));
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 1U);
+    EXPECT_TRUE(same_frame(frames->front(), frame));
+}
+
+/// The scene says what is wrong, not FFmpeg.
+TEST_F(Mp4StillClips, SaysWhyMp4BoxSceneIsNoClip) {
+    mpeg4::SceneTree tree = mpeg4::scene_of(nodes(), still_wide, still_high);
+    tree.prototypes.back().fields[1].name = "pixelBreadth";
+    const auto& shape = std::get<mpeg4::NodePtr>(tree.root->fields[0].values[0]);
+    std::get<mpeg4::NodePtr>(shape->fields.back().values[0])->fields[1].name = "pixelBreadth";
+    const std::string refused = message(open_clip(written(tree, 1, true)));
+    EXPECT_NE(refused.find("its MPEG-4 scene is no touchable clip: Depth: must have a field pixelWidth"),
+              std::string::npos)
+        << refused;
 }
 
 TEST_F(Mp4StillClips, JpegAndLaterPicturesAreReadAndSaid) {

@@ -38,6 +38,28 @@ TEST(Bifs, ADepthImageIsTheBytesOfGpacsEncoder) {
     EXPECT_EQ(hex(encode_config(config_for(scene, 64, 48))), "083802000180");
 }
 
+TEST(Bifs, StillsAreTheBytesOfGpacsEncoder) {
+    const SceneTree still = scene_from(still_scene), image = scene_from(depth_image_still_scene);
+    EXPECT_EQ(hex(encoded(still)), still_bytes);
+    EXPECT_EQ(hex(encode_config(config_for(still, 720, 480))), "0201702d001e00");
+    EXPECT_EQ(hex(encoded(image)), depth_image_still_bytes);
+    EXPECT_EQ(hex(encode_config(config_for(image, 720, 480))), "083816800f00");
+}
+
+/// As GPAC encodes the same two without names.
+TEST(Bifs, NamesPrototypesByTheirFields) {
+    const auto decoded = [](std::string_view bytes, const BifsConfig& config) {
+        auto scene = decode_scene(bytes_of_hex(bytes), config);
+        EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
+        return scene.ok() ? *scene : SceneTree();
+    };
+    const BifsConfig still{.prototype_id_bits = 2}, image{.version = 1};
+    EXPECT_FALSE(decoded(nameless_still_bytes, still).has_names);
+    EXPECT_EQ(scene_text(decoded(nameless_still_bytes, still)), scene_text(decoded(still_bytes, still)));
+    EXPECT_EQ(scene_text(decoded(nameless_depth_image_still_bytes, image)),
+              scene_text(decoded(depth_image_still_bytes, image)));
+}
+
 TEST(Bifs, ScenesComeBack) {
     EXPECT_EQ(through_bits(prototype_scene), as_written(prototype_scene));
     for (

@@ -138,6 +138,43 @@ TEST(ClipNodes, ADepthImageIsRead) {
     EXPECT_EQ(nodes.colour, (PlaneTexture{{.object = 10}, true}));
 }
 
+/// As files before version 3 have it.
+TEST(ClipNodes, ReadsPrototypeOfAppearance) {
+    const ClipNodes nodes = nodes_from(still_scene);
+    expect_range(nodes.ranges.stiffness, 0.1, 2);
+    EXPECT_EQ(nodes.haptic, (PlaneTexture{{.object = 12}}));
+    EXPECT_EQ(nodes.colour, (PlaneTexture{{.object = 10}}));
+}
+
+/// GPAC's player casts what stands in `appearance` to MPEG-4's node, so nothing else may.
+TEST(ClipNodes, WritesPlainAppearance) {
+    ClipNodes nodes = nodes_from(papers_scene);
+    const auto in_shape = [](const SceneTree& scene, const char* field) {
+        const auto& shape = std::get<NodePtr>(scene.root->field("children")->values.front());
+        const Field* const found = shape->field(field);
+        return found ? std::get<NodePtr>(found->values.front()) : NodePtr();
+    };
+    const SceneTree scene = scene_of(nodes, 64, 48);
+    EXPECT_EQ(in_shape(scene, "appearance")->type, "Appearance");
+    EXPECT_FALSE(in_shape(scene, "appearance")->field("hapticSurface"));
+    EXPECT_TRUE(in_shape(scene, "geometry")->field("hapticSurface"));
+    for (const Prototype& prototype : scene.prototypes)
+        EXPECT_NE(prototype.body.front()->type, "Appearance") << prototype.name;
+    nodes.colour.reset();
+    EXPECT_EQ(in_shape(scene_of(nodes, 64, 48), "appearance"), nullptr);
+}
+
+TEST(ClipNodes, RefusesUnknownNamelessPrototypes) {
+    SceneTree scene =
+        scene_from("PROTO Proto1 [ field SFFloat field0 1 ] { Rectangle {} } Shape { geometry Proto1 {} }");
+    scene.has_names = false;
+    const auto nodes = clip_nodes_of(scene);
+    ASSERT_FALSE(nodes.ok());
+    EXPECT_EQ(nodes.error().message,
+              "Shape: its geometry must be a Depth (the scene is encoded without names, so a PROTO is known "
+              "by the types of its fields alone; MP4Box -def writes names)");
+}
+
 TEST(ClipNodes, AreWrittenByPrototypesWithThePapersInitialValues) {
     const ClipNodes nodes = nodes_from(papers_scene);
     const SceneTree scene = scene_of(nodes, 64, 48);
@@ -154,6 +191,8 @@ TEST(ClipNodes, AreWrittenByPrototypesWithThePapersInitialValues) {
         << text;
     const ClipNodes again = nodes_from(text);
     EXPECT_EQ(again.depth, nodes.depth);
+    EXPECT_EQ(again.colour, nodes.colour);
+    EXPECT_EQ(again.haptic, nodes.haptic);
     EXPECT_EQ(again.height, nodes.height);
     EXPECT_EQ(again.focal_length, nodes.focal_length);
     EXPECT_EQ(again.pixel_width, nodes.pixel_width);
@@ -165,6 +204,13 @@ TEST(ClipNodes, AnotherLayoutIsRefusedByName) {
     EXPECT_EQ(layout_refusal("Group { children [ Shape {} Shape {} ] }"),
               "Group: has a Shape and a Shape: a touchable clip is one Shape");
     EXPECT_EQ(layout_refusal("Shape { geometry Rectangle {} }"), "Shape: its geometry must be a Depth");
+    EXPECT_EQ(layout_refusal(
+                  "PROTO Depth [ field SFFloat focalLength 1 field SFFloat pixelWidth 1 field SFFloat "
+                  "nearPlane 1 field SFFloat farPlane 2 field SFNode texture NULL field SFNode "
+                  "hapticSurface NULL ] { Rectangle {} } "
+                  "Shape { appearance Appearance { hapticSurface HapticTextureSurface {} } geometry "
+                  "Depth { texture ImageTexture { url \"d\" } hapticSurface HapticTextureSurface {} } }"),
+              "Shape: has a hapticSurface in its geometry and in its appearance: must be one");
     EXPECT_EQ(layout_refusal("Shape { geometry Depth {} }"),
               "Depth: must have a texture, which is its pictures");
     EXPECT_EQ(layout_refusal("Shape { geometry Depth { texture ImageTexture { url [\"a\" \"b\"] } } }"),

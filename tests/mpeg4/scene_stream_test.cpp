@@ -143,6 +143,27 @@ TEST_F(Written, OtherPicturesAreMarkedAsAuxiliary) {
     EXPECT_EQ(handler(parts[6]), "soun");
 }
 
+/// MPEG-4 Systems know no object whose track is not.
+TEST_F(Written, ObjectsAreEnabled) {
+    const auto parts = parsed(moov);
+    for (std::size_t k = 2; k < parts.size() - 1; ++k)
+        EXPECT_EQ(number_at(content_at(parts[k].content, {"tkhd"}), 0, 4), k == 6 ? 0U : 1U) << k;
+}
+
+TEST_F(Written, FindsFirstSamples) {
+    const auto scene = first_sample_of(moov, 6);
+    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    EXPECT_EQ(scene->at, moov_at + 8);
+    EXPECT_EQ(scene->bytes, prototype_bytes.size() / 2 + 1);
+    EXPECT_EQ(scene->count, 1);
+    for (const auto& [track, words] :
+         {std::pair{1, "track 1 (\"vide\") has no sample"}, {9, "has no track 9"}}) {
+        const auto none = first_sample_of(moov, static_cast<std::uint32_t>(track));
+        ASSERT_FALSE(none.ok());
+        EXPECT_EQ(none.error().message, words);
+    }
+}
+
 TEST_F(Written, ComesBack) {
     const auto again = read_again(moov);
     ASSERT_TRUE(again.ok()) << again.error().message;

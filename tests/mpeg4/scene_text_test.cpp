@@ -13,7 +13,8 @@ std::string refusal(std::string_view text) {
 }
 
 TEST(SceneText, IsReadAsItIsWritten) {
-    for (const std::string_view text : {prototype_scene, depth_image_scene}) {
+    for (const std::string_view text :
+         {prototype_scene, depth_image_scene, std::string_view(still_scene), depth_image_still_scene}) {
         const std::string once = scene_text(scene_from(text));
         EXPECT_EQ(scene_text(scene_from(once)), once);
     }

@@ -67,7 +67,7 @@ TEST_F(Mp4File, TracksAreMarkedForEveryPlayer) {
         const FoundBox handler = box_at(file, tracks[k], {"mdia", "hdlr"});
         EXPECT_NE(bytes_in(file, handler).find(names[k]), std::string::npos);
         const bool is_enabled = number_in(file, box_at(file, tracks[k], {"tkhd"}).content, 4) & 1;
-        EXPECT_EQ(is_enabled, k == 0) << "what players show of themselves: " << names[k];
+        EXPECT_EQ(is_enabled, k < 4) << "an object of the scene: " << names[k];
         const auto references = boxes_named(file, tracks[k], "tref");
         EXPECT_EQ(references.empty(), k == 0);
         if (k > 0) {
@@ -171,14 +171,15 @@ bool is_stored(const AVFrame& picture, const RawFrame& frame, int track, int x, 
 TEST_F(Mp4File, FfmpegAloneDecodesEveryTrackToTheBit) {
     const auto container = opened_by_ffmpeg(path);
     ASSERT_EQ(container->nb_streams, 7U);
-    EXPECT_EQ(av_find_best_stream(container.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0), 0)
-        << "colour is shown";
+    const AVDictionaryEntry* const version = av_dict_get(container->metadata, "T3D_VERSION", nullptr, 0);
+    ASSERT_TRUE(version);
+    EXPECT_EQ(std::string(version->value), "3");
     for (int k = 0; k < 5; ++k) {
         const AVStream& stream = *container->streams[k];
         ASSERT_EQ(stream.codecpar->codec_type, AVMEDIA_TYPE_VIDEO) << k;
         EXPECT_EQ(stream.codecpar->codec_id, AV_CODEC_ID_H264);
         EXPECT_EQ(stream.id, k + 1);
-        EXPECT_EQ((stream.disposition & AV_DISPOSITION_DEFAULT) != 0, k == 0);
+        EXPECT_EQ((stream.disposition & AV_DISPOSITION_DEFAULT) != 0, k < 4);
         const auto pictures = pictures_of(*container, k);
         ASSERT_EQ(pictures.size(), static_cast<std::size_t>(foreign_frames));
         for (int n = 0; n < foreign_frames; ++n) {

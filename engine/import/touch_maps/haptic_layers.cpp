@@ -14,14 +14,6 @@ namespace {
 
 constexpr std::array<std::string_view, 3> channel_names{"red", "green", "blue"};
 
-/// Grey, 8 bits.
-struct LayerPicture {
-    LinkedFile from;
-    int channel = 0;  // of that
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> samples;
-};
-
 /// A sample's channel in 8 bits; of grey there is one. (A picture of floats has none.)
 std::uint8_t channel_of(const StoredImage& stored, std::size_t pixel, int channel) {
     const Image& image = stored.image;
@@ -32,32 +24,6 @@ std::uint8_t channel_of(const StoredImage& stored, std::size_t pixel, int channe
     const unsigned most = image.channels == 1 ? (1U << static_cast<unsigned>(stored.bits)) - 1U : 255U;
     const unsigned value = bytes == 1 ? sample[0] : sample[0] | static_cast<unsigned>(sample[1]) << 8U;
     return static_cast<std::uint8_t>((std::min(value, most) * 255U + most / 2U) / most);
-}
-
-Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string_view property,
-                                std::vector<std::string>& notes) {
-    const auto bytes = bytes_of(link);
-    if (!bytes) return bytes.error();
-    const std::string where = link.name + " (" + std::string(property) + ")";
-    auto stored = decode_stored_image(std::string(**bytes), where);
-    if (!stored) return stored.error();
-    const Image& image = stored->image;
-    if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
-    const std::string what = std::string(property) + ": " + link.name;
-    const bool is_coloured = !is_grey(image);
-    if (stop_requested()) return interrupted_error();
-    if (is_coloured)
-        notes.push_back(what + " is colour: its " +
-                        std::string(channel_names[static_cast<std::size_t>(channel)]) + " is taken");
-    if (image.channels == 1 && stored->bits > 8)
-        notes.push_back(what + " has " + std::to_string(stored->bits) + " bits: 8 are kept");
-    if (stored->codec == "mjpeg")
-        notes.push_back(what + " is JPEG: where it changes sharply, values are a little off");
-    LayerPicture picture{link, channel, image.width, image.height, {}};
-    picture.samples.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-    for (std::size_t k = 0; k < picture.samples.size(); ++k)
-        picture.samples[k] = channel_of(*stored, k, channel);
-    return picture;
 }
 
 /// Samples of `from` for each of `to`, by way of a picture of `between`.
@@ -96,6 +62,32 @@ std::string size_words(int width, int height) {
 }
 
 }  // namespace
+
+Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string_view property,
+                                std::vector<std::string>& notes) {
+    const auto bytes = bytes_of(link);
+    if (!bytes) return bytes.error();
+    const std::string where = link.name + " (" + std::string(property) + ")";
+    auto stored = decode_stored_image(std::string(**bytes), where);
+    if (!stored) return stored.error();
+    const Image& image = stored->image;
+    if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
+    const std::string what = std::string(property) + ": " + link.name;
+    const bool is_coloured = !is_grey(image);
+    if (stop_requested()) return interrupted_error();
+    if (is_coloured)
+        notes.push_back(what + " is colour: its " +
+                        std::string(channel_names[static_cast<std::size_t>(channel)]) + " is taken");
+    if (image.channels == 1 && stored->bits > 8)
+        notes.push_back(what + " has " + std::to_string(stored->bits) + " bits: 8 are kept");
+    if (stored->codec == "mjpeg")
+        notes.push_back(what + " is JPEG: where it changes sharply, values are a little off");
+    LayerPicture picture{link, channel, image.width, image.height, {}};
+    picture.samples.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    for (std::size_t k = 0; k < picture.samples.size(); ++k)
+        picture.samples[k] = channel_of(*stored, k, channel);
+    return picture;
+}
 
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene) {
     std::vector<std::string> notes = std::move(layers.notes);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -31,6 +32,17 @@ struct HapticLayers {
 };
 inline constexpr std::array<std::string_view, 3> property_names{"stiffness", "static friction",
                                                                 "dynamic friction"};
+
+/// A picture of one property: grey, 8 bits.
+struct LayerPicture {
+    LinkedFile from;
+    int channel = 0;  ///< of that
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> samples;
+};
+/// `notes` gets what is lost.
+Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string_view property,
+                                std::vector<std::string>& notes);
 
 /// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
 /// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
