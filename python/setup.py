@@ -19,7 +19,7 @@ sources = ("CMakeLists.txt", "LICENSE", "capi", "cmake", "device", "engine", "ha
 libraries = ("libtouchable.so.0", "libtouchable-media.so.0")
 programs = {"c++": "g++", "cmake": "cmake", "ninja": "ninja-build", "pkg-config": "pkg-config"}  # and Debian's packages of them
 packages = ("libglm-dev nlohmann-json3-dev libxxhash-dev libavformat-dev libavcodec-dev libavutil-dev libswresample-dev "
-            "libswscale-dev libzstd-dev libzip-dev libtiff-dev libopenexr-dev liblz4-dev libbz2-dev libsqlite3-dev "
+            "libswscale-dev libsrt-gnutls-dev libzstd-dev libzip-dev libtiff-dev libopenexr-dev liblz4-dev libbz2-dev libsqlite3-dev "
             "libheif-dev libpugixml-dev zlib1g-dev")
 
 

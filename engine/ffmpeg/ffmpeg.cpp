@@ -1,7 +1,5 @@
 #include "engine/ffmpeg/ffmpeg.hpp"
 
-#include <dlfcn.h>
-
 #include <array>
 #include <mutex>
 
@@ -47,34 +45,3 @@ bool encodes(const AVCodec& codec, AVPixelFormat format) {
 }
 
 }  // namespace touchable
-
-/// In the place of libsrt's two, which FFmpeg calls as it opens and closes a connection: libsrt 1.5.4 (Debian
-/// 13) does not count them (its issue 3098), so that one that is closed ends all others of the process, or
-/// waits for ever for one that is just opened. The C libraries export nothing of
-/// this, so libsrt's own are called there.
-namespace {
-std::mutex srt_mutex;
-int srt_users = 0;
-
-int call_srt(const char* function) {
-    const auto called = reinterpret_cast<int (*)()>(dlsym(RTLD_NEXT, function));
-    return called ? called() : -1;
-}
-}  // namespace
-
-extern "C" {
-[[gnu::visibility("default")]] int srt_startup();
-[[gnu::visibility("default")]] int srt_cleanup();
-
-int srt_startup() {
-    const std::scoped_lock lock(srt_mutex);
-    const int answer = srt_users == 0 ? call_srt("srt_startup") : 0;
-    if (answer >= 0) ++srt_users;
-    return answer;
-}
-
-int srt_cleanup() {
-    const std::scoped_lock lock(srt_mutex);
-    return --srt_users == 0 ? call_srt("srt_cleanup") : 0;
-}
-}

@@ -22,6 +22,8 @@
 namespace touchable {
 namespace {
 
+/// One that sends no whole frameset for so long is said to be silent.
+constexpr std::int64_t is_silent_ns = 1'000'000'000;
 constexpr std::size_t most_waiting = 256, most_waiting_bytes = std::size_t{512} << 20;
 
 std::int64_t now_ns() {
@@ -89,6 +91,7 @@ private:
     void put(Received received);
     void note(const StreamReceiver& receiver);
     void is_over(const std::string& why);
+    std::int64_t overdue(std::int64_t now_ns) const;
     std::optional<Waiting> due(std::int64_t& wait_ns);
     std::optional<RawFrame> frame_of(Waiting waiting);
 
@@ -117,6 +120,7 @@ private:
     std::array<Way, 128> ways_;  // of the newest frames, from being taken to being shown
     StreamFigures figures_{.connections = 1};
     std::int64_t newest_ns_ = 0;  // when the last one came
+    std::int64_t given_up_ = 0;   // framesets that were overdue when a connection was given up
     std::string why_again_;       // it is being connected to again; empty: it is connected
     std::string over_;            // why no more will come; empty: they may
     bool stopping_ = false;
@@ -189,11 +193,23 @@ std::string LiveStream::in_short(const Error& error) const {
     return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
 }
 
+/// Framesets that have not come though the clip's rate says that they were sent, while nothing whole comes:
+/// the next whole one tells how many they were. Guarded by mutex_.
+std::int64_t LiveStream::overdue(std::int64_t now_ns) const {
+    const std::int64_t period_ns = scene_.rate.time_ns(1), silent_ns = now_ns - newest_ns_;
+    if (!over_.empty() || !why_again_.empty() || period_ns <= 0 || silent_ns < is_silent_ns) return 0;
+    return silent_ns / period_ns - 1;
+}
+
 /// False where it is told to end, or nothing of use is sent any more.
 bool LiveStream::connect_again(std::string why) {
     constexpr int most_doublings = 4;
     before_ += receiver_->counts();
     receiver_->hang_up();
+    {
+        const std::lock_guard lock(mutex_);
+        given_up_ += overdue(now_ns());
+    }
     for (int attempt = 0;; ++attempt) {
         {
             std::unique_lock lock(mutex_);
@@ -223,13 +239,14 @@ bool LiveStream::connect_again(std::string why) {
 void LiveStream::note(const StreamReceiver& receiver) {
     FramesetCounts counts = before_;
     counts += receiver.counts();
+    const auto link = receiver.link();
     const std::lock_guard lock(mutex_);
+    if (link) figures_.link = link;
     figures_.whole = counts.whole;
     figures_.late = counts.late;
     figures_.lost = counts.lost;
     figures_.torn = counts.torn;
     figures_.repeated = counts.repeated;
-    figures_.held = figures_.late + figures_.lost + figures_.torn;
     figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
 }
 
@@ -334,7 +351,6 @@ Result<void> LiveStream::begin(std::chrono::steady_clock::time_point zero) {
 }
 
 std::vector<std::string> LiveStream::remarks() const {
-    constexpr std::int64_t is_silent_ns = 1'000'000'000;
     std::vector<std::string> all = run_.remarks();
     const std::lock_guard lock(mutex_);
     if (!why_again_.empty())
@@ -348,7 +364,7 @@ std::vector<std::string> LiveStream::remarks() const {
     const auto tell = [&all](std::int64_t count, const char* what) {
         if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
     };
-    tell(figures_.lost, "were lost on the way");
+    tell(figures_.lost + given_up_ + overdue(now_ns()), "were lost on the way, or left out by the sender");
     tell(figures_.late, "came late");
     tell(figures_.torn, "were damaged on the way, and left out");
     return all;
@@ -356,7 +372,14 @@ std::vector<std::string> LiveStream::remarks() const {
 
 std::optional<StreamFigures> LiveStream::stream_figures() const {
     const std::lock_guard lock(mutex_);
-    return figures_;
+    StreamFigures figures = figures_;
+    const std::int64_t now = now_ns();
+    figures.lost += given_up_ + overdue(now);
+    figures.held = figures.late + figures.lost + figures.torn;
+    if (over_.empty())
+        figures.longest_gap_ms =
+            std::max(figures.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
+    return figures;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "engine/stream/matroska_stream.hpp"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,10 @@ public:
     Result<void> open();
 
     std::span<const std::uint8_t> header() const override { return header_; }
+    std::span<const std::uint8_t> padding() const override {
+        static constexpr std::array<std::uint8_t, 2> empty_void{0xEC, 0x80};
+        return empty_void;
+    }
     Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                             bool is_key) override;
 

@@ -1,6 +1,7 @@
 #include "engine/stream/mpegts_stream.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -25,6 +26,10 @@ class MpegtsMuxer final : public StreamMuxer {
 public:
     explicit MpegtsMuxer(const SceneDescription& described) : described_(described) {}
     std::span<const std::uint8_t> header() const override { return {}; }
+    std::span<const std::uint8_t> padding() const override {
+        static constexpr std::array<std::uint8_t, 188> null_packet{0x47, 0x1F, 0xFF, 0x10};
+        return null_packet;
+    }
     Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                             bool is_key) override;
 

@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/clip/stream_figures.hpp"
 
 namespace touchable {
 
@@ -18,6 +21,7 @@ struct ListenerFigures {
     std::string name;                    ///< "tcp://192.168.0.5:41234"
     std::int64_t sent = 0, dropped = 0;  ///< framesets
     std::string end{};                   ///< why it is not there any more; empty: it had all of the stream
+    std::optional<LinkFigures> link{};   ///< of its connection, where the transport counts (SRT)
 };
 
 /// Who listens to a stream, who did, and what they were given. From any thread.

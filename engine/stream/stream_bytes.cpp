@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/printable.hpp"
+#include "engine/stream/srt_bytes.hpp"
 #include "engine/unless_stopped.hpp"
 
 namespace touchable {
@@ -24,20 +25,9 @@ int is_over(void* wait) {
     return static_cast<const StreamWait*>(wait)->is_over() ? 1 : 0;
 }
 
-/// Of SRT, for what is lost to be sent again: 0 to 60 s; nothing where it says none, or another.
-std::optional<int> latency_ms_of(const StreamUrl& url) {
-    const std::string words = url.value("latency");
-    int latency = -1;
-    const auto [end, failure] = std::from_chars(words.data(), words.data() + words.size(), latency);
-    constexpr int most_latency_ms = 60'000;
-    const bool is_right = failure == std::errc() && end == words.data() + words.size() && latency >= 0 &&
-                          latency <= most_latency_ms;
-    return is_right ? std::optional(latency) : std::nullopt;
-}
-
-/// As FFmpeg takes it: of SRT and UDP without settings, which it would read in units of its own.
+/// As FFmpeg takes it: of UDP without settings, which it would read in units of its own.
 std::string address_of(const StreamUrl& url) {
-    const bool has_settings = url.transport == StreamTransport::srt || url.transport == StreamTransport::udp;
+    const bool has_settings = url.transport == StreamTransport::udp;
     return has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
 }
 
@@ -57,11 +47,6 @@ struct NetworkOptions {
             set("buffer_size", "4194304");
             for (const char* const key : {"localaddr", "ttl"}) take(url, key, key);
         }
-        if (url.transport != StreamTransport::srt) return;
-        set("mode", url.value("mode") == "listener" ? "listener" : "caller");
-        for (const char* const key : {"passphrase", "pbkeylen"}) take(url, key, key);
-        take(url, "streamid", "srt_streamid");
-        if (const auto latency = latency_ms_of(url)) set("latency", std::to_string(*latency * 1000));
     }
     ~NetworkOptions() { av_dict_free(&all); }
     NetworkOptions(const NetworkOptions&) = delete;
@@ -90,9 +75,8 @@ private:
     std::int64_t some(std::uint8_t* to, std::size_t count) override {
         constexpr std::size_t most = 1 << 20;
         const int got = avio_read_partial(io_.get(), to, static_cast<int>(std::min(count, most)));
-        // SRT has no other end, nor has HTTP where nothing says how long it is.
-        const bool may_end_so =
-            transport_ == StreamTransport::srt || (transport_ == StreamTransport::http && !file_size());
+        // HTTP has no other end where nothing says how long it is.
+        const bool may_end_so = transport_ == StreamTransport::http && !file_size();
         const bool is_end = got == AVERROR_EOF || (got == AVERROR(EIO) && may_end_so);
         return is_end ? 0 : got;
     }
@@ -168,11 +152,10 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
                                                           const StreamPatience& patience) {
     silence_ffmpeg();
-    if (url.transport == StreamTransport::srt && !url.value("latency").empty() && !latency_ms_of(url))
-        return usage_error("latency is milliseconds, from 0 to 60000");
     const bool listens = url.transport == StreamTransport::srt && url.value("mode") == "listener";
     wait->at_most(listens ? patience.caller : patience.connection);
     if (url.transport == StreamTransport::pipe) return open_pipe(url, std::move(wait));
+    if (url.transport == StreamTransport::srt) return connect_by_srt(url, std::move(wait));
     auto io = open_network(url, wait);
     if (!io) return io.error();
     return std::shared_ptr<StreamBytes>(

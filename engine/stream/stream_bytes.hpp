@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/clip/stream_figures.hpp"
 #include "engine/ffmpeg/ffmpeg_input.hpp"
 #include "engine/result.hpp"
 #include "engine/stream/stream_url.hpp"
@@ -17,9 +18,9 @@ namespace touchable {
 inline constexpr std::uint64_t most_of_a_header = std::uint64_t{2} << 20U,
                                most_of_a_packet = std::uint64_t{256} << 20U;
 
-/// What a sender sends, as it comes: over FFmpeg's protocols, of which it uses those of its address alone, or
-/// through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one elsewhere is
-/// refused.
+/// What a sender sends, as it comes: by libsrt, over FFmpeg's protocols, of which it uses those of its
+/// address alone, or through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one
+/// elsewhere is refused.
 class StreamBytes : public ByteFlow {
 public:
     /// Connected, within that time; otherwise why not, behind the stream's name.
@@ -39,6 +40,8 @@ public:
     virtual std::optional<std::uint64_t> file_size() const { return std::nullopt; }
     /// Of such a file: all of these bytes, or false.
     virtual bool read_at(std::uint64_t, std::uint8_t*, std::size_t) { return false; }
+    /// What is known of the datagrams that carry it; any thread.
+    virtual std::optional<LinkFigures> link() const { return std::nullopt; }
     /// How it was read; it waits as this says.
     const std::shared_ptr<StreamWait>& waits() const { return wait_; }
     /// What follows its end.

@@ -25,6 +25,8 @@ public:
     virtual ~StreamMuxer() = default;
     /// What every listener is given first; once the first frame was added.
     virtual std::span<const std::uint8_t> header() const = 0;
+    /// A few bytes that say nothing and may follow any block.
+    virtual std::span<const std::uint8_t> padding() const { return {}; }
     /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
     virtual Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                                     bool is_key) = 0;

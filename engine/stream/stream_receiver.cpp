@@ -64,6 +64,7 @@ Result<void> StreamReceiver::connect(const StreamSource& source) {
         if (!connected) return error_at(name_, connected.error());
         bytes = std::move(*connected);
     }
+    bytes_ = bytes;
     wait_->at_most(source.patience.frameset);
     bytes->allow(1);
     const auto first = bytes->peek();

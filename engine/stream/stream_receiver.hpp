@@ -51,12 +51,17 @@ public:
     /// The next whole frameset, within `longest`; nothing once the sender has ended.
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);
     /// Closes the connection, after which there is no `next`.
-    void hang_up() { pictures_.reset(); }
+    void hang_up() {
+        pictures_.reset();
+        bytes_.reset();
+    }
     void leave_out_colour() {
         with_colour_ = false;
         pictures_->leave_out_colour();
         assembler_->leave_out_colour();
     }
+    /// What is known of the connection's datagrams, where its transport counts them.
+    std::optional<LinkFigures> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
     FramesetCounts counts() const { return assembler_->counts(); }
     /// Once it has ended.
     std::string how_it_ended() const { return pictures_->how_it_ended(); }
@@ -72,6 +77,7 @@ private:
 
     const std::string name_;
     const std::shared_ptr<StreamWait> wait_;
+    std::shared_ptr<const StreamBytes> bytes_;  // none: segments
     std::unique_ptr<StreamPictures> pictures_;
     Scene scene_;
     std::string scene_text_;

@@ -9,11 +9,12 @@ void StreamRing::changed() {
     for (const auto& wake : watchers_) wake();
 }
 
-void StreamRing::begin(std::span<const std::uint8_t> header) {
+void StreamRing::begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding) {
     auto bytes = std::make_shared<const std::vector<std::uint8_t>>(header.begin(), header.end());
     {
         const std::lock_guard lock(mutex_);
         header_ = std::move(bytes);
+        padding_.assign(padding.begin(), padding.end());
     }
     changed();
 }
@@ -55,6 +56,11 @@ StreamRing::Bytes StreamRing::header() const {
     return header_;
 }
 
+std::vector<std::uint8_t> StreamRing::padding() const {
+    const std::lock_guard lock(mutex_);
+    return padding_;
+}
+
 /// What is not kept any more is out of bounds.
 StreamRing::Block StreamRing::take(Cursor& cursor) const {
     if (cursor.next_ < first_) {
@@ -74,6 +80,19 @@ StreamRing::Block StreamRing::wait_next(Cursor& cursor, std::chrono::millisecond
     std::unique_lock lock(mutex_);
     there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
     return take(cursor);
+}
+
+bool StreamRing::has_next(const Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    return cursor.next_ < end_of_kept();
+}
+
+bool StreamRing::go_to_newest_key(Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    if (cursor.next_ >= newest_key_) return false;
+    cursor.dropped_ += newest_key_ - cursor.next_;
+    cursor.next_ = newest_key_;
+    return true;
 }
 
 bool StreamRing::is_over(const Cursor& cursor) const {

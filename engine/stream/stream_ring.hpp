@@ -43,8 +43,8 @@ public:
     /// `wake` is called after whatever changes, by who changed it. Before others use the ring.
     void watch(std::function<void()> wake) { watchers_.push_back(std::move(wake)); }
 
-    /// What every listener is given first; before the first block.
-    void begin(std::span<const std::uint8_t> header);
+    /// What every listener is given first, and what says nothing (StreamMuxer); before the first block.
+    void begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding = {});
     void add(StreamBlock block);
     /// No block comes any more.
     void end();
@@ -54,11 +54,18 @@ public:
     Cursor join() const;
     /// Null before `begin`.
     Bytes header() const;
+    /// Empty before `begin`.
+    std::vector<std::uint8_t> padding() const;
     /// The listener's next frameset: the one after the last, or where it is too far behind the newest key.
     /// Null: there is none yet.
     Block next(Cursor& cursor) const;
     /// The same; waits for one so long.
     Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const;
+    /// Whether `next` would give one.
+    bool has_next(const Cursor& cursor) const;
+    /// The listener's next frameset is the newest key, and those before it are left out. False where that
+    /// would leave nothing out.
+    bool go_to_newest_key(Cursor& cursor) const;
     /// Whether `next` has nothing more for it.
     bool is_over(const Cursor& cursor) const;
     /// Whether no block comes any more, for whoever has not joined.
@@ -79,6 +86,7 @@ private:
     mutable std::condition_variable there_is_more_;
     // Guarded by mutex_.
     Bytes header_;
+    std::vector<std::uint8_t> padding_;
     std::deque<Kept> kept_;
     std::int64_t first_ = 0;  // the number of kept_'s first
     std::int64_t newest_key_ = 0;

@@ -105,7 +105,7 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
 }
 
 void StreamSender::give(StreamChannel& channel, StreamBlock block) {
-    if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header());
+    if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header(), channel.muxer->padding());
     figures_.bytes += std::ssize(block.bytes);
     channel.ring.add(std::move(block));
 }

@@ -1,7 +1,5 @@
 #include "engine/stream/stream_server.hpp"
 
-#include <arpa/inet.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -15,27 +13,13 @@
 
 #include "engine/printable.hpp"
 #include "engine/start_thread.hpp"
+#include "engine/stream/socket_address.hpp"
 
 namespace touchable {
 namespace {
 
-struct AddressListDeleter {
-    void operator()(addrinfo* list) const { ::freeaddrinfo(list); }
-};
-using AddressList = std::unique_ptr<addrinfo, AddressListDeleter>;
-
 std::string_view scheme_words(const StreamUrl& url) {
     return url.transport == StreamTransport::http ? "http://" : "tcp://";
-}
-
-/// "192.168.0.5:7000", "[::1]:7000".
-std::string text_of(const sockaddr_storage& address, socklen_t length) {
-    char host[NI_MAXHOST], port[NI_MAXSERV];
-    if (::getnameinfo(reinterpret_cast<const sockaddr*>(&address), length, host, sizeof host, port,
-                      sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) != 0)
-        return "?";
-    const std::string name(&host[0]);
-    return (address.ss_family == AF_INET6 ? "[" + name + "]" : name) + ":" + &port[0];
 }
 
 void set_option(int socket, int level, int option, int value) {
@@ -69,21 +53,18 @@ Result<std::unique_ptr<StreamServer>> StreamServer::open(const std::vector<Strea
 }
 
 Result<void> StreamServer::open_door(const StreamUrl& url) {
-    const std::string host = url.host == "localhost" ? "127.0.0.1" : url.host.empty() ? "0.0.0.0" : url.host;
-    addrinfo wanted = {};
-    wanted.ai_flags = AI_PASSIVE | AI_NUMERICHOST | AI_NUMERICSERV;
-    wanted.ai_socktype = SOCK_STREAM;
-    addrinfo* found = nullptr;
-    if (::getaddrinfo(host.c_str(), std::to_string(url.port).c_str(), &wanted, &found) != 0)
+    const auto address = own_address(url);
+    if (!address)
         return usage_error(in_quotes(url.name()) +
                            ": right would be an address of this machine in numbers, such as " +
                            std::string(scheme_words(url)) + "0.0.0.0:7000 for all of them");
-    const AddressList list(found);
-    Door door{OwnedSocket(::socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)), url};
+    Door door{
+        OwnedSocket(::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
+        url};
     const int socket = door.socket.get();
     set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
     constexpr int most_waiting = 64;
-    if (socket < 0 || ::bind(socket, found->ai_addr, found->ai_addrlen) != 0 ||
+    if (socket < 0 || ::bind(socket, address->get(), address->length) != 0 ||
         ::listen(socket, most_waiting) != 0)
         return input_error(printable(url.text) +
                            ": cannot listen there: " + std::generic_category().message(errno));
@@ -100,10 +81,11 @@ StreamServer::~StreamServer() {
 std::vector<std::string> StreamServer::addresses() const {
     std::vector<std::string> all;
     for (const Door& door : doors_) {
-        sockaddr_storage address = {};
-        socklen_t length = sizeof address;
-        (void)::getsockname(door.socket.get(), reinterpret_cast<sockaddr*>(&address), &length);
-        all.push_back(std::string(scheme_words(door.url)) + text_of(address, length) + door.url.path);
+        SocketAddress address;
+        address.length = sizeof address.storage;
+        (void)::getsockname(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
+                            &address.length);
+        all.push_back(std::string(scheme_words(door.url)) + address.text() + door.url.path);
     }
     return all;
 }
@@ -147,10 +129,10 @@ void StreamServer::turn(std::chrono::milliseconds longest) {
 void StreamServer::accept_from(const Door& door) {
     constexpr int most_at_once = 16;
     for (int k = 0; k < most_at_once; ++k) {
-        sockaddr_storage address = {};
-        socklen_t length = sizeof address;
-        OwnedSocket socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address), &length,
-                                     SOCK_NONBLOCK | SOCK_CLOEXEC));
+        SocketAddress address;
+        address.length = sizeof address.storage;
+        OwnedSocket socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
+                                     &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
         if (socket.get() < 0) {
             // Of no descriptors or no memory left, poll would tell at once again and again.
             constexpr std::int64_t rest_ns = 100'000'000;
@@ -158,7 +140,7 @@ void StreamServer::accept_from(const Door& door) {
             if (is_full) doors_closed_until_ns_ = clock_() + rest_ns;
             return;
         }
-        const std::string name = std::string(scheme_words(door.url)) + text_of(address, length);
+        const std::string name = std::string(scheme_words(door.url)) + address.text();
         const bool is_http = door.url.transport == StreamTransport::http;
         if (std::ssize(listeners_) >= most_connections || (!is_http && !audience_.has_room())) {
             refuse(socket, door, name);

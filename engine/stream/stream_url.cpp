@@ -168,10 +168,10 @@ std::string StreamUrl::protocols() const {
             return "tcp";
         case StreamTransport::http:
             return is_tls ? "https,tls,tcp" : "http,tcp";
-        case StreamTransport::srt:
-            return "srt";
         case StreamTransport::udp:
             return "udp";
+        case StreamTransport::srt:
+            return "";
         case StreamTransport::pipe:
             break;
     }

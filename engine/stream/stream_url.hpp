@@ -23,7 +23,7 @@ struct StreamUrl {
 
     /// As messages have it: without a passphrase.
     std::string name() const;
-    /// FFmpeg's protocols that it may use, as `protocol_whitelist`.
+    /// FFmpeg's protocols that it may use, as `protocol_whitelist`; none for SRT.
     std::string protocols() const;
     /// Of HTTP Live Streaming: a playlist (.m3u8).
     bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }

@@ -123,9 +123,9 @@ void add_serve_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<ServeTyped>();
     add_clip_options(*sub, typed->clip);
     sub->add_option("URL", typed->urls,
-                    "where it is sent: tcp://HOST:PORT or http://HOST:PORT/NAME, at which several may listen "
-                    "(HOST is this machine's; port 0: any that is free); srt://HOST:PORT, which waits for "
-                    "one caller after the other, or with ?mode=caller calls; udp://HOST:PORT");
+                    "where it is sent: tcp://HOST:PORT, http://HOST:PORT/NAME or srt://HOST:PORT, at which several "
+                    "may listen (HOST is this machine's; port 0 of tcp and http: any that is free); srt:// with "
+                    "?mode=caller calls; udp://HOST:PORT");
     sub->add_option("--camera", typed->camera,
                     "sent in place of CLIP: v4l2:/dev/videoN[,key=value,...], pipe:CMD, tcp://HOST:PORT or "
                     "replay:PATH[,key=value,...] (docs/camera.md)");

@@ -225,7 +225,7 @@ void Serving::say_where() const {
     for (const auto& output : outputs_) {
         const std::string& address = output->address();
         say_served(output->calls() ? "sending to " + address
-                                   : "waiting for a caller at " + address + ": touchable play " +
+                                   : "listening on " + address + ": touchable play " +
                                          to_be_played(address.substr(0, address.find('?'))));
         if (!output->calls() && !output->is_encrypted()) say_who_may_listen(address);
     }
@@ -326,11 +326,18 @@ nlohmann::ordered_json Serving::report_as_json() const {
         {"listeners_in_all", audience_.all()},
     };
     auto listeners = nlohmann::ordered_json::array();
-    for (const ListenerFigures& each_one : audience_.gone())
-        listeners.push_back({{"name", each_one.name},
-                             {"sent", each_one.sent},
-                             {"dropped", each_one.dropped},
-                             {"end", each_one.end}});
+    for (const ListenerFigures& each_one : audience_.gone()) {
+        nlohmann::ordered_json figures{{"name", each_one.name},
+                                       {"sent", each_one.sent},
+                                       {"dropped", each_one.dropped},
+                                       {"end", each_one.end}};
+        if (each_one.link)
+            figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},
+                               {"datagrams", each_one.link->datagrams},
+                               {"lost", each_one.link->lost},
+                               {"sent_again", each_one.link->sent_again}};
+        listeners.push_back(std::move(figures));
+    }
     report["listeners"] = std::move(listeners);
     if (hls_) report["hls"] = hls_as_json();
     return report;

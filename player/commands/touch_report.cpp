@@ -99,15 +99,21 @@ std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigure
 }
 
 Json to_json(const StreamFigures& stream) {
-    return {{"whole", stream.whole},
-            {"held", stream.held},
-            {"late", stream.late},
-            {"lost", stream.lost},
-            {"torn", stream.torn},
-            {"repeated", stream.repeated},
-            {"connections", stream.connections},
-            {"delay_ms", stream.delay_ms},
-            {"longest_gap_ms", stream.longest_gap_ms}};
+    Json json{{"whole", stream.whole},
+              {"held", stream.held},
+              {"late", stream.late},
+              {"lost", stream.lost},
+              {"torn", stream.torn},
+              {"repeated", stream.repeated},
+              {"connections", stream.connections},
+              {"delay_ms", stream.delay_ms},
+              {"longest_gap_ms", stream.longest_gap_ms}};
+    if (stream.link)
+        json["link"] = {{"rtt_ms", stream.link->rtt_ms},
+                        {"datagrams", stream.link->datagrams},
+                        {"lost", stream.link->lost},
+                        {"sent_again", stream.link->sent_again}};
+    return json;
 }
 
 void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live,
@@ -178,8 +184,14 @@ std::string stream_words(const Json& stream) {
     char words[96];
     std::snprintf(words, sizeof words, "; held back %.1f ms now, longest gap %.0f ms",
                   stream["delay_ms"].get<double>(), stream["longest_gap_ms"].get<double>());
-    return count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") + " late, " +
-           count("torn") + " damaged" + words;
+    std::string text = count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") +
+                       " late, " + count("torn") + " damaged" + words;
+    if (!stream.contains("link")) return text;
+    const Json& link = stream["link"];
+    std::snprintf(words, sizeof words, "; %.0f ms there and back, %.1f %% of the datagrams lost",
+                  link["rtt_ms"].get<double>(),
+                  100 * link["lost"].get<double>() / std::max(1.0, link["datagrams"].get<double>()));
+    return text + words;
 }
 
 /// What a builder does, for a person who has not heard of builders.

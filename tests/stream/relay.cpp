@@ -14,6 +14,7 @@
 #include <chrono>
 #include <deque>
 #include <list>
+#include <optional>
 #include <random>
 #include <string>
 #include <system_error>
@@ -69,6 +70,16 @@ public:
         is_losing_ = even_(random_) < (is_losing_ ? 1 - ends : begins);
         return is_losing_;
     }
+    /// How long a datagram waits in front of a narrow link; nothing: there is no room for it.
+    std::optional<double> queued_ms(Clock::time_point now, std::size_t bytes) {
+        if (faults_.bytes_per_second <= 0) return 0;
+        constexpr std::chrono::seconds longest{2};
+        const std::chrono::duration<double> takes(static_cast<double>(bytes) / faults_.bytes_per_second);
+        const auto leaves = std::max(link_is_free_, now) + std::chrono::duration_cast<Clock::duration>(takes);
+        if (leaves - now > longest) return std::nullopt;
+        link_is_free_ = leaves;
+        return std::chrono::duration<double, std::milli>(leaves - now).count();
+    }
     /// Not before what was sent earlier.
     Clock::time_point arrival(Clock::time_point sent, double further_ms = 0) {
         const double ms = faults_.delay_ms + further_ms + faults_.jitter_ms * even_(random_);
@@ -82,7 +93,7 @@ private:
     std::mt19937_64 random_;
     std::uniform_real_distribution<double> even_{0, 1};
     bool is_losing_ = false;
-    Clock::time_point last_{};
+    Clock::time_point last_{}, link_is_free_{};
 };
 
 struct OnTheWay {
@@ -270,12 +281,17 @@ private:
     }
 
     void send_on(Direction& way, const char* bytes, ssize_t size) {
-        if (stalled_ || way.faults.loses()) {
+        const auto now = Clock::now();
+        const auto queued_ms = stalled_ || way.faults.loses()
+                                   ? std::nullopt
+                                   : way.faults.queued_ms(now, static_cast<std::size_t>(size));
+        if (!queued_ms) {
             ++lost_;
             return;
         }
         ++passed_;
-        way.on_the_way.push_back({way.faults.arrival(Clock::now()), std::vector<char>(bytes, bytes + size)});
+        way.on_the_way.push_back(
+            {way.faults.arrival(now, *queued_ms), std::vector<char>(bytes, bytes + size)});
     }
 
     void take() {

@@ -10,10 +10,11 @@ namespace touchable::test {
 /// What happens to what passes, in both directions. As random as it says, and the same for the same seed and
 /// the same traffic.
 struct NetworkFaults {
-    double loss = 0;       ///< share of datagrams that never arrive, 0 to below 1
-    double burst = 1;      ///< how many are lost one after the other, in the mean; from 1
-    double delay_ms = 0;   ///< one way
-    double jitter_ms = 0;  ///< up to so much more, evenly; what was sent first arrives first
+    double loss = 0;              ///< share of datagrams that never arrive, 0 to below 1
+    double burst = 1;             ///< how many are lost one after the other, in the mean; from 1
+    double delay_ms = 0;          ///< one way
+    double jitter_ms = 0;         ///< up to so much more, evenly; what was sent first arrives first
+    double bytes_per_second = 0;  ///< of datagrams, one way; what waits for 2 s is lost. 0: as many as come
     std::uint64_t seed = 1;
 };
 

@@ -62,8 +62,7 @@ Result<std::unique_ptr<ServedClip>> ServedClip::start(const std::filesystem::pat
         return input_error(std::string(program) + ": cannot be run; build the target touchable");
     }
     std::unique_ptr<ServedClip> served(new ServedClip(process, ends[0], std::move(report)));
-    // "listening on tcp://127.0.0.1:7000: touchable play ...", that it waits for a caller there, or that it
-    // sends there.
+    // "listening on tcp://127.0.0.1:7000: touchable play ...", or that it sends there.
     const std::string said = first_line(ends[0]);
     const std::size_t to = std::min(said.rfind(": touchable play "), said.size());
     const std::size_t from = said.rfind(' ', to > 0 ? to - 1 : 0);

@@ -57,6 +57,22 @@ TEST(StreamRing, WhoJoinsLateBeginsWithTheNewestKey) {
     }
 }
 
+TEST(StreamRing, GoesToNewestKeyThatIsAhead) {
+    StreamRing ring;
+    add_blocks(ring, 0, 18);
+    auto cursor = ring.join();  // 15
+    EXPECT_FALSE(ring.go_to_newest_key(cursor));
+    EXPECT_EQ(next_frame(ring, cursor), 15);
+    EXPECT_FALSE(ring.go_to_newest_key(cursor));
+    add_blocks(ring, 18, 32);
+    EXPECT_TRUE(ring.has_next(cursor));
+    EXPECT_TRUE(ring.go_to_newest_key(cursor));
+    EXPECT_EQ(cursor.dropped(), 14);
+    EXPECT_EQ(next_frame(ring, cursor), 30);
+    EXPECT_EQ(next_frame(ring, cursor), 31);
+    EXPECT_FALSE(ring.has_next(cursor));
+}
+
 // One that is behind by more than the bound goes on with the newest key, and the others do not notice.
 TEST(StreamRing, WhoIsTooFarBehindMissesWholeFramesets) {
     StreamRing ring({.framesets = 20, .bytes = 1'000'000});

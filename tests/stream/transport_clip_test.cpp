@@ -1,6 +1,7 @@
 // MPEG-TS, received: as a clip, as a live source, over TCP, SRT and UDP.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <thread>
 
 #include "engine/ffmpeg/ffmpeg.hpp"
@@ -8,6 +9,7 @@
 #include "engine/stream/mpegts_stream.hpp"
 #include "engine/stream/stream_clip.hpp"
 #include "tests/stream/loopback_sender.hpp"
+#include "tests/stream/srt_peer.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 #include "tests/unused_port.hpp"
 
@@ -28,25 +30,32 @@ StreamOfFrames make_transport_stream(const Scene& scene, int frames, const Plane
     return made;
 }
 
-/// Sends to an address by FFmpeg, a packet at a time, until it has all, or is not heard.
+/// Sends to a port of this machine, a packet of MPEG-TS at a time, until it has all or is not heard: by SRT
+/// to whoever calls, or by FFmpeg's UDP.
 class NetworkSender {
 public:
-    NetworkSender(std::string url, std::shared_ptr<const StreamOfFrames> stream, int pause_ms)
-        : thread_([this, url = std::move(url), stream = std::move(stream), pause_ms] {
+    NetworkSender(bool is_srt, int port, std::shared_ptr<const StreamOfFrames> stream, int pause_ms)
+        : thread_([this, is_srt, port, stream = std::move(stream), pause_ms] {
+              std::optional<SrtPeer> srt;
               AVIOContext* io = nullptr;
-              const AVIOInterruptCB callback{
-                  [](void* own) { return static_cast<NetworkSender*>(own)->stopping_ ? 1 : 0; }, this};
-              if (avio_open2(&io, url.c_str(), AVIO_FLAG_WRITE, &callback, nullptr) < 0) return;
+              if (is_srt)
+                  srt.emplace(SrtPeer::Kind::listens, port);
+              else if (avio_open(&io, ("udp://127.0.0.1:" + std::to_string(port) + "?pkt_size=1316").c_str(),
+                                 AVIO_FLAG_WRITE) < 0)
+                  return;
               for (std::size_t n = 0; !stopping_ && n < stream->blocks.size(); ++n) {
                   const std::string& block = stream->blocks[n];
                   for (std::size_t at = 0; at < block.size(); at += 1316) {
                       const std::string piece = block.substr(at, 1316);
+                      if (srt && !srt->say(piece)) return;
+                      if (srt) continue;
                       avio_write(io, reinterpret_cast<const unsigned char*>(piece.data()),
                                  static_cast<int>(piece.size()));
                       avio_flush(io);
                   }
                   std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
               }
+              if (srt) srt->wait_until_arrived();
               avio_close(io);
           }) {}
     ~NetworkSender() {
@@ -109,10 +118,10 @@ TEST(TransportClip, ComesBySrtAndUdp) {
     const auto sent = std::make_shared<const StreamOfFrames>(
         make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
     for (const std::string& scheme : {std::string("srt"), std::string("udp")}) {
-        const std::string address = scheme + "://127.0.0.1:" + std::to_string(unused_port());
+        const int port = unused_port();
+        const std::string address = scheme + "://127.0.0.1:" + std::to_string(port);
         const bool is_srt = scheme == "srt";
-        const NetworkSender sender(address + (is_srt ? "?mode=listener&latency=20000" : "?pkt_size=1316"),
-                                   sent, 10);
+        const NetworkSender sender(is_srt, port, sent, 10);
         StreamSource source = source_of(address + (is_srt ? "?mode=caller&latency=20" : ""));
         source.patience.connection = std::chrono::seconds(20);
         const auto clip = open_stream_clip(source);
@@ -131,8 +140,9 @@ TEST(TransportClip, MatroskaComesBySrtToItsEnd) {
     auto made = make_stream(small_scene(64, 48, 16), 60, all_planes);
     made.blocks.insert(made.blocks.begin(), made.header);
     const auto sent = std::make_shared<const StreamOfFrames>(std::move(made));
-    const std::string address = "srt://127.0.0.1:" + std::to_string(unused_port());
-    const NetworkSender sender(address + "?mode=listener&latency=20000&linger=2", sent, 2);
+    const int port = unused_port();
+    const std::string address = "srt://127.0.0.1:" + std::to_string(port);
+    const NetworkSender sender(true, port, sent, 2);
     StreamSource source = source_of(address + "?mode=caller&latency=20");
     source.patience.connection = std::chrono::seconds(20);
     const auto clip = open_stream_clip(source);

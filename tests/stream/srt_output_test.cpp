@@ -1,0 +1,354 @@
+// A stream by SRT. The other end is libsrt's plain calls, or our own receiver.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <srt/access_control.h>
+#include <srt/srt.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "engine/stream/srt_bytes.hpp"
+#include "engine/stream/srt_socket.hpp"
+#include "tests/stream/relay.hpp"
+#include "tests/stream/sent_out.hpp"
+#include "tests/stream/srt_peer.hpp"
+#include "tests/unused_port.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Kind = SrtPeer::Kind;
+constexpr std::chrono::milliseconds a_moment{1};
+
+std::string place_of(int port) {
+    return "srt://127.0.0.1:" + std::to_string(port);
+}
+
+TEST(SrtOutput, GivesAllToSeveralCallers) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port) + "?latency=60");
+    EXPECT_FALSE(output->calls());
+    std::vector<std::string> heard(3);
+    std::vector<std::thread> callers;
+    for (std::string& each : heard)
+        callers.emplace_back([&each, port] { each = SrtPeer(Kind::calls, port).hear_all(); });
+    while (sent.audience.there() < 3) std::this_thread::sleep_for(a_moment);
+    sent.add_all();
+    sent.ring.end();
+    for (std::thread& caller : callers) caller.join();
+    for (const std::string& each : heard) EXPECT_TRUE(each == sent.all) << each.size();
+    sent.wait_for_nobody();
+    for (const ListenerFigures& figures : sent.audience.gone()) {
+        EXPECT_EQ(figures.sent, 20);
+        EXPECT_EQ(figures.dropped, 0);
+        EXPECT_EQ(figures.end, "");
+        ASSERT_TRUE(figures.link);
+        EXPECT_GT(figures.link->datagrams, 100);
+    }
+}
+
+TEST(SrtOutput, LateCallerBeginsWithNewestKey) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port));
+    std::thread early([&] { EXPECT_EQ(SrtPeer(Kind::calls, port).hear_all(6), "HEADER"); });
+    sent.wait_for_somebody();
+    sent.add_all();
+    early.join();
+    sent.wait_for_nobody();
+    sent.ring.add({20, true, {'X'}});
+    std::string heard;
+    std::thread late([&] { heard = SrtPeer(Kind::calls, port).hear_all(); });
+    sent.wait_for_somebody();
+    sent.ring.add({21, false, {'Y'}});
+    sent.ring.end();
+    late.join();
+    EXPECT_EQ(heard, "HEADERXY");
+    sent.wait_for_nobody();
+    EXPECT_TRUE(sent.has_said("has gone"));
+    EXPECT_TRUE(sent.has_said("has all of it: 2 framesets sent"));
+}
+
+/// What one caller cannot take costs another nothing.
+TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
+    constexpr std::size_t frameset_bytes = 20'000;
+    constexpr std::int64_t framesets = 300, most_ahead = 3;
+    SentOut sent;
+    const int port = unused_port();
+    // It takes 60 s for what the other one takes as quickly as it comes.
+    const auto relay = Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000});
+    ASSERT_TRUE(relay.ok());
+    const auto output = sent.open(place_of(port));
+    std::string narrow_heard;
+    std::thread narrow([&] { narrow_heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
+    std::atomic<std::size_t> wide_heard{0};
+    std::thread wide([&] {
+        const SrtPeer caller(Kind::calls, port);
+        while (const auto some = caller.hear()) wide_heard += some->size();
+    });
+    while (sent.audience.there() < 2) std::this_thread::sleep_for(a_moment);
+    sent.ring.begin(sent.header());
+    for (std::int64_t n = 0; n < framesets; ++n) {
+        const auto letter = static_cast<std::uint8_t>('a' + n % 26);
+        sent.ring.add({n, n % 5 == 0, std::vector<std::uint8_t>(frameset_bytes, letter)});
+        while (wide_heard + most_ahead * frameset_bytes < static_cast<std::size_t>(n) * frameset_bytes)
+            std::this_thread::sleep_for(a_moment);
+    }
+    sent.ring.end();
+    narrow.join();
+    wide.join();
+    sent.wait_for_nobody();
+    const auto gone = sent.audience.gone();
+    ASSERT_EQ(gone.size(), 2U);
+    const bool is_first_narrow = gone[0].dropped > gone[1].dropped;
+    const ListenerFigures &few = gone[is_first_narrow ? 0 : 1], &all = gone[is_first_narrow ? 1 : 0];
+    EXPECT_EQ(all.dropped, 0);
+    EXPECT_EQ(all.sent, framesets);
+    EXPECT_GT(few.dropped, 0);
+    EXPECT_EQ(few.sent + few.dropped, framesets);
+    EXPECT_EQ(few.end, "") << "what it was given has arrived";
+    // Each frameset is of one letter, and none is there by half.
+    std::int64_t whole = 0;
+    for (std::size_t at = 6; at < narrow_heard.size(); ++whole, at += frameset_bytes)
+        ASSERT_TRUE(narrow_heard.compare(at, frameset_bytes, std::string(frameset_bytes, narrow_heard[at])) ==
+                    0);
+    EXPECT_EQ(whole, few.sent);
+}
+
+TEST(SrtOutput, CallsUntilSomebodyAnswers) {
+    SentOut sent;
+    const int port = unused_port();
+    const std::string secret = "a-secret-of-two";
+    const auto output = sent.open(place_of(port) + "?mode=caller&passphrase=" + secret);
+    EXPECT_TRUE(output->calls());
+    EXPECT_EQ(output->address(), place_of(port) + "?mode=caller&passphrase=...");
+    std::string heard;
+    std::thread listener([&] { heard = SrtPeer(Kind::listens, port, secret).hear_all(); });
+    sent.wait_for_somebody();
+    sent.add_all();
+    sent.ring.end();
+    listener.join();
+    EXPECT_TRUE(heard == sent.all) << heard.size() << " of " << sent.all.size();
+    sent.wait_for_nobody();
+    EXPECT_EQ(sent.audience.gone().front().sent, 20);
+    EXPECT_EQ(sent.audience.gone().front().dropped, 0);
+    for (const std::string& line : sent.lines) EXPECT_EQ(line.find(secret), std::string::npos) << line;
+}
+
+/// Whoever listens there closes each connection at once.
+TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
+    using Clock = std::chrono::steady_clock;
+    const int port = unused_port();
+    std::atomic<bool> is_said{false}, stop{false};
+    std::vector<std::pair<std::string, Clock::time_point>> lines;
+    StreamRing ring;
+    StreamAudience audience{[&](const std::string& line) {
+        lines.emplace_back(line, Clock::now());
+        if (line.find("goes again within a second") != std::string::npos) is_said = true;
+    }};
+    std::thread peer([&] {
+        auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::receives));
+        std::function<bool()> always = [] { return true; };
+        EXPECT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always).ok());
+        while (!stop)
+            if (!door.accept()) std::this_thread::sleep_for(a_moment);
+    });
+    ring.begin(SentOut::header());
+    auto output =
+        std::move(*StreamOutput::create(*read_stream_url(place_of(port) + "?mode=caller"), ring, audience));
+    ASSERT_TRUE(output->start().ok());
+    constexpr int most_connections = 20;
+    for (std::int64_t n = 0; audience.all() < (is_said ? 2 : most_connections); ++n) {
+        ring.add({n, true, {'X'}});
+        std::this_thread::sleep_for(a_moment);
+    }
+    output.reset();
+    stop = true;
+    peer.join();
+    EXPECT_TRUE(is_said);
+    for (std::size_t k = 0; k + 1 < lines.size(); ++k)
+        if (lines[k].first.find("goes again") != std::string::npos) {
+            EXPECT_GE(lines[k + 1].second - lines[k].second, std::chrono::milliseconds(500));
+        }
+}
+
+TEST(SrtOutput, RefusesWrongPassphrase) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port) + "?passphrase=0123456789abc");
+    EXPECT_TRUE(output->is_encrypted());
+    EXPECT_EQ(SrtPeer(Kind::calls, port, "another-passphrase").refusal(), SRT_REJ_BADSECRET);
+    EXPECT_EQ(SrtPeer(Kind::calls, port).refusal(), SRT_REJ_UNSECURE);
+    EXPECT_TRUE(SrtPeer(Kind::calls, port, "0123456789abc").is_connected());
+    const auto wait = std::make_shared<StreamWait>();
+    wait->at_most(std::chrono::minutes(1));
+    const auto bytes =
+        connect_by_srt(*read_stream_url(place_of(port) + "?passphrase=another-passphrase"), wait);
+    ASSERT_FALSE(bytes.ok());
+    EXPECT_NE(bytes.error().message.find("passphrase"), std::string::npos) << bytes.error().message;
+}
+
+TEST(SrtOutput, RefusesCallersBeyondTheLimit) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port));
+    for (int n = 0; n < StreamAudience::most_listeners; ++n) sent.audience.came("somebody else");
+    EXPECT_EQ(SrtPeer(Kind::calls, port).refusal(), SRT_REJX_OVERLOAD);
+    sent.wait_until_said("1 caller is refused");
+    const auto wait = std::make_shared<StreamWait>();
+    wait->at_most(std::chrono::minutes(1));
+    const auto bytes = connect_by_srt(*read_stream_url(place_of(port)), wait);
+    ASSERT_FALSE(bytes.ok());
+    EXPECT_NE(bytes.error().message.find("as many listeners"), std::string::npos) << bytes.error().message;
+}
+
+TEST(SrtOutput, LetsGoOfCallerThatSends) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port));
+    const SrtPeer caller(Kind::calls, port);
+    const std::string much(std::size_t{1} << 16U, 'x');
+    while (caller.say(much)) continue;
+    sent.wait_until_said("sends, but a listener has nothing to send");
+}
+
+/// The last datagrams of a stream are lost, and none behind them tells the receiver.
+TEST(SrtOutput, LastDatagramsAreSentAgain) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto relay = Relay::open(Relay::Kind::udp, port);
+    ASSERT_TRUE(relay.ok());
+    const auto output = sent.open(place_of(port));
+    std::string heard;
+    std::thread caller([&] { heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
+    sent.wait_for_somebody();
+    (*relay)->stall(true);
+    sent.padding = {'.'};
+    sent.add_all();
+    sent.ring.end();
+    while ((*relay)->lost() < 40) std::this_thread::sleep_for(a_moment);
+    (*relay)->stall(false);
+    caller.join();
+    std::erase(heard, '.');  // which says nothing
+    EXPECT_TRUE(heard == sent.all) << heard.size() << " of " << sent.all.size();
+}
+
+/// However many datagrams come that are no SRT, a person reads little of it.
+TEST(SrtOutput, LogsLittleOfAFlood) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port));
+    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in at = {};
+    at.sin_family = AF_INET;
+    at.sin_port = htons(static_cast<std::uint16_t>(port));
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    std::string datagram(64, '\0');
+    for (unsigned n = 0; n < 20'000; ++n) {
+        for (std::size_t k = 0; k < datagram.size(); ++k)
+            datagram[k] = static_cast<char>((n * 2654435761U) >> (k % 25));
+        (void)::sendto(socket, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&at),
+                       sizeof at);
+    }
+    ::close(socket);
+    // The output is still there for whoever calls.
+    const SrtPeer caller(Kind::calls, port);
+    EXPECT_TRUE(caller.is_connected());
+    sent.wait_for_somebody();
+    const std::lock_guard lock(sent.mutex);
+    EXPECT_LE(sent.lines.size(), 4U);
+}
+
+TEST(SrtOutput, FirstCallIsTriedAgain) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto relay = Relay::open(Relay::Kind::udp, port);
+    ASSERT_TRUE(relay.ok());
+    (*relay)->stall(true);
+    const auto output = sent.open(place_of(port));
+    const auto wait = std::make_shared<StreamWait>();
+    wait->at_most(std::chrono::minutes(1));
+    std::thread later([&] {
+        while ((*relay)->lost() < 10) std::this_thread::sleep_for(a_moment);
+        (*relay)->stall(false);
+    });
+    const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
+    later.join();
+    EXPECT_TRUE(bytes.ok());
+}
+
+TEST(SrtOutput, ConnectsThroughLoss) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        SentOut sent;
+        const int port = unused_port();
+        const auto relay = Relay::open(Relay::Kind::udp, port, {.loss = 0.2, .seed = seed});
+        ASSERT_TRUE(relay.ok());
+        const auto output = sent.open(place_of(port));
+        sent.padding = {'.'};
+        sent.add_all();
+        const auto wait = std::make_shared<StreamWait>();
+        wait->at_most(std::chrono::minutes(1));
+        const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
+        ASSERT_TRUE(bytes.ok());
+        (*bytes)->allow(6);
+        std::string header(6, '\0');
+        for (std::size_t at = 0; at < header.size();) {
+            const auto got =
+                (*bytes)->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at);
+            ASSERT_TRUE(got.ok());
+            ASSERT_GT(*got, 0U) << "seed " << seed << ": " << (*bytes)->how_it_ended() << "; "
+                                << sent.newest_line() << "; passed " << (*relay)->passed() << ", lost "
+                                << (*relay)->lost();
+            at += *got;
+        }
+        EXPECT_EQ(header, "HEADER");
+    }
+}
+
+TEST(SrtOutput, EndsThoughNobodyCalled) {
+    SentOut sent;
+    const auto over = sent.open(place_of(unused_port()));
+    sent.add_all();
+    sent.ring.end();
+    while (!over->is_over()) std::this_thread::sleep_for(a_moment);
+    SentOut asked;
+    auto output = asked.open(place_of(unused_port()));
+    output.reset();
+    EXPECT_TRUE(asked.lines.empty());
+}
+
+TEST(SrtOutput, RefusesPortThatIsTaken) {
+    SentOut sent;
+    const int port = unused_port();
+    const auto output = sent.open(place_of(port));
+    const int taken = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in at = {};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof at;
+    ASSERT_EQ(::bind(taken, reinterpret_cast<const sockaddr*>(&at), length), 0);
+    ASSERT_EQ(::getsockname(taken, reinterpret_cast<sockaddr*>(&at), &length), 0);
+    const auto refused =
+        StreamOutput::create(*read_stream_url(place_of(ntohs(at.sin_port))), sent.ring, sent.audience);
+    ::close(taken);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+}
+
+TEST(SrtOutput, RefusesSettings) {
+    SentOut sent;
+    for (const char* const query :
+         {"?latency=-1", "?latency=60001", "?latency=1s", "?mode=both", "?pbkeylen=17"}) {
+        const auto refused = StreamOutput::create(
+            *read_stream_url("srt://127.0.0.1:7000" + std::string(query)), sent.ring, sent.audience);
+        ASSERT_FALSE(refused.ok()) << query;
+        EXPECT_EQ(refused.error().kind, ErrorKind::usage) << query;
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
