@@ -43,7 +43,7 @@ Result<void> DelayedTouch::take(const TouchTick& tick) {
         numbers_.push_back(felt.number);
         taken_ns_.push_back(felt.time_ns - reader_.taken_before(felt.number));
     }
-    Tick kept{tick.tick, tick.time_ns, felt.number, {tick.goals.begin(), tick.goals.end()}, {}};
+    Tick kept{tick.tick, tick.time_ns, felt.number, felt.time_ns, {tick.goals.begin(), tick.goals.end()}, {}};
     for (std::size_t k = 0; k < tick.forces.size(); ++k) kept.forces.push_back(tick.sent(k));
     ticks_.push_back(std::move(kept));
     return {};
@@ -63,27 +63,25 @@ std::int64_t DelayedTouch::Sent::newest(std::int64_t time_ns) const {
     return since >= 0 ? since / frame_ns : -((frame_ns - 1 - since) / frame_ns);
 }
 
-FramePair DelayedTouch::Sent::pair(std::int64_t number) const {
+FramePair DelayedTouch::Sent::pair(std::int64_t number, std::int64_t time_ns) const {
     const auto period = static_cast<std::int64_t>(frames.size());
     const std::int64_t at = ((number + first) % period + period) % period;
-    const TimedFrame frame{number, zero_ns + number * frame_ns, frames[static_cast<std::size_t>(at)]};
+    const TimedFrame frame{number, time_ns, frames[static_cast<std::size_t>(at)]};
     return {frame, frame, 0, 0};
 }
 
 /// Forces of the first `count` ticks, with the goals of so long before.
-template <class FrameOf>
-std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup, const Sent& sent,
-                                                        std::int64_t goals_late_ms, const FrameOf& frame_of,
-                                                        std::size_t count) const {
-    GuardSettings guard = setup.settings.guard;
-    TouchStep step(*setup.solver, guard, setup.settings.fingers);
+template <class PairOf>
+std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup, std::int64_t goals_late_ms,
+                                                        const PairOf& pair_of, std::size_t count) const {
+    TouchStep step(*setup.solver, setup.settings.guard, setup.settings.fingers);
     std::vector<Vectors> forces;
     std::size_t moved = 0;  // the tick whose goals are there
     for (std::size_t n = 0; n < count; ++n) {
         const Tick& tick = ticks_[n];
         while (moved + 1 <= n && ticks_[moved + 1].tick <= tick.tick - goals_late_ms) ++moved;
         std::copy(ticks_[moved].goals.begin(), ticks_[moved].goals.end(), step.goals().begin());
-        const TouchTick done = step.run(tick.tick, tick.time_ns, setup.scene, sent.pair(frame_of(tick)));
+        const TouchTick done = step.run(tick.tick, tick.time_ns, setup.scene, pair_of(tick));
         Vectors& all = forces.emplace_back();
         for (const GuardedForce& force : done.forces) all.push_back(force.force);
     }
@@ -98,8 +96,8 @@ Result<std::int64_t> DelayedTouch::first_of_period(const TouchSetup& setup, Sent
     std::int64_t found = 0;
     for (std::int64_t first = 0; first < static_cast<std::int64_t>(sent.frames.size()); ++first) {
         sent.first = first;
-        const auto forces =
-            solved(setup, sent, 0, [](const Tick& tick) { return tick.frame; }, count);
+        const auto forces = solved(
+            setup, 0, [&](const Tick& tick) { return sent.pair(tick.frame, tick.frame_ns); }, count);
         Rms off;
         for (std::size_t n = 0; n < count; ++n)
             for (std::size_t k = 0; k < forces[n].size(); ++k)
@@ -128,10 +126,10 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
     if (!first.ok()) return first.error();
     sent.first = *first;
 
-    const auto of_the_moment = [&](const Tick& tick) { return sent.newest(tick.time_ns); };
+    const auto of_the_moment = [&](const Tick& tick) { return sent.pair(sent.newest(tick.time_ns)); };
     const auto late_ms = static_cast<std::int64_t>(std::lround(faults.delay_ms));
-    const auto undelayed = solved(setup, sent, 0, of_the_moment, ticks_.size()),
-               far_away = solved(setup, sent, late_ms, of_the_moment, ticks_.size());
+    const auto undelayed = solved(setup, 0, of_the_moment, ticks_.size()),
+               far_away = solved(setup, late_ms, of_the_moment, ticks_.size());
     Rms whole, off, far_off;
     std::int64_t touching = 0, without = 0;
     std::size_t coming = 0, held = 0;  // of far_away: the force that would come now, and the last that came

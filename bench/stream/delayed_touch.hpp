@@ -30,7 +30,8 @@ public:
 private:
     using Vectors = std::vector<glm::dvec3>;  // of all fingers
     struct Tick {
-        std::int64_t tick = 0, time_ns = 0, frame = 0;
+        std::int64_t tick = 0, time_ns = 0;
+        std::int64_t frame = 0, frame_ns = 0;  // the frame that was felt, and its time
         Vectors goals, forces;
     };
     /// Where the surface is: the frame of a moment, and when it was taken.
@@ -39,13 +40,14 @@ private:
         std::int64_t first = 0;                   // of the period, that the run calls frame 0
         std::int64_t frame_ns = 0, zero_ns = 0;   // when frame 0 was taken
         std::int64_t newest(std::int64_t time_ns) const;
-        FramePair pair(std::int64_t number) const;
+        FramePair pair(std::int64_t number, std::int64_t time_ns) const;
+        FramePair pair(std::int64_t number) const { return pair(number, zero_ns + number * frame_ns); }
     };
 
     std::int64_t taken_frame_0(std::int64_t frame_ns) const;
-    template <class FrameOf>
-    std::vector<Vectors> solved(const TouchSetup& setup, const Sent& sent, std::int64_t goals_late_ms,
-                                const FrameOf& frame_of, std::size_t count) const;
+    template <class PairOf>
+    std::vector<Vectors> solved(const TouchSetup& setup, std::int64_t goals_late_ms, const PairOf& pair_of,
+                                std::size_t count) const;
     Result<std::int64_t> first_of_period(const TouchSetup& setup, Sent sent) const;
 
     const ClipReader& reader_;
