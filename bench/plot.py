@@ -4,6 +4,7 @@
 plot.py pareto TOUCH.json OUT.png      run time against error of every option of the touch solver
 plot.py stability LOOP.json OUT.png    up to which stiffness a closed loop is stable, beside theory
 plot.py spectrum PAPER.json OUT.png    power spectral density of the force by filter, as the paper's Fig. 19
+plot.py delay STREAM.json OUT.png      force error by transport, loss and delay, beside forces that are sent
 """
 
 import argparse
@@ -13,6 +14,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True  # a plot leaves nothing in the source tree
 sys.path.append(str(Path(__file__).resolve().parents[1] / "player" / "plot"))
 
+from plots.delay import draw_delay
 from plots.pareto import draw_pareto
 from plots.spectrum import draw_spectrum
 from plots.stability import draw_stability
@@ -21,7 +23,7 @@ from style import BadInput
 
 def main():
     parser = argparse.ArgumentParser(description="Draws what touchable-bench wrote.")
-    commands = parser.add_subparsers(required=True, metavar="pareto|stability|spectrum")
+    commands = parser.add_subparsers(required=True, metavar="pareto|stability|spectrum|delay")
     pareto = commands.add_parser("pareto", help="run time against error of the touch solver's options")
     pareto.add_argument("results", metavar="TOUCH.json")
     pareto.set_defaults(draw=draw_pareto)
@@ -31,7 +33,10 @@ def main():
     spectrum = commands.add_parser("spectrum", help="the spectrum of the force, filter by filter")
     spectrum.add_argument("results", metavar="PAPER.json")
     spectrum.set_defaults(draw=draw_spectrum)
-    for command in (pareto, stability, spectrum):
+    delay = commands.add_parser("delay", help="force error by transport, loss and delay, beside forces that are sent")
+    delay.add_argument("results", metavar="STREAM.json")
+    delay.set_defaults(draw=draw_delay)
+    for command in (pareto, stability, spectrum, delay):
         command.add_argument("out", metavar="OUT.png")
     arguments = parser.parse_args()
     try:

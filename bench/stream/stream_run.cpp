@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "bench/clocks.hpp"
+#include "bench/real/built_frames.hpp"
+#include "bench/stream/delayed_touch.hpp"
 #include "bench/stream/felt_stream.hpp"
 #include "player/run/device_port.hpp"
 #include "player/run/live_session.hpp"
@@ -73,11 +75,12 @@ void add_network_figures(const StreamFigures& came, Figures& figures) {
     add("jitter_buffer_ms", came.delay_ms, "ms");
 }
 
-/// The run itself, whatever the frames came by.
-Result<void> measure_touch(TouchSetup& setup, Figures& figures) {
+/// The run itself, whatever the frames came by. `delayed`: keeps it; null: nothing does.
+Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& figures) {
     TouchFigures touched;
     FeltStream felt;
-    TouchSink* const sinks[]{&touched, &felt};
+    std::vector<TouchSink*> sinks{&touched, &felt};
+    if (delayed != nullptr) sinks.push_back(delayed);
     HandPort hand(*setup.hand);
     TouchSessionSettings settings = setup.settings;
     settings.ticks = setup.ticks();
@@ -116,7 +119,7 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
     const auto file = clips.file(clip);
     if (!file.ok()) return file.error();
     const auto setup = touch_live("replay:" + file->string(), ticks_of(clip));
-    return setup.ok() ? measure_touch(**setup, figures) : setup.error();
+    return setup.ok() ? measure_touch(**setup, nullptr, figures) : setup.error();
 }
 
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
@@ -132,13 +135,28 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
     if (!served.ok()) return served.error();
     const auto setup =
         touch_live("stream:" + address(stream, sends ? port : (*relay)->port()), ticks_of(stream.clip));
+    if (!setup.ok() && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
+        figures.push_back({"whole", 0, ""});
+        figures.push_back({"without_touch_pct", 100, "%"});  // no frameset came whole in time
+        return {};
+    }
     if (!setup.ok()) return setup.error();
-    if (auto touched = measure_touch(**setup, figures); !touched.ok()) return touched;
+    DelayedTouch delayed((*setup)->feed->reader());
+    if (auto touched = measure_touch(**setup, stream.is_far ? &delayed : nullptr, figures); !touched.ok())
+        return touched;
     const auto came = (*setup)->feed->reader().stream_figures();
     const auto report = (*served)->end();
     if (!report.ok()) return report.error();
     if (!came || came->whole == 0) return Error{ErrorKind::check, "no whole frameset came"};
     add_network_figures(*came, figures);
+    if (stream.is_far) {
+        const auto pictures = clips.pictures(stream.clip);
+        if (!pictures.ok()) return pictures.error();
+        const auto frames = built((*setup)->scene, (*pictures)->frames);
+        if (!frames.ok()) return frames.error();
+        auto compared = delayed.add_figures(**setup, *frames, stream.clip.frames, stream.faults, figures);
+        if (!compared.ok()) return compared;
+    }
     figures.push_back({"sender_cpu_ms", report->at("cpu_ms_per_frameset").get<double>(), "ms"});
     figures.push_back({"kb_per_frameset", report->at("bytes_per_frameset").get<double>() * 1e-3, "KB"});
     return {};

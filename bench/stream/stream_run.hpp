@@ -14,6 +14,7 @@ struct StreamCase {
     std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS by SRT), "udp" (MPEG-TS)
     LiveClip clip;
     test::NetworkFaults faults{};
+    bool is_far = false;  ///< forces are compared with those of no delay (DelayedTouch)
 };
 
 /// Touches it live for as long as the clip lasts; what became of its framesets, how long from sending to
