@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace touchable {
 
@@ -15,75 +16,98 @@ namespace touchable {
 /// read: it is a function of what it is given.
 class LinkRate {
 public:
-    /// Until it is known how quickly bytes arrive, and of the slowest link.
-    static constexpr std::int64_t least_window_bytes = 1 << 16;
+    /// Of the slowest link; and before it is known how quickly bytes arrive.
+    static constexpr std::int64_t least_window_bytes = 1 << 16, first_window_bytes = 1 << 18;
     static constexpr std::int64_t slice_ns = 250'000'000;
 
-    /// What is known at this moment: bytes that have arrived so far, datagrams sent and lost so far, and the
-    /// way there and back.
+    /// What is known at this moment: bytes that have arrived so far, datagrams sent and lost so far, the way
+    /// there and back, and whether more would be handed over if the window were larger.
     struct Look {
         std::int64_t now_ns = 0, arrived_bytes = 0, datagrams = 0, lost = 0, rtt_ns = 0;
+        bool is_full = false;
     };
     void look(const Look& look) {
-        if (!newest_) first_in_slice_ = look;
-        newest_ = look;
-        shortest_in_slice_ns_ = std::min(shortest_in_slice_ns_, look.rtt_ns);
-        const std::int64_t passed_ns = look.now_ns - first_in_slice_.now_ns;
+        if (!first_in_slice_) {
+            first_in_slice_ = look;
+            shortest_ns_ = look.rtt_ns;
+        }
+        shortest_ns_ = std::min(shortest_ns_, look.rtt_ns);
+        slice_.rtt_ns = std::min(slice_.rtt_ns, look.rtt_ns);
+        slice_.is_full = slice_.is_full || look.is_full;
+        const std::int64_t passed_ns = look.now_ns - first_in_slice_->now_ns;
         if (passed_ns < slice_ns) return;
-        constexpr double ns_per_second = 1e9;
-        const auto of_slice = [](std::int64_t now, std::int64_t then) {
+        const auto more = [](std::int64_t now, std::int64_t then) {
             return std::max<std::int64_t>(now - then, 0);
         };
-        Slice& slice = slices_[slice_count_++ % kept];
-        slice.rate = static_cast<double>(of_slice(look.arrived_bytes, first_in_slice_.arrived_bytes)) *
-                     ns_per_second / static_cast<double>(passed_ns);
-        slice.datagrams = of_slice(look.datagrams, first_in_slice_.datagrams);
-        slice.lost = of_slice(look.lost, first_in_slice_.lost);
-        slice.rtt_ns = shortest_in_slice_ns_;
+        constexpr double ns_per_second = 1e9;
+        slice_.rate = static_cast<double>(more(look.arrived_bytes, first_in_slice_->arrived_bytes)) *
+                      ns_per_second / static_cast<double>(passed_ns);
+        slice_.datagrams = more(look.datagrams, first_in_slice_->datagrams);
+        slice_.lost = more(look.lost, first_in_slice_->lost);
+        slices_[slice_count_++ % recent] = std::exchange(slice_, Slice{});
         first_in_slice_ = look;
-        shortest_in_slice_ns_ = std::numeric_limits<std::int64_t>::max();
+        forget_shortest();
     }
 
-    /// The most in a quarter of a second, of the last two seconds.
+    /// That of the last second, or of the one before if it was more. What was lost and comes at last is
+    /// acknowledged together with all that is behind it, so shorter times would tell of more than arrives.
     std::int64_t bytes_per_second() const {
         double most = 0;
-        for (std::size_t k = 0; k < std::min(slice_count_, recent); ++k)
-            most = std::max(most, slices_[(slice_count_ - 1 - k) % kept].rate);
+        for (const std::size_t before : {std::size_t{0}, recent / 2}) {
+            const std::size_t there = slice_count_ - std::min(slice_count_, before);
+            const std::size_t slices = std::min(there, recent / 2);
+            double sum = 0;
+            for (std::size_t k = 0; k < slices; ++k) sum += slices_[(there - 1 - k) % recent].rate;
+            if (slices > 0) most = std::max(most, sum / static_cast<double>(slices));
+        }
         return static_cast<std::int64_t>(most);
     }
 
     /// More may be handed over as long as less than this has not been acknowledged.
     std::int64_t window_bytes() const {
+        constexpr std::size_t first_slices = 4;
         // Acknowledgements are sent every 10 ms and looked at every 5; a thread may have to wait for a core.
         constexpr double slack_ns = 80e6, ns_per_second = 1e9;
-        std::int64_t rtt_ns = newest_ ? newest_->rtt_ns : 0, datagrams = 0, lost = 0;
-        for (std::size_t k = 0; k < std::min(slice_count_, kept); ++k) {
-            const Slice& slice = slices_[(slice_count_ - 1 - k) % kept];
-            rtt_ns = std::min(rtt_ns, slice.rtt_ns);
-            if (k >= recent) continue;
+        std::int64_t datagrams = 0, lost = 0;
+        for (const Slice& slice : slices_) {
             datagrams += slice.datagrams;
             lost += slice.lost;
         }
-        // Acknowledgements stop at what is lost until it has been asked for and sent again.
+        // Acknowledgements stop at what is lost until it has been asked for and sent again. Of the hundreds of
+        // datagrams on their way some are lost once more as they are sent again.
         constexpr int loses_from = 200;  // one in so many
-        const double ways = lost * loses_from > datagrams ? 3 : 1;
-        const double seconds = (ways * static_cast<double>(rtt_ns) + slack_ns) / ns_per_second;
+        const double ways = lost * loses_from > datagrams ? 6 : 1;
+        const double seconds = (ways * static_cast<double>(shortest_ns_) + slack_ns) / ns_per_second;
         const double bytes = static_cast<double>(bytes_per_second()) * seconds;
         constexpr double most_bytes = 64 << 20;
-        return std::max(least_window_bytes, static_cast<std::int64_t>(std::min(bytes, most_bytes)));
+        return std::max(slice_count_ < first_slices ? first_window_bytes : least_window_bytes,
+                        static_cast<std::int64_t>(std::min(bytes, most_bytes)));
     }
 
 private:
-    static constexpr std::size_t kept = 40, recent = 8;  // slices: 10 s, 2 s
+    static constexpr std::size_t recent = 8;
     struct Slice {
         double rate = 0;  // bytes a second
-        std::int64_t datagrams = 0, lost = 0, rtt_ns = 0;
+        std::int64_t datagrams = 0, lost = 0, rtt_ns = std::numeric_limits<std::int64_t>::max();
+        bool is_full = false;
     };
-    std::array<Slice, kept> slices_{};  // a ring
+    /// The way there and back is measured anew while nothing of ours waits in front of the link. While the
+    /// window is full something does, and to believe in that would widen the window again and again.
+    void forget_shortest() {
+        if (slice_count_ < recent) return;
+        std::int64_t shortest_ns = std::numeric_limits<std::int64_t>::max();
+        for (const Slice& slice : slices_) {
+            if (slice.is_full) return;
+            shortest_ns = std::min(shortest_ns, slice.rtt_ns);
+        }
+        shortest_ns_ = shortest_ns;
+    }
+
+    std::array<Slice, recent> slices_{};  // a ring
     std::size_t slice_count_ = 0;
-    std::optional<Look> newest_;
-    Look first_in_slice_;
-    std::int64_t shortest_in_slice_ns_ = std::numeric_limits<std::int64_t>::max();
+    Slice slice_;  // that has not ended
+    std::optional<Look> first_in_slice_;
+    std::int64_t shortest_ns_ = 0;  // way there and back
 };
 
 }  // namespace touchable

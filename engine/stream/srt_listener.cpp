@@ -64,7 +64,8 @@ void SrtListener::look(std::int64_t now_ns) {
                 .arrived_bytes = arrived_,
                 .datagrams = link_.datagrams,
                 .lost = link_.lost,
-                .rtt_ns = static_cast<std::int64_t>(link_.rtt_ms * static_cast<double>(ns_per_ms))});
+                .rtt_ns = static_cast<std::int64_t>(link_.rtt_ms * static_cast<double>(ns_per_ms)),
+                .is_full = std::exchange(is_full_, false)});
 }
 
 /// A receiver knows what is lost by what comes behind it. Of datagrams that are lost with nothing behind
@@ -111,6 +112,7 @@ bool SrtListener::take_piece(std::int64_t now_ns) {
         return false;
     }
     if (handed_over_ - arrived_ > rate_.window_bytes()) {
+        is_full_ = true;
         if (!behind_since_ns_) behind_since_ns_ = now_ns;
         paced_until_ns_ = now_ns + paced_ns;
         return false;

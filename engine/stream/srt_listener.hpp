@@ -59,6 +59,7 @@ private:
     std::int64_t handed_over_ = 0, arrived_ = 0;  // bytes
     std::size_t heard_bytes_ = 0;                 // that it sent though it has nothing to say
     std::int64_t progress_ns_;                    // when bytes arrived last, or none were on their way
+    bool is_full_ = false;                        // more would be given if more might be on its way
     std::int64_t next_probe_ns_ = 0;
     int probes_ = 0;  // since bytes arrived last
     std::optional<std::int64_t> behind_since_ns_;
