@@ -88,7 +88,11 @@ void FramesetAssembler::admit(StreamPicture picture) {
     const PlaneRole role = picture.role;
     if (last_ && picture.number + picture.frames <= *last_ + 1 && role != PlaneRole::colour)
         return add_late(picture);
-    if (last_ && picture.number + picture.frames <= *last_ + 1) return;
+    if (last_ && picture.number + picture.frames <= *last_ + 1) {
+        without_colour_in_a_row_ = 0;  // it is sent again
+        newest_colour_ = std::move(picture.plane);
+        return;
+    }
     if (role != PlaneRole::colour) needed_ |= bit_of(role);  // it was not known before
     if (!hold(std::move(picture))) return;
     give_whole();
@@ -173,7 +177,9 @@ FramesetAssembler::Roles FramesetAssembler::there(std::int64_t number) const {
 /// Or it will not come any more.
 bool FramesetAssembler::has_its_colour(std::int64_t number) const {
     constexpr std::size_t most_without = 30;  // framesets that wait for the first colour
+    constexpr int is_left_out_after = 3;      // framesets; then it is not waited for until it comes
     if (!has_colour_ || ended_ || of(PlaneRole::colour, number)) return true;
+    if (without_colour_in_a_row_ >= is_left_out_after) return true;
     const auto& depth = held_[index_of(PlaneRole::depth)];
     if (!colour_came_) return is_full_ || depth.size() > most_without;
     const auto is_beyond = [&](PlaneRole role, std::int64_t than) {
@@ -228,6 +234,8 @@ void FramesetAssembler::give(std::int64_t number) {
     auto& colour = frameset.planes[index_of(PlaneRole::colour)];
     if (!colour.view.empty()) newest_colour_ = colour;
     colour_came_ = colour_came_ || !colour.view.empty();
+    const bool lacks_colour = has_colour_ && colour_came_ && colour.view.empty();
+    without_colour_in_a_row_ = lacks_colour ? without_colour_in_a_row_ + 1 : 0;
     colour = newest_colour_;
     count_missing(number);
     last_ = number;
@@ -238,6 +246,7 @@ void FramesetAssembler::give(std::int64_t number) {
     }
     if (frameset.taken_ns > 0) last_taken_ns_ = frameset.taken_ns;
     ++counts_.whole;
+    counts_.without_colour += lacks_colour ? 1 : 0;
     whole_.push_back(std::move(frameset));
 }
 

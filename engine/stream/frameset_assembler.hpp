@@ -38,12 +38,13 @@ struct WholeFrameset {
 
 /// What became of framesets, by cause.
 struct FramesetCounts {
-    std::int64_t whole = 0;     ///< given
-    std::int64_t late = 0;      ///< whole once a later one had been given
-    std::int64_t lost = 0;      ///< never whole
-    std::int64_t torn = 0;      ///< likewise, because a checksum of theirs was wrong
-    std::int64_t repeated = 0;  ///< pictures that came twice
-    std::int64_t restarts = 0;  ///< numbers began anew
+    std::int64_t whole = 0;           ///< given
+    std::int64_t late = 0;            ///< whole once a later one had been given
+    std::int64_t lost = 0;            ///< never whole
+    std::int64_t torn = 0;            ///< likewise, because a checksum of theirs was wrong
+    std::int64_t repeated = 0;        ///< pictures that came twice
+    std::int64_t without_colour = 0;  ///< given with the colour of a frameset before, or none
+    std::int64_t restarts = 0;        ///< numbers began anew
     std::array<std::int64_t, all_roles.size()> lost_of{};  ///< of those lost, by the first plane missing
 
     FramesetCounts& operator+=(const FramesetCounts& more) {
@@ -52,6 +53,7 @@ struct FramesetCounts {
         lost += more.lost;
         torn += more.torn;
         repeated += more.repeated;
+        without_colour += more.without_colour;
         restarts += more.restarts;
         for (std::size_t k = 0; k < lost_of.size(); ++k) lost_of[k] += more.lost_of[k];
         return *this;
@@ -121,7 +123,8 @@ private:
 
     Roles needed_ = 0;
     bool has_colour_ = false, colour_came_ = false, ended_ = false;
-    bool is_full_ = false;  // of bytes, before the first colour came
+    int without_colour_in_a_row_ = 0;  // framesets
+    bool is_full_ = false;             // of bytes, before the first colour came
     std::array<std::deque<Held>, all_roles.size()> held_;
     std::int64_t torn_ = 0;             // not counted yet
     std::optional<std::int64_t> last_;  // given

@@ -119,6 +119,7 @@ private:
     };
     std::array<Way, 128> ways_;  // of the newest frames, from being taken to being shown
     StreamFigures figures_{.connections = 1};
+    std::int64_t without_colour_ = 0;  // framesets that were whole otherwise
     std::int64_t newest_ns_ = 0;  // when the last one came
     std::int64_t given_up_ = 0;   // framesets that were overdue when a connection was given up
     std::string why_again_;       // it is being connected to again; empty: it is connected
@@ -247,6 +248,7 @@ void LiveStream::note(const StreamReceiver& receiver) {
     figures_.lost = counts.lost;
     figures_.torn = counts.torn;
     figures_.repeated = counts.repeated;
+    without_colour_ = counts.without_colour;
     figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
 }
 
@@ -366,6 +368,7 @@ std::vector<std::string> LiveStream::remarks() const {
     };
     tell(figures_.lost + given_up_ + overdue(now_ns()), "were lost on the way, or left out by the sender");
     tell(figures_.late, "came late");
+    tell(without_colour_, "came without their colour, which a narrow link leaves out first");
     tell(figures_.torn, "were damaged on the way, and left out");
     return all;
 }

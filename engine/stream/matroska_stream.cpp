@@ -151,12 +151,20 @@ Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabe
     epoch_ = frame.epoch;
     // What is heard with a picture goes before it: FFmpeg holds a packet of sound until the next picture.
     if (auto written = write_sound(time_ms); !written) return written.error();
-    for (std::size_t k = 0; k < tracks_.size(); ++k)
-        if (auto written = write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key);
-            !written)
-            return written.error();
-    if (auto flushed = muxer_->flush(); !flushed) return flushed.error();
-    return StreamBlock{label.frame, is_key, muxer_->take()};
+    StreamBlock block{label.frame, is_key, {}};
+    // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
+    for (const bool is_colour : {false, true}) {
+        for (std::size_t k = 0; k < tracks_.size(); ++k) {
+            if ((tracks_[k].role == PlaneRole::colour) != is_colour) continue;
+            auto written = write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key);
+            if (!written) return written.error();
+        }
+        if (auto flushed = muxer_->flush(); !flushed) return flushed.error();
+        const auto bytes = muxer_->take();
+        if (is_colour) block.colour_bytes = bytes.size();
+        block.bytes.insert(block.bytes.end(), bytes.begin(), bytes.end());
+    }
+    return block;
 }
 
 }  // namespace

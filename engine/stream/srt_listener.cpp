@@ -108,21 +108,22 @@ bool SrtListener::take_piece(std::int64_t now_ns) {
         return false;
     }
     if (!ring_.has_next(cursor_)) {
-        behind_since_ns_.reset();
+        narrow_.has_caught_up();
         return false;
     }
     if (handed_over_ - arrived_ > rate_.window_bytes()) {
         is_full_ = true;
-        if (!behind_since_ns_) behind_since_ns_ = now_ns;
+        const bool loses_colour = narrow_.is_behind(now_ns);
+        if (loses_colour && !std::exchange(is_said_, true)) audience_.goes_without_colour(name_);
         paced_until_ns_ = now_ns + paced_ns;
         return false;
     }
-    if (behind_since_ns_ && now_ns - *behind_since_ns_ > longest_behind_ns && ring_.go_to_newest_key(cursor_))
-        behind_since_ns_.reset();
+    if (narrow_.is_far_behind(now_ns) && ring_.go_to_newest_key(cursor_)) narrow_.has_caught_up();
     const auto block = ring_.next(cursor_);
     ++sent_;
     piece_ = block;
-    rest_ = block->bytes;
+    rest_ = block->given(narrow_.gives_colour(block->is_key, now_ns));
+    without_colour_ += rest_.size() < block->bytes.size() ? 1 : 0;
     return true;
 }
 
@@ -151,7 +152,7 @@ void SrtListener::leave(std::int64_t now_ns) {
 void SrtListener::end(const std::string& why) {
     if (phase_ == Phase::over) return;
     link_ = socket_.figures().value_or(link_);
-    audience_.went({name_, sent_, cursor_.dropped(), why, link_});
+    audience_.went({name_, sent_, cursor_.dropped(), without_colour_, why, link_});
     phase_ = Phase::over;
     socket_.close();
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/stream/link_rate.hpp"
+#include "engine/stream/narrow_link.hpp"
 #include "engine/stream/srt_socket.hpp"
 #include "engine/stream/stream_audience.hpp"
 #include "engine/stream/stream_ring.hpp"
@@ -18,8 +19,6 @@ namespace touchable {
 class SrtListener {
 public:
     static constexpr std::int64_t longest_standstill_ns = 10'000'000'000;
-    /// One that is behind for so long goes on with the newest key.
-    static constexpr std::int64_t longest_behind_ns = 300'000'000;
     static constexpr std::size_t most_heard_bytes = 65536;
 
     /// The socket is connected. The ring and the audience outlive it.
@@ -62,9 +61,10 @@ private:
     bool is_full_ = false;                        // more would be given if more might be on its way
     std::int64_t next_probe_ns_ = 0;
     int probes_ = 0;  // since bytes arrived last
-    std::optional<std::int64_t> behind_since_ns_;
+    NarrowLink narrow_;
+    bool is_said_ = false;  // that its colour is left out
     std::int64_t paced_until_ns_ = 0;
-    std::int64_t sent_ = 0;  // framesets
+    std::int64_t sent_ = 0, without_colour_ = 0;  // framesets
     std::optional<std::int64_t> leaves_at_ns_;
     // What it is being given.
     bool has_header_ = false;

@@ -20,6 +20,7 @@ inline constexpr std::string_view stream_refusal = "touchable serve: ";
 struct ListenerFigures {
     std::string name;                    ///< "tcp://192.168.0.5:41234"
     std::int64_t sent = 0, dropped = 0;  ///< framesets
+    std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
     std::string end{};                   ///< why it is not there any more; empty: it had all of the stream
     std::optional<LinkFigures> link{};   ///< of its connection, where the transport counts (SRT)
 };
@@ -34,6 +35,8 @@ public:
 
     void came(const std::string& name, const char* does = "listens");
     void went(ListenerFigures figures);
+    /// That the link of one of them is too narrow for the colour.
+    void goes_without_colour(const std::string& name);
     /// Something else that a person should know of the listeners.
     void remark(const std::string& line);
 

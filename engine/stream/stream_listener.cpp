@@ -127,8 +127,10 @@ bool StreamListener::take_piece(std::int64_t now_ns) {
     } else if (const auto block = ring_.next(cursor_)) {
         is_frameset_ = true;
         piece_ = block;
-        rest_ = block->bytes;
+        rest_ = block->given(narrow_.gives_colour(block->is_key, now_ns));
+        without_colour_ += rest_.size() < block->bytes.size() ? 1 : 0;
     } else {
+        narrow_.has_caught_up();
         if (ring_.is_over(cursor_)) leave(now_ns);
         return false;
     }
@@ -149,20 +151,23 @@ void StreamListener::write(std::int64_t now_ns) {
                            ? "has gone"
                            : "is lost (" + std::generic_category().message(errno) + ")");
         is_blocked_ = true;
+        if (phase_ == Phase::listens && ring_.has_next(cursor_) && narrow_.is_behind(now_ns) &&
+            !std::exchange(is_said_, true))
+            audience_.goes_without_colour(name_);
         return;
     }
 }
 
 /// What was given is still on its way: a socket that is closed with something unread loses it.
 void StreamListener::leave(std::int64_t now_ns) {
-    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped()});
+    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_});
     ::shutdown(socket_.get(), SHUT_WR);
     phase_ = hears_no_more_ ? Phase::over : Phase::leaves;
     deadline_ns_ = now_ns + longest_farewell_ns;
 }
 
 void StreamListener::end(const std::string& why) {
-    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), why});
+    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_, why});
     phase_ = Phase::over;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/stream/http_request.hpp"
+#include "engine/stream/narrow_link.hpp"
 #include "engine/stream/stream_audience.hpp"
 #include "engine/stream/stream_ring.hpp"
 
@@ -70,7 +71,9 @@ private:
     StreamRing::Cursor cursor_;
     bool has_header_ = false, is_blocked_ = false, hears_no_more_ = false;
     std::size_t heard_bytes_ = 0;  // that it sent though there was nothing to say
-    std::int64_t sent_ = 0;
+    NarrowLink narrow_;
+    bool is_said_ = false;  // that its colour is left out
+    std::int64_t sent_ = 0, without_colour_ = 0;
     std::int64_t deadline_ns_;
     // What it is being given.
     std::shared_ptr<const void> piece_;

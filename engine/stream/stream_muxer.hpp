@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,6 +17,12 @@ struct StreamBlock {
     std::int64_t frame = 0;  ///< its number in the stream
     bool is_key = false;     ///< decoding of all planes begins here
     std::vector<std::uint8_t> bytes;
+    /// So many at the end are its colour alone. Whoever goes without them does so until the next key.
+    std::size_t colour_bytes = 0;
+
+    std::span<const std::uint8_t> given(bool with_colour) const {
+        return std::span(bytes).first(bytes.size() - (with_colour ? 0 : colour_bytes));
+    }
 };
 
 /// Makes the bytes of a stream, once for all listeners. One thread. Every plane that is felt is lossless,

@@ -330,6 +330,7 @@ nlohmann::ordered_json Serving::report_as_json() const {
         nlohmann::ordered_json figures{{"name", each_one.name},
                                        {"sent", each_one.sent},
                                        {"dropped", each_one.dropped},
+                                       {"without_colour", each_one.without_colour},
                                        {"end", each_one.end}};
         if (each_one.link)
             figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},

@@ -43,6 +43,26 @@ void are_the_frames(const std::vector<RawFrame>& read, const StreamOfFrames& sen
     }
 }
 
+/// From one key to another, and one frame alone.
+TEST(StreamClip, TouchIsWholeWithoutColour) {
+    const auto scene = small_scene(64, 48, 16);
+    const auto all = make_stream(scene, 30, all_planes);
+    const auto sent = make_stream(scene, 30, all_planes, 0, {4, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19});
+    EXPECT_LT(sent.bytes().size(), all.bytes().size());
+    EXPECT_EQ(sent.blocks[9], all.blocks[9]);
+    EXPECT_LT(sent.blocks[10].size(), all.blocks[10].size());
+    EXPECT_TRUE(all.blocks[10].starts_with(sent.blocks[10]));
+    const LoopbackSender sender(sent.bytes());
+    const auto clip = open(sender.url());
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    are_the_frames(*frames, sent);
+    // It is not waited for until it has come once.
+    for (std::size_t n = 21; n < 30; ++n)
+        EXPECT_FALSE(same_plane((*frames)[n].colour, (*frames)[19].colour)) << n << ": it has come back";
+}
+
 TEST(StreamClip, IsWhatWasSentToTheBit) {
     for (const Planes& planes : {all_planes, Planes{}, Planes{true, false, false}}) {
         for (const int bits : {8, 16}) {

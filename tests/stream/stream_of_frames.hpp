@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,10 @@ struct StreamOfFrames {
 
 inline constexpr std::int64_t labelled_from_ns = 1'700'000'000'000'000'000, labelled_step_ns = 33'333'333;
 
-/// Frame n has number first + n. Every fifth is a key.
+/// Frame n has number first + n. Every fifth is a key. Frames of a number in `without_colour` go without it,
+/// as a narrow link gets them.
 inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& planes,
-                                  std::int64_t first = 0) {
+                                  std::int64_t first = 0, const std::set<int>& without_colour = {}) {
     StreamOfFrames made;
     auto muxer = open_matroska_stream(scene);
     EXPECT_EQ(message(muxer), "");
@@ -41,7 +43,7 @@ inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& 
         EXPECT_EQ(message(block), "");
         if (!block) return made;
         if (n == 0) made.header = text((*muxer)->header());
-        made.blocks.push_back(text(block->bytes));
+        made.blocks.push_back(text(block->given(!without_colour.contains(n))));
     }
     return made;
 }
