@@ -13,6 +13,13 @@ struct LinkFigures {
     std::int64_t sent_again = 0;  ///< because they were lost
 };
 
+/// Which level of a stream in segments was read, full or low.
+struct LevelFigures {
+    double full_s = 0, low_s = 0;  ///< of the stream
+    std::int64_t changes = 0;      ///< from one to the other
+    bool is_low = false;           ///< now
+};
+
 /// What became of the framesets of a live stream, and how it was.
 struct StreamFigures {
     std::int64_t whole = 0;     ///< received with all planes that are felt
@@ -22,9 +29,10 @@ struct StreamFigures {
     std::int64_t torn = 0;      ///< damaged
     std::int64_t repeated = 0;  ///< pictures that came twice
     std::int64_t connections = 0;
-    double delay_ms = 0;                ///< that framesets wait for others' sake, now
-    double longest_gap_ms = 0;          ///< between two that were whole
-    std::optional<LinkFigures> link{};  ///< of the newest connection, where its transport counts (SRT)
+    double delay_ms = 0;                   ///< that framesets wait for others' sake, now
+    double longest_gap_ms = 0;             ///< between two that were whole
+    std::optional<LinkFigures> link{};     ///< of the newest connection, where its transport counts (SRT)
+    std::optional<LevelFigures> levels{};  ///< where the stream has two
 };
 
 }  // namespace touchable

@@ -132,7 +132,8 @@ bool FramesetAssembler::hold(StreamPicture&& picture) {
         ++counts_.repeated;
         return false;
     }
-    Held made{picture.number, picture.number + picture.frames, picture.taken_ns, std::move(picture.plane)};
+    Held made{picture.number, picture.number + picture.frames, picture.taken_ns, std::move(picture.plane),
+              picture.step};
     if (at != held.begin()) std::prev(at)->end = std::min(std::prev(at)->end, made.first);
     if (at != held.end() && at->first == made.first)
         *at = std::move(made);
@@ -237,8 +238,10 @@ void FramesetAssembler::give(std::int64_t number) {
     const bool lacks_colour = has_colour_ && colour_came_ && colour.view.empty();
     without_colour_in_a_row_ = lacks_colour ? without_colour_in_a_row_ + 1 : 0;
     colour = newest_colour_;
-    count_missing(number);
+    // Where a stream goes over to another step, what lies between was of neither.
+    count_missing(number, std::max(last_step_, depth->step));
     last_ = number;
+    last_step_ = depth->step;
     forget();
     if (!is_one) {  // of the same number, but not of the same moment
         ++counts_.lost;
@@ -250,12 +253,13 @@ void FramesetAssembler::give(std::int64_t number) {
     whole_.push_back(std::move(frameset));
 }
 
-/// Between the last one given and this.
-void FramesetAssembler::count_missing(std::int64_t next) {
+/// Between the last one given and this, of those that were sent.
+void FramesetAssembler::count_missing(std::int64_t next, std::int64_t step) {
     if (!last_) return;
     const std::int64_t first = std::max(*last_ + 1, next - std::int64_t{most_missed});
-    counts_.lost += first - (*last_ + 1);  // too many to tell of each
+    counts_.lost += (first - (*last_ + 1)) / step;  // too many to tell of each
     for (std::int64_t number = first; number < next; ++number) {
+        if ((next - number) % step != 0) continue;
         Missed missed{there(number), std::nullopt, false};
         for (const PlaneRole role : all_roles)
             if (!missed.first_missing && (needed_ & ~missed.there & bit_of(role)) != 0)
@@ -290,6 +294,7 @@ void FramesetAssembler::restart() {
     torn_ = 0;
     missed_.clear();
     last_.reset();
+    last_step_ = 1;
     last_taken_ns_ = 0;
     ended_ = false;
     ++counts_.restarts;

@@ -18,6 +18,7 @@ struct StreamPicture {
     std::int64_t frames = 1;    ///< that show it
     std::int64_t taken_ns = 0;  ///< of that frame, by the sender's clock; 0: not known
     Plane plane{};
+    std::int64_t step = 1;  ///< frames from one that was sent to the next
 };
 
 /// Of its samples.
@@ -88,6 +89,7 @@ private:
     struct Held {
         std::int64_t first = 0, end = 0, taken_ns = 0;
         Plane plane;
+        std::int64_t step = 1;
     };
     using Roles = std::uint32_t;  // a bit for each
     /// A frameset that was not whole when a later one was given.
@@ -118,7 +120,7 @@ private:
     void give_whole();
     void give(std::int64_t number);
     void count(const Missed& missed, std::int64_t by);
-    void count_missing(std::int64_t next);
+    void count_missing(std::int64_t next, std::int64_t step);
     void forget();
 
     Roles needed_ = 0;
@@ -128,6 +130,7 @@ private:
     std::array<std::deque<Held>, all_roles.size()> held_;
     std::int64_t torn_ = 0;             // not counted yet
     std::optional<std::int64_t> last_;  // given
+    std::int64_t last_step_ = 1;
     std::int64_t last_taken_ns_ = 0;
     Before before_;
     std::optional<StreamPicture> doubtful_;  // it may be the first of a sender that began again

@@ -28,7 +28,7 @@ bool is_of(std::string_view text, std::string_view letters) {
 
 /// A segment or a header, of any run.
 bool is_segment_name(std::string_view name) {
-    for (const std::string_view rendition : {"colour-", "touch-"}) {
+    for (const std::string_view rendition : {"colour-low-", "touch-low-", "colour-", "touch-"}) {
         if (!name.starts_with(rendition)) continue;
         name.remove_prefix(rendition.size());
         if (name.size() < run_digits + 2 || !is_of(name.substr(0, run_digits), "0123456789abcdef") ||
@@ -42,7 +42,8 @@ bool is_segment_name(std::string_view name) {
 }
 
 bool is_playlist_name(std::string_view name) {
-    return name == hls_master_name || name == hls_colour_name || name == hls_touch_name;
+    return name == hls_master_name || name == hls_colour_name || name == hls_touch_name ||
+           name == hls_low_colour_name || name == hls_low_touch_name;
 }
 
 std::string text_of_playlist(const fs::path& file) {

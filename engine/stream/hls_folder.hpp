@@ -15,8 +15,8 @@ namespace touchable {
 
 /// The folder from which a web server delivers a stream. It holds nothing but files of ours, which are known
 /// by their names, playlists also by a line in them (hls_text.hpp):
-///   master.m3u8, colour.m3u8, touch.m3u8
-///   colour-RUN-init.mp4, colour-RUN-NUMBER.m4s, and the same of touch; RUN: 8 hexadecimal digits.
+///   master.m3u8, colour.m3u8, touch.m3u8, colour-low.m3u8, touch-low.m3u8
+///   colour-RUN-init.mp4, colour-RUN-NUMBER.m4s, and the same of the others; RUN: 8 hexadecimal digits.
 /// So no file of another run, which a cache may have, ever has the name of one of this run.
 class HlsFolder {
 public:

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "engine/stream/hls_rendition.hpp"
+#include "engine/stream/hls_levels.hpp"
 
 namespace touchable {
 namespace {
@@ -15,33 +15,48 @@ constexpr std::chrono::seconds longest_wait_for_colour{4};
 
 class BothRenditions final : public HlsInput {
 public:
-    BothRenditions(std::unique_ptr<HlsRendition> touch, WaitIsOver is_over)
-        : touch_(std::move(touch)), is_over_(std::move(is_over)), is_live_(!touch_->has_ended()) {}
-    void add_colour(Result<std::unique_ptr<HlsRendition>> colour);
+    BothRenditions(std::unique_ptr<HlsLevels> touch, WaitIsOver is_over,
+                   std::shared_ptr<HlsLevelReading> reading)
+        : touch_(std::move(touch)),
+          is_over_(std::move(is_over)),
+          reading_(std::move(reading)),
+          is_live_(!touch_->has_ended()) {}
+    void add_colour(Result<std::unique_ptr<HlsLevels>> colour);
     Result<std::optional<Packet>> next() override;
     bool is_live() const override { return is_live_; }
     std::int64_t segments_lost() const override {
         return touch_->segments_lost() + (colour_ ? colour_->segments_lost() : 0);
     }
+    std::optional<LevelFigures> levels() const override;
     const std::vector<std::string>& remarks() const override { return remarks_; }
 
 private:
     Result<const AVPacket*> next_of_colour();
     void leave_out_colour(const Error& why);
 
-    const std::unique_ptr<HlsRendition> touch_;
+    const std::unique_ptr<HlsLevels> touch_;
     const WaitIsOver is_over_;
+    const std::shared_ptr<HlsLevelReading> reading_;  // null: there is one level
     const bool is_live_;
-    std::unique_ptr<HlsRendition> colour_;  // null: there is none, or none any more
+    std::unique_ptr<HlsLevels> colour_;  // null: there is none, or none any more
     std::vector<std::string> remarks_;
 };
 
 void BothRenditions::leave_out_colour(const Error& why) {
     remarks_.push_back("its colour cannot be had: " + why.message);
     colour_.reset();
+    if (reading_) reading_->choice.leave_out_colour();
 }
 
-void BothRenditions::add_colour(Result<std::unique_ptr<HlsRendition>> colour) {
+std::optional<LevelFigures> BothRenditions::levels() const {
+    if (!reading_) return std::nullopt;
+    const auto seconds = [this](bool of_low) {
+        return static_cast<double>(touch_->fetched_ns(of_low)) * 1e-9;
+    };
+    return LevelFigures{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
+}
+
+void BothRenditions::add_colour(Result<std::unique_ptr<HlsLevels>> colour) {
     if (colour)
         colour_ = std::move(*colour);
     else
@@ -64,9 +79,9 @@ Result<std::optional<HlsInput::Packet>> BothRenditions::next() {
     if (!colour) return colour.error();
     if (!*touch && !*colour) return std::optional<Packet>();
     const bool is_touch = *touch && (!*colour || touch_->time_ns(**touch) <= colour_->time_ns(**colour));
-    HlsRendition& of = is_touch ? *touch_ : *colour_;
+    HlsLevels& of = is_touch ? *touch_ : *colour_;
     const AVStream* const stream = &of.stream_of(is_touch ? **touch : **colour);
-    return std::optional(Packet{is_touch, stream, of.take()});
+    return std::optional(Packet{is_touch, of.is_low(), stream, of.take()});
 }
 
 /// As hls_playlist.hpp has places.
@@ -81,8 +96,8 @@ std::string place_of(const std::string& named) {
 
 }  // namespace
 
-Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over,
-                                                 HlsHosts hosts) {
+Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over, HlsHosts hosts,
+                                                 std::function<std::int64_t()> now_ns) {
     const std::string place = place_of(named);
     auto text = fetch_place(place, largest_hls_playlist, is_over);
     if (!text) return error_at(named, text.error());
@@ -94,14 +109,20 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitI
     const WaitIsOver is_over_for_colour = [is_over, is_opening, without_colour] {
         return is_over() || (*is_opening && std::chrono::steady_clock::now() > without_colour);
     };
-    auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsRendition>>(nullptr)
-                                         : HlsRendition::open(places->colour, is_over_for_colour, hosts);
+    std::shared_ptr<HlsLevelReading> reading;
+    if (now_ns && !places->low_touch.empty()) {
+        reading = std::make_shared<HlsLevelReading>();
+        reading->now_ns = std::move(now_ns);
+    }
+    auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
+                                         : HlsLevels::open({places->colour, places->low_colour}, false,
+                                                           is_over_for_colour, hosts, reading);
     *is_opening = false;
     const bool is_media = places->touch == place;
-    auto touch = HlsRendition::open(places->touch, is_over, hosts,
-                                    is_media ? std::optional(std::move(*text)) : std::nullopt);
+    auto touch = HlsLevels::open({places->touch, places->low_touch}, true, is_over, hosts, reading,
+                                 is_media ? std::optional(std::move(*text)) : std::nullopt);
     if (!touch) return touch.error();
-    auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over);
+    auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over, std::move(reading));
     input->add_colour(std::move(colour));
     return std::unique_ptr<HlsInput>(std::move(input));
 }

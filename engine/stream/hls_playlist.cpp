@@ -140,7 +140,7 @@ bool is_master_line(std::string_view line) {
 /// What a master playlist names, as it stands there.
 struct NamedPlaylists {
     bool is_master = false;
-    std::optional<std::string_view> touch, colour;
+    std::optional<std::string_view> touch, colour, low_touch, low_colour;
 };
 
 NamedPlaylists named_in(std::string_view text) {
@@ -150,14 +150,51 @@ NamedPlaylists named_in(std::string_view text) {
     while (const auto line = lines.next()) {
         named.is_master = named.is_master || is_master_line(*line);
         if (after_tag(*line, "#EXT-X-STREAM-INF")) is_variant = true;
-        if (const auto data = after_tag(*line, "#EXT-X-SESSION-DATA");
-            data && attribute(*data, "DATA-ID") == hls_planes_id)
-            named.touch = attribute(*data, "VALUE");
+        if (const auto data = after_tag(*line, "#EXT-X-SESSION-DATA")) {
+            const auto id = attribute(*data, "DATA-ID");
+            if (id == hls_planes_id) named.touch = attribute(*data, "VALUE");
+            if (id == hls_low_planes_id) named.low_touch = attribute(*data, "VALUE");
+        }
         if (line->starts_with('#')) continue;
+        if (is_variant && named.colour && !named.low_colour) named.low_colour = *line;
         if (is_variant && !named.colour) named.colour = *line;
         is_variant = false;
     }
     return named;
+}
+
+/// Where a media playlist begins to count.
+std::optional<std::int64_t> segment_number(std::string_view text) {
+    constexpr std::int64_t most = std::int64_t{1} << 53;
+    std::int64_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [last, failure] = std::from_chars(text.data(), end, number);
+    if (failure != std::errc() || last != end || number < 0 || number > most) return std::nullopt;
+    return number;
+}
+
+/// Of a media playlist that was checked.
+std::int64_t first_number_in(std::string_view text) {
+    std::int64_t first = 0;
+    PlaylistLines lines(text);
+    while (const auto line = lines.next())
+        if (const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE"))
+            first = segment_number(*number).value_or(0);
+    return first;
+}
+
+/// Of "1.000000,title"; 0 where that is no length of a segment.
+std::int64_t duration_ns(std::string_view text) {
+    constexpr double longest_s = 3600;
+    double seconds = 0;
+    std::from_chars(text.data(), text.data() + text.size(), seconds);
+    return seconds > 0 && seconds <= longest_s ? static_cast<std::int64_t>(seconds * 1e9) : 0;
+}
+
+/// Goes with the next segment alone.
+bool is_of_one_segment(std::string_view tag) {
+    return after_tag(tag, "#EXTINF") || after_tag(tag, "#EXT-X-BYTERANGE") || tag == "#EXT-X-DISCONTINUITY" ||
+           after_tag(tag, "#EXT-X-PROGRAM-DATE-TIME");
 }
 
 /// A tag that names a place, or what cannot be read.
@@ -219,19 +256,29 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
 Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place, HlsHosts hosts) {
     if (auto sized = check_size(text); !sized) return sized.error();
     const NamedPlaylists named = named_in(text);
-    if (!named.is_master) return HlsPlaces{place, ""};
+    if (!named.is_master) return HlsPlaces{.touch = place};
+    HlsPlaces places;
     if (!named.touch)
         return input_error("has no planes that can be felt: its master playlist names none as " +
                            std::string(hls_planes_id));
-    auto touch = resolved_place(place, *named.touch, hosts);
-    if (!touch) return touch.error();
-    HlsPlaces places{std::move(*touch), ""};
-    if (named.colour) {
-        auto colour = resolved_place(place, *named.colour, hosts);
-        if (!colour) return colour.error();
-        if (*colour != places.touch) places.colour = std::move(*colour);
-    }
-    if (places.touch == place || places.colour == place) return input_error("is a playlist of itself");
+    const auto take = [&](std::optional<std::string_view> of, std::string& to) -> Result<void> {
+        if (!of) return {};
+        auto resolved = resolved_place(place, *of, hosts);
+        if (!resolved) return resolved.error();
+        if (*resolved == place) return input_error("is a playlist of itself");
+        to = std::move(*resolved);
+        return {};
+    };
+    if (auto taken = take(named.touch, places.touch); !taken) return taken.error();
+    if (auto taken = take(named.colour, places.colour); !taken) return taken.error();
+    if (places.colour == places.touch) places.colour.clear();
+    if (!named.low_touch) return places;
+    if (auto taken = take(named.low_touch, places.low_touch); !taken) return taken.error();
+    if (places.low_touch == places.touch) places.low_touch.clear();
+    if (places.colour.empty() || places.low_touch.empty()) return places;
+    if (auto taken = take(named.low_colour, places.low_colour); !taken) return taken.error();
+    if (places.low_colour == places.colour || places.low_colour == places.low_touch)
+        places.low_colour.clear();
     return places;
 }
 
@@ -246,11 +293,9 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
             facts.has_ended = facts.has_ended || *line == "#EXT-X-ENDLIST";
             const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE");
             if (!number) continue;
-            const char* const end = number->data() + number->size();
-            const auto [last, failure] = std::from_chars(number->data(), end, first);
-            constexpr std::int64_t most = std::int64_t{1} << 53;
-            if (failure != std::errc() || last != end || first < 0 || first > most)
-                return input_error("counts its segments from " + in_quotes(*number));
+            const auto counted = segment_number(*number);
+            if (!counted) return input_error("counts its segments from " + in_quotes(*number));
+            first = *counted;
             continue;
         }
         const auto segment = resolved_place(place, *line, hosts);
@@ -261,6 +306,41 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
     if (segments == 0) return input_error("has no segment yet");
     facts.next_segment = first + segments;
     return facts;
+}
+
+std::optional<HlsListedSegment> segment_in(std::string_view text, const std::string& place,
+                                           const std::string& segment, std::int64_t least, HlsHosts hosts) {
+    HlsListedSegment listed{first_number_in(text), 0};
+    PlaylistLines lines(text);
+    while (const auto line = lines.next()) {
+        if (const auto length = after_tag(*line, "#EXTINF")) listed.duration_ns = duration_ns(*length);
+        if (line->starts_with('#')) continue;
+        const auto named = resolved_place(place, *line, hosts);
+        if (listed.number >= least && named && *named == segment) return listed;
+        listed = {listed.number + 1, 0};
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> playlist_from(std::string_view text, std::int64_t first) {
+    std::string rest = "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:" + std::to_string(first) + "\n", of_next;
+    std::int64_t number = first_number_in(text);
+    bool has_segment = false;
+    PlaylistLines lines(text);
+    while (const auto line = lines.next()) {
+        if (after_tag(*line, "#EXT-X-MEDIA-SEQUENCE") || *line == "#EXTM3U") continue;
+        const bool is_segment = !line->starts_with('#');
+        std::string& to = is_segment || is_of_one_segment(*line) ? of_next : rest;
+        to += *line;
+        to += '\n';
+        if (!is_segment) continue;
+        if (number++ >= first) {
+            has_segment = true;
+            rest += of_next;
+        }
+        of_next.clear();
+    }
+    return has_segment ? std::optional(std::move(rest)) : std::nullopt;
 }
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -26,8 +27,9 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
 
 /// Media playlists of a stream.
 struct HlsPlaces {
-    std::string touch;   ///< of the planes that are felt
-    std::string colour;  ///< empty: there is none, or it is in `touch`
+    std::string touch{};                    ///< of the planes that are felt
+    std::string colour{};                   ///< empty: there is none, or it is in `touch`
+    std::string low_touch{}, low_colour{};  ///< the same of the low level; empty: there is none
 };
 /// What the playlist at `place` leads to: a master playlist to those that it names, a media playlist to
 /// itself. Refused: a master without planes of touch, one that names itself.
@@ -44,5 +46,17 @@ struct HlsMediaFacts {
 /// playlist, keys, places as above, several initialisations, no segment at all.
 Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place,
                                       HlsHosts hosts = HlsHosts::own);
+
+/// Of a media playlist that was checked: its first segment at the place `segment` whose number is `least` or
+/// more; nothing where it names none.
+struct HlsListedSegment {
+    std::int64_t number = 0;
+    std::int64_t duration_ns = 0;  ///< 0: it says none that can be
+};
+std::optional<HlsListedSegment> segment_in(std::string_view text, const std::string& place,
+                                           const std::string& segment, std::int64_t least,
+                                           HlsHosts hosts = HlsHosts::own);
+/// The same playlist without the segments before number `first`; nothing where it has none from there on.
+std::optional<std::string> playlist_from(std::string_view text, std::int64_t first);
 
 }  // namespace touchable

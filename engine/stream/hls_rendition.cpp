@@ -120,10 +120,11 @@ ByteRange range_in(const AVDictionary* options) {
 }  // namespace
 
 Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, WaitIsOver is_over,
-                                                         HlsHosts hosts, std::optional<std::string> text) {
+                                                         HlsHosts hosts, HlsBeginning beginning) {
     silence_ffmpeg();
-    std::unique_ptr<HlsRendition> rendition(new HlsRendition(std::move(place), std::move(is_over), hosts));
-    if (auto begun = rendition->begin(std::move(text)); !begun) return begun.error();
+    std::unique_ptr<HlsRendition> rendition(
+        new HlsRendition(std::move(place), std::move(is_over), hosts, beginning.watch));
+    if (auto begun = rendition->begin(std::move(beginning)); !begun) return begun.error();
     return rendition;
 }
 
@@ -132,10 +133,14 @@ HlsRendition::~HlsRendition() {
     close_bytes(first_io_);
 }
 
-Result<void> HlsRendition::begin(std::optional<std::string> text) {
+Result<void> HlsRendition::begin(HlsBeginning beginning) {
+    auto& [text, from, watch] = beginning;
     if (auto read = text ? take_playlist(std::move(*text)) : fetch_playlist(); !read) return read;
+    auto first = from ? playlist_from(playlist_, *from) : std::optional(playlist_);
+    if (!first) return error_at(place_, input_error("has no segment " + std::to_string(*from) + " yet"));
+    if (from) newest_segment_ = *from - 1;
     context_ = avformat_alloc_context();
-    if (context_) context_->pb = first_io_ = io_of(playlist_);
+    if (context_) context_->pb = first_io_ = io_of(std::move(*first));
     if (!first_io_) return Error{ErrorKind::internal, "out of memory"};
     context_->opaque = this;
     context_->io_open = open_io;
@@ -145,6 +150,7 @@ Result<void> HlsRendition::begin(std::optional<std::string> text) {
     av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
     av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
     av_dict_set(&options, "http_multiple", "0", 0);
+    if (from) av_dict_set(&options, "live_start_index", "0", 0);
     const int status = avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
     av_dict_free(&options);
     return status < 0 ? failure(status) : Result<void>{};
@@ -158,38 +164,54 @@ Error HlsRendition::failure(int status) const {
 
 int HlsRendition::is_over(void* own) {
     const auto& it = *static_cast<const HlsRendition*>(own);
-    return it.fault_ || it.is_over_() ? 1 : 0;
+    return it.fault_ || it.was_ended_ || it.is_over_() ? 1 : 0;
 }
 
 int HlsRendition::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
                           AVDictionary** options) {
     auto& it = *static_cast<HlsRendition*>(context->opaque);
     if ((flags & AVIO_FLAG_WRITE) != 0) return AVERROR(EPERM);
+    if (it.was_ended_) return AVERROR_EXIT;
     try {
-        std::string bytes;
-        if (url == it.place_) {
-            if (auto read = it.fetch_playlist(); !read) {
-                it.fault_ = read.error();
-                return AVERROR_EXIT;
-            }
-            bytes = it.playlist_;
-        } else {
-            auto segment = it.read_segment(url, range_in(options ? *options : nullptr));
-            if (!segment && segment.error().kind == ErrorKind::interrupted) {
-                it.fault_ = error_at(url, segment.error());
-                return AVERROR_EXIT;
-            }
-            if (!segment) {
-                ++it.segments_lost_;
-                return AVERROR(ENOENT);  // FFmpeg goes on with the next one
-            }
-            bytes = std::move(*segment);
+        if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
+        if (auto read = it.fetch_playlist(); !read) {
+            it.fault_ = read.error();
+            return AVERROR_EXIT;
         }
-        *io = io_of(std::move(bytes));
+        *io = io_of(it.playlist_);
         return *io ? 0 : AVERROR(ENOMEM);
     } catch (const std::exception&) {
         return AVERROR(ENOMEM);
     }
+}
+
+int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const ByteRange& range) {
+    const auto place = place_named(named);
+    const auto listed = watch_ && place && *place != facts_.header
+                            ? segment_in(playlist_, place_, *place, newest_segment_ + 1, hosts_)
+                            : std::nullopt;
+    if (listed && watch_->ends_before(listed->number)) {
+        was_ended_ = true;
+        return AVERROR_EXIT;
+    }
+    const std::int64_t begin_ns = listed ? watch_->now_ns() : 0;
+    auto segment = place ? read_segment(*place, range) : Result<std::string>(place.error());
+    if (!segment && segment.error().kind == ErrorKind::interrupted) {
+        fault_ = error_at(named, segment.error());
+        return AVERROR_EXIT;
+    }
+    if (listed) {
+        newest_segment_ = listed->number;
+        watch_->fetched({.bytes = segment ? std::ssize(*segment) : 0,
+                         .fetch_ns = watch_->now_ns() - begin_ns,
+                         .duration_ns = listed->duration_ns});
+    }
+    if (!segment) {
+        ++segments_lost_;
+        return AVERROR(ENOENT);  // FFmpeg goes on with the next one
+    }
+    *io = io_of(std::move(*segment));
+    return *io ? 0 : AVERROR(ENOMEM);
 }
 
 int HlsRendition::close_io(AVFormatContext*, AVIOContext* io) {
@@ -222,14 +244,16 @@ Result<void> HlsRendition::take_playlist(Result<std::string> text) {
     return {};
 }
 
-Result<std::string> HlsRendition::read_segment(const std::string& named, const ByteRange& range) {
+Result<std::string> HlsRendition::place_named(const std::string& named) const {
     const std::string folder = place_.substr(0, place_.rfind('/') + 1);
     const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
-    const auto place = resolved_place(place_, is_file ? named.substr(folder.size()) : named, hosts_);
-    if (!place) return place.error();
-    const bool is_part = range.begin > 0 || range.end, is_header = *place == facts_.header && !is_part;
+    return resolved_place(place_, is_file ? named.substr(folder.size()) : named, hosts_);
+}
+
+Result<std::string> HlsRendition::read_segment(const std::string& place, const ByteRange& range) {
+    const bool is_part = range.begin > 0 || range.end, is_header = place == facts_.header && !is_part;
     if (is_header && !header_.empty()) return header_;
-    auto bytes = fetch_place(*place, largest_hls_segment, is_over_, range);
+    auto bytes = fetch_place(place, largest_hls_segment, is_over_, range);
     if (!bytes) return bytes;
     if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
         return input_error("is no whole segment");
@@ -250,7 +274,7 @@ Result<const AVPacket*> HlsRendition::peek() {
     if (!packet) return Error{ErrorKind::internal, "out of memory"};
     const int status = av_read_frame(context_, packet.get());
     if (fault_ || is_over_()) return failure(status);
-    at_end_ = status == AVERROR_EOF;
+    at_end_ = status == AVERROR_EOF || (status < 0 && was_ended_);
     if (!at_end_ && status < 0) return failure(status);
     if (!at_end_) ahead_ = std::move(packet);
     return static_cast<const AVPacket*>(ahead_.get());

@@ -40,6 +40,17 @@ std::string seconds_text(std::int64_t ns) {
                    static_cast<long long>(us % 1'000'000));
 }
 
+std::string planes_text(std::string_view id, std::string_view playlist) {
+    return "#EXT-X-SESSION-DATA:DATA-ID=\"" + std::string(id) + "\",VALUE=\"" + std::string(playlist) +
+           "\"\n";
+}
+
+std::string variant_text(const HlsShown& shown) {
+    return "#EXT-X-STREAM-INF:BANDWIDTH=" + std::to_string(shown.most_bits_s) + ",CODECS=\"" + shown.codecs +
+           "\",RESOLUTION=" + std::to_string(shown.width) + "x" + std::to_string(shown.height) +
+           printed(",FRAME-RATE=%.3f\n", shown.frames_s) + shown.playlist + "\n";
+}
+
 }  // namespace
 
 std::string text_of(const HlsMedia& media) {
@@ -57,14 +68,11 @@ std::string text_of(const HlsMedia& media) {
     return text;
 }
 
-std::string master_text(const HlsShown& shown) {
-    std::string text = playlist_head();
-    text += "#EXT-X-SESSION-DATA:DATA-ID=\"" + std::string(hls_planes_id) + "\",VALUE=\"" +
-            std::string(hls_touch_name) + "\"\n";
-    text += "#EXT-X-STREAM-INF:BANDWIDTH=" + std::to_string(shown.most_bits_s) + ",CODECS=\"" + shown.codecs +
-            "\",RESOLUTION=" + std::to_string(shown.width) + "x" + std::to_string(shown.height) +
-            printed(",FRAME-RATE=%.3f\n", shown.frames_s);
-    return text + shown.playlist + "\n";
+std::string master_text(const HlsShown& shown, const std::optional<HlsShown>& low) {
+    std::string text = playlist_head() + planes_text(hls_planes_id, hls_touch_name);
+    if (low) text += planes_text(hls_low_planes_id, hls_low_touch_name);
+    text += variant_text(shown);  // the one that players begin with comes first
+    return low ? text + variant_text(*low) : text;
 }
 
 std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header) {

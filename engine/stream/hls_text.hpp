@@ -13,8 +13,13 @@ namespace touchable {
 
 inline constexpr std::string_view hls_master_name = "master.m3u8";
 inline constexpr std::string_view hls_colour_name = "colour.m3u8", hls_touch_name = "touch.m3u8";
+inline constexpr std::string_view hls_low_colour_name = "colour-low.m3u8",
+                                  hls_low_touch_name = "touch-low.m3u8";
 /// What a master playlist calls the planes that are felt; its value is the URI of their media playlist.
 inline constexpr std::string_view hls_planes_id = "com.touchable.planes";
+/// The same of the low level: every second frameset, in segments of the same numbers and boundaries.
+inline constexpr std::string_view hls_low_planes_id = "com.touchable.planes.low";
+inline constexpr int hls_low_step = 2;
 /// A line that each playlist of ours has, and by which it is known as ours.
 inline constexpr std::string_view hls_mark = "## written by touchable";
 
@@ -37,7 +42,7 @@ struct HlsMedia {
 };
 std::string text_of(const HlsMedia& media);
 
-/// What a master playlist says of the pictures that ordinary players show.
+/// What a master playlist says of a variant that ordinary players show.
 struct HlsShown {
     std::string playlist{hls_colour_name};
     std::int64_t most_bits_s = 0;  ///< of any segment
@@ -45,7 +50,8 @@ struct HlsShown {
     int width = 0, height = 0;
     double frames_s = 30;
 };
-std::string master_text(const HlsShown& shown);
+/// `low`: the variant of the low level, where there is one.
+std::string master_text(const HlsShown& shown, const std::optional<HlsShown>& low = {});
 
 /// "avc1.64001f" of a stream of H.264 with start codes; nothing where it has no sequence parameters.
 std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header);

@@ -21,21 +21,24 @@ struct HlsSettings {
     /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
     /// playlists come with the end.
     std::int64_t window_ns = 0;
+    bool has_low = false;  ///< a second level of about half the bytes, for narrow links
 };
 
 /// What was written, and what each viewer fetches of it.
 struct HlsFigures {
-    std::int64_t segments = 0, duration_ns = 0;      ///< of the segments that are complete
-    std::int64_t colour_bytes = 0, touch_bytes = 0;  ///< of them
+    std::int64_t segments = 0, duration_ns = 0;              ///< of the segments that are complete
+    std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of them
+    std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in place of those, where the link is narrow
     std::int64_t playlist_bytes =
         0;  ///< of both media playlists, as they are now; live fetched once a segment
 };
 
 /// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
 /// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
-/// same frames, and a master playlist in which ordinary players find the colour alone. Each picture says what
-/// it is (LabelledEncoder). Each file appears whole; segments go some time after the last playlist that names
-/// them. One thread.
+/// same frames, and a master playlist in which ordinary players find the colour alone. The low level has both
+/// once more: colour of half the bit rate, and the planes of every second frameset of a segment. Each picture
+/// says what it is (LabelledEncoder). Each file appears whole; segments go some time after the last playlist
+/// that names them. One thread.
 class HlsWriter {
 public:
     virtual ~HlsWriter() = default;

@@ -42,10 +42,9 @@ Result<void> LabelledEncoder::describe(std::size_t track, AVCodecParameters& sto
 }
 
 Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, const Scene& scene,
-                                        TrackCoding touch) {
+                                        TrackCoding coding) {
     const PlaneView& plane = plane_of(first, track.role);
     track.form = plane;
-    const TrackCoding coding = track.role == PlaneRole::colour ? TrackCoding::h264_visual : touch;
     auto encoder = TrackEncoder::open(track.role, coding,
                                       part_of(plane, track.part, track.bits - 8, track.bytes), scene);
     if (!encoder) return encoder.error();
@@ -55,7 +54,7 @@ Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, cons
 }
 
 Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const SceneDescription& described,
-                                              TrackCoding touch) {
+                                              TrackCoding touch, TrackCoding colour) {
     silence_ffmpeg();
     LabelledEncoder made;
     made.scene_sei_ = sei_of_scene(sent_scene(described));
@@ -68,7 +67,8 @@ Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const Scene
             const int bits =
                 role == PlaneRole::depth ? scene.depth_bits : std::max(8, height_bits(scene.height_coding));
             Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits : 8};
-            if (auto added = made.add_track(std::move(track), first, scene, touch); !added)
+            const TrackCoding coding = role == PlaneRole::colour ? colour : touch;
+            if (auto added = made.add_track(std::move(track), first, scene, coding); !added)
                 return added.error();
         }
     return made;

@@ -21,10 +21,10 @@ namespace touchable {
 /// are felt keep every value; those of more than 8 bits are two tracks.
 class LabelledEncoder {
 public:
-    /// `touch`: how the planes that are felt are coded, h264_quick or h264_thrifty. An error of kind usage
-    /// where H.264 has no pictures of that size.
+    /// `touch`: how the planes that are felt are coded, h264_quick or h264_thrifty; `colour`: h264_visual or
+    /// h264_reduced. An error of kind usage where H.264 has no pictures of that size.
     static Result<LabelledEncoder> open(const RawFrame& first, const SceneDescription& described,
-                                        TrackCoding touch);
+                                        TrackCoding touch, TrackCoding colour = TrackCoding::h264_visual);
 
     /// Tracks in their order: colour first, which ordinary players show, low parts last.
     std::size_t tracks() const { return tracks_.size(); }
@@ -48,7 +48,7 @@ private:
         std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
     };
     LabelledEncoder() = default;
-    Result<void> add_track(Track track, const RawFrame& first, const Scene& scene, TrackCoding touch);
+    Result<void> add_track(Track track, const RawFrame& first, const Scene& scene, TrackCoding coding);
 
     std::vector<Track> tracks_;
     std::string scene_sei_;

@@ -6,6 +6,7 @@
 #include "engine/ffmpeg/demuxer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/hls_input.hpp"
+#include "engine/stream/hls_text.hpp"
 #include "engine/stream/labelled_decoder.hpp"
 #include "engine/stream/stream_pictures.hpp"
 
@@ -19,6 +20,7 @@ public:
         int track = 0;
         const AVStream* stream = nullptr;
         PacketPtr packet;
+        std::int64_t step = 1;  ///< as StreamPicture has it
     };
     virtual ~LabelledPackets() = default;
     /// Nothing after the last.
@@ -27,6 +29,7 @@ public:
     virtual int tracks() const = 0;
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const { return false; }
+    virtual std::optional<LevelFigures> levels() const { return std::nullopt; }
 };
 
 class TransportStream final : public LabelledPackets {
@@ -64,10 +67,12 @@ public:
         auto packet = input_->next();
         if (!packet) return wait_->in_time(packet.error());
         if (!*packet) return std::optional<Next>();
-        constexpr int of_colour = 1000;
-        const int track = (*packet)->stream->index + ((*packet)->is_touch ? 0 : of_colour);
+        constexpr int of_colour = 1000, of_low = 2000;
+        const bool is_touch = (*packet)->is_touch, is_low = (*packet)->is_low;
+        const int track = (*packet)->stream->index + (is_touch ? 0 : of_colour);
         if ((*packet)->stream->codecpar->codec_id == AV_CODEC_ID_H264) seen_.insert(track);
-        return std::optional(Next{track, (*packet)->stream, std::move((*packet)->packet)});
+        return std::optional(Next{track + (is_low ? of_low : 0), (*packet)->stream,
+                                  std::move((*packet)->packet), is_touch && is_low ? hls_low_step : 1});
     }
     /// Segments have all of their tracks.
     int tracks() const override { return static_cast<int>(seen_.size()); }
@@ -76,6 +81,7 @@ public:
         return "left out " + std::to_string(input_->segments_lost()) + " of its segments, or cut them,";
     }
     bool was_lost() const override { return input_->segments_lost() > 0; }
+    std::optional<LevelFigures> levels() const override { return input_->levels(); }
 
 private:
     const std::shared_ptr<StreamWait> wait_;
@@ -103,10 +109,11 @@ public:
     Result<std::optional<Came>> next() override;
     std::string how_it_ended() const override { return packets_->how_it_ended(); }
     bool was_lost() const override { return packets_->was_lost(); }
+    std::optional<LevelFigures> levels() const override { return packets_->levels(); }
 
 private:
     Result<bool> read(Came& came);
-    Result<void> take(std::vector<LabelledPicture> pictures, Came& came);
+    Result<void> take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came);
     Result<void> take_scene(const std::string& json);
     void know(const LabelledPicture& picture);
     bool knows_all() const;
@@ -116,7 +123,7 @@ private:
     const std::string name_;
     LabelledDecoder decoder_{most_stream_pixels};
     std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
-    std::optional<int> colour_stream_;
+    std::set<int> colour_streams_;
     bool is_described_ = false;  // by somebody else
     std::optional<SceneDescription> described_;
     std::string scene_text_;
@@ -184,14 +191,14 @@ void LabelledPictures::know(const LabelledPicture& picture) {
     std::ranges::sort(infos_, {}, [](const TrackInfo& track) { return *role_named(track.role); });
 }
 
-Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, Came& came) {
+Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came) {
     for (LabelledPicture& picture : pictures) {
         if (picture.scene)
             if (auto taken = take_scene(*picture.scene); !taken) return taken;
         know(picture);
         if (picture.plane.view.empty()) continue;
         came.pictures.push_back(
-            {picture.role, picture.label.frame, 1, picture.label.taken_ns, std::move(picture.plane)});
+            {picture.role, picture.label.frame, 1, picture.label.taken_ns, std::move(picture.plane), step});
     }
     return {};
 }
@@ -206,9 +213,10 @@ Result<bool> LabelledPictures::read(Came& came) {
     const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
         if (!pictures) return pictures.error();
         if (*packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
-            colour_stream_ = (*packet)->track;
-        if (!*packet || colour_stream_ != (*packet)->track) came.torn += decoder_.faults().damaged - damaged;
-        return take(std::move(*pictures), came);
+            colour_streams_.insert((*packet)->track);
+        if (!*packet || !colour_streams_.contains((*packet)->track))
+            came.torn += decoder_.faults().damaged - damaged;
+        return take(std::move(*pictures), *packet ? (*packet)->step : 1, came);
     };
     if (!*packet) {
         has_ended_ = true;
@@ -260,8 +268,10 @@ Result<std::unique_ptr<StreamPictures>> open_transport_stream(
 
 Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
                                                         std::shared_ptr<StreamWait> wait,
-                                                        const std::optional<SceneDescription>& described) {
-    auto input = HlsInput::open(url.text, [wait] { return wait->is_over(); });
+                                                        const std::optional<SceneDescription>& described,
+                                                        std::function<std::int64_t()> now_ns) {
+    auto input = HlsInput::open(
+        url.text, [wait] { return wait->is_over(); }, HlsHosts::own, std::move(now_ns));
     if (!input) return wait->in_time(input.error());
     return open_packets(std::make_unique<HlsPackets>(std::move(wait), std::move(*input)), url.name(),
                         described);

@@ -40,6 +40,14 @@ std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments
     return arrived_ns - std::max<std::int64_t>(way_ns, 0);
 }
 
+/// Over connections, one after the other.
+std::optional<LevelFigures> sum_of(const std::optional<LevelFigures>& before,
+                                   const std::optional<LevelFigures>& now) {
+    if (!before || !now) return now ? now : before;
+    return LevelFigures{before->full_s + now->full_s, before->low_s + now->low_s,
+                        before->changes + now->changes, now->is_low};
+}
+
 std::string in_words(const char* format, double number) {
     char words[160];
     std::snprintf(words, sizeof words, format, number);
@@ -49,7 +57,7 @@ std::string in_words(const char* format, double number) {
 class LiveStream final : public ClipReader {
 public:
     LiveStream(const StreamChoice& choice, const std::optional<SceneDescription>& described)
-        : source_{.url = choice.url, .patience = choice.patience, .described = described},
+        : source_{.url = choice.url, .patience = choice.patience, .described = described, .now_ns = now_ns},
           run_(choice.url.name(), "stream"),
           buffer_(std::chrono::nanoseconds(choice.latency).count()),
           pace_(std::chrono::nanoseconds(choice.latency).count()) {
@@ -107,7 +115,8 @@ private:
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
     SegmentPace pace_;
-    FramesetCounts before_;  // of connections that are no more
+    FramesetCounts before_;                      // of connections that are no more
+    std::optional<LevelFigures> levels_before_;  // likewise
 
     mutable std::mutex mutex_;
     std::condition_variable stopped_;
@@ -206,6 +215,7 @@ std::int64_t LiveStream::overdue(std::int64_t now_ns) const {
 bool LiveStream::connect_again(std::string why) {
     constexpr int most_doublings = 4;
     before_ += receiver_->counts();
+    levels_before_ = sum_of(levels_before_, receiver_->levels());
     receiver_->hang_up();
     {
         const std::lock_guard lock(mutex_);
@@ -243,6 +253,7 @@ void LiveStream::note(const StreamReceiver& receiver) {
     const auto link = receiver.link();
     const std::lock_guard lock(mutex_);
     if (link) figures_.link = link;
+    figures_.levels = sum_of(levels_before_, receiver.levels());
     figures_.whole = counts.whole;
     figures_.late = counts.late;
     figures_.lost = counts.lost;
@@ -363,6 +374,15 @@ std::vector<std::string> LiveStream::remarks() const {
     if (figures_.connections > 1)
         all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
                       (figures_.connections == 2 ? " time" : " times"));
+    if (const auto& levels = figures_.levels; levels && levels->is_low)
+        all.push_back(
+            "the link is too slow for the full level: the low one is read, every second frameset "
+            "and coarser colour");
+    else if (levels && levels->changes > 0)
+        all.push_back(
+            in_words("the link was too slow for the full level: for %.0f s the low one was read, "
+                     "every second frameset and coarser colour",
+                     levels->low_s));
     const auto tell = [&all](std::int64_t count, const char* what) {
         if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
     };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,8 @@ public:
     /// Once it has ended: how, such as "closed the connection"; and whether that was not its end.
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const = 0;
+    /// Which level was read, where there is a choice.
+    virtual std::optional<LevelFigures> levels() const { return std::nullopt; }
 };
 
 /// In our clips' own form; what labels its pictures lack, their times say. `described`: in place of its own
@@ -50,9 +53,10 @@ Result<std::unique_ptr<StreamPictures>> open_transport_stream(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described);
 
-/// HTTP Live Streaming, of such pictures.
+/// HTTP Live Streaming, of such pictures. `now_ns`: as HlsInput::open has it.
 Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
                                                         std::shared_ptr<StreamWait> wait,
-                                                        const std::optional<SceneDescription>& described);
+                                                        const std::optional<SceneDescription>& described,
+                                                        std::function<std::int64_t()> now_ns = {});
 
 }  // namespace touchable

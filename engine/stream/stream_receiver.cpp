@@ -53,7 +53,7 @@ Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource&
 Result<void> StreamReceiver::connect(const StreamSource& source) {
     if (source.url.is_playlist()) {
         wait_->at_most(source.patience.opening);
-        auto pictures = open_hls_stream(source.url, wait_, source.described);
+        auto pictures = open_hls_stream(source.url, wait_, source.described, source.now_ns);
         if (!pictures) return pictures.error();
         pictures_ = std::move(*pictures);
         return {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ struct StreamSource {
     std::optional<SceneDescription> described{};  ///< in place of its own scene
     /// One that is there already, for the first to receive by.
     std::shared_ptr<StreamBytes> connection{};
+    /// Of a stream in two levels: the clock by which that is chosen which the link carries; null: the full
+    /// one.
+    std::function<std::int64_t()> now_ns{};
 };
 
 /// A frameset as it came.
@@ -62,6 +66,7 @@ public:
     }
     /// What is known of the connection's datagrams, where its transport counts them.
     std::optional<LinkFigures> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
+    std::optional<LevelFigures> levels() const { return pictures_->levels(); }
     FramesetCounts counts() const { return assembler_->counts(); }
     /// Once it has ended.
     std::string how_it_ended() const { return pictures_->how_it_ended(); }

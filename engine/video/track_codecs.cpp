@@ -52,8 +52,9 @@ Settings settings_of(TrackCoding coding, AVPixelFormat format) {
                    {"forced-idr", "1"},
                    {"udu_sei", "1"},
                    {"x264-params", "keyint=infinite:scenecut=0"}}};
-    if (coding == TrackCoding::h264_visual) {
-        h264.options.insert(h264.options.end(), {{"preset", "superfast"}, {"crf", "18"}});
+    if (is_visual(coding)) {
+        const char* const quality = coding == TrackCoding::h264_visual ? "18" : "24";
+        h264.options.insert(h264.options.end(), {{"preset", "superfast"}, {"crf", quality}});
     } else {
         h264.options.insert(h264.options.end(), {{"qp", "0"}});
         h264.options.push_back({"preset", coding == TrackCoding::h264_quick ? "ultrafast" : "superfast"});
@@ -104,7 +105,7 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
     context->slices = *slices;
     context->thread_count = 1;
     context->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
-    const bool seen = coding == TrackCoding::h264_visual;  // by any player
+    const bool seen = is_visual(coding);  // by any player
     context->color_range = seen ? AVCOL_RANGE_MPEG : AVCOL_RANGE_JPEG;
     if (seen) {
         context->colorspace = AVCOL_SPC_BT709;

@@ -29,7 +29,7 @@ AVPixelFormat grey_of(PlaneRole role, const Scene& scene) {
 
 CodedForm form_of(PlaneRole role, TrackCoding coding, const PlaneView& plane, const Scene& scene) {
     const bool ffv1 = coding == TrackCoding::ffv1, wide = plane.bytes_per_sample == 2;
-    if (coding == TrackCoding::h264_visual) {
+    if (is_visual(coding)) {
         const bool even = plane.width % 2 == 0 && plane.height % 2 == 0;
         return {even ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV444P, plane.width, plane.height, false};
     }
@@ -113,7 +113,7 @@ private:
     PlaneRole role_;
     CodecPtr codec_;
     FramePtr picture_;
-    ScalerPtr scaler_;  // of h264_visual
+    ScalerPtr scaler_;  // of is_visual
 };
 
 Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
@@ -130,7 +130,7 @@ Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, con
     picture_->height = form.height;
     if (av_frame_get_buffer(picture_.get(), 0) < 0) return encoder_error(role_, "out of memory");
     picture_->pts = -1;
-    if (coding != TrackCoding::h264_visual) return {};
+    if (!is_visual(coding)) return {};
     scaler_ = scaler_to(*picture_);
     if (!scaler_) return encoder_error(role_, "no way from RGB to its pixels");
     return {};

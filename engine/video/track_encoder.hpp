@@ -11,7 +11,7 @@
 
 namespace touchable {
 
-/// How a track is encoded. All but the last keep every sample (docs/codecs.md).
+/// How a track is encoded. All but the last two keep every sample (docs/codecs.md).
 enum class TrackCoding {
     ffv1,          ///< every picture on its own: smallest where they are noisy, slow
     h264_quick,    ///< predicted from the picture before; quickest to encode and decode
@@ -19,7 +19,13 @@ enum class TrackCoding {
     rank_zstd,     ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
                    ///< quick whatever the pictures hold (rank_zstd.hpp)
     h264_visual,   ///< as good as the eye can tell; colour only
+    h264_reduced,  ///< likewise, of about half the bytes
 };
+
+/// As pictures are seen, and not to the last bit.
+constexpr bool is_visual(TrackCoding coding) {
+    return coding == TrackCoding::h264_visual || coding == TrackCoding::h264_reduced;
+}
 
 /// Encodes one track of a clip, a packet for each picture.
 class TrackEncoder {

@@ -30,6 +30,7 @@ struct ServeTyped {
     std::optional<double> seconds;
     std::optional<std::filesystem::path> hls;
     std::optional<double> hls_segment, hls_window;
+    std::string hls_low;
     ServeOptions options;
 };
 
@@ -75,13 +76,14 @@ Result<void> check_url(const StreamUrl& url) {
 /// A clip that comes to its end is there as a whole; what goes on is there for a while.
 Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
     if (!typed.hls) {
-        if (typed.hls_segment || typed.hls_window)
-            return usage_error("--hls-segment and --hls-window are for --hls DIR");
+        if (typed.hls_segment || typed.hls_window || !typed.hls_low.empty())
+            return usage_error("--hls-segment, --hls-window and --hls-low are for --hls DIR");
         return {};
     }
     HlsSettings& hls = options.hls.emplace();
     hls.folder = *typed.hls;
     if (typed.hls_segment) hls.segment_ns = std::llround(*typed.hls_segment * 1e9);
+    hls.has_low = typed.hls_low == "on";
     constexpr double usual_window_s = 20;
     const bool goes_on = options.loop || options.clip.is_camera();
     const double window_s = typed.hls_window.value_or(goes_on ? usual_window_s : 0);
@@ -151,6 +153,11 @@ void add_serve_command(CLI::App& app, Command& command) {
         "--camera; otherwise all of the clip)",
         3, 86400)
         ->type_name("S");
+    sub->add_option(
+           "--hls-low", typed->hls_low,
+           "on or off (default): a second level of about half the bytes, which viewers read where the "
+           "link is narrow: coarser colour, and every second frameset")
+        ->check(CLI::IsMember({"on", "off"}));
     add_file_option(*sub, "--json", typed->options.json, "write the report there; - is standard output");
     add_overwrite_option(*sub, typed->options.existing);
     sub->callback([typed, &command] {

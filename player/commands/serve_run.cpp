@@ -294,13 +294,19 @@ nlohmann::ordered_json Serving::hls_as_json() const {
     const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
     const bool is_live = options_.hls->window_ns > 0;
     const std::int64_t renditions = all.colour_bytes > 0 ? 2 : 1;
-    return {{"folder", options_.hls->folder.string()},
-            {"segments", all.segments},
-            {"seconds", seconds},
-            {"colour_bytes_per_second", each(all.colour_bytes)},
-            {"touch_bytes_per_second", each(all.touch_bytes)},
-            {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
-            {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
+    nlohmann::ordered_json json{
+        {"folder", options_.hls->folder.string()},
+        {"segments", all.segments},
+        {"seconds", seconds},
+        {"colour_bytes_per_second", each(all.colour_bytes)},
+        {"touch_bytes_per_second", each(all.touch_bytes)},
+        {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
+        {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
+    if (options_.hls->has_low) {
+        json["low_colour_bytes_per_second"] = each(all.low_colour_bytes);
+        json["low_touch_bytes_per_second"] = each(all.low_touch_bytes);
+    }
+    return json;
 }
 
 nlohmann::ordered_json Serving::report_as_json() const {
@@ -309,8 +315,11 @@ nlohmann::ordered_json Serving::report_as_json() const {
         return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
     };
     constexpr double ms = 1e-6;
-    const std::int64_t folder_bytes =
-        hls_ ? hls_->figures().colour_bytes + hls_->figures().touch_bytes : std::int64_t{0};
+    std::int64_t folder_bytes = 0;
+    if (hls_) {
+        const HlsFigures& all = hls_->figures();
+        folder_bytes = all.colour_bytes + all.touch_bytes + all.low_colour_bytes + all.low_touch_bytes;
+    }
     nlohmann::ordered_json report{
         {"format", 1},
         {"clip", options_.clip.file.string()},

@@ -108,6 +108,10 @@ Json to_json(const StreamFigures& stream) {
               {"connections", stream.connections},
               {"delay_ms", stream.delay_ms},
               {"longest_gap_ms", stream.longest_gap_ms}};
+    if (stream.levels)
+        json["levels"] = {{"full_s", stream.levels->full_s},
+                          {"low_s", stream.levels->low_s},
+                          {"changes", stream.levels->changes}};
     if (stream.link)
         json["link"] = {{"rtt_ms", stream.link->rtt_ms},
                         {"datagrams", stream.link->datagrams},
@@ -186,6 +190,11 @@ std::string stream_words(const Json& stream) {
                   stream["delay_ms"].get<double>(), stream["longest_gap_ms"].get<double>());
     std::string text = count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") +
                        " late, " + count("torn") + " damaged" + words;
+    if (stream.contains("levels") && stream["levels"]["changes"] > 0) {
+        std::snprintf(words, sizeof words, "; full level for %.0f s, low one for %.0f s",
+                      stream["levels"]["full_s"].get<double>(), stream["levels"]["low_s"].get<double>());
+        text += words;
+    }
     if (!stream.contains("link")) return text;
     const Json& link = stream["link"];
     std::snprintf(words, sizeof words, "; %.0f ms there and back, %.1f %% of the datagrams lost",

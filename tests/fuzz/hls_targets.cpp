@@ -23,9 +23,21 @@ bool parse_hls_playlist(std::string_view text) {
             require(places->touch.starts_with(own), "the planes are elsewhere");
             require(places->colour.empty() || places->colour.starts_with(own), "colour is elsewhere");
             require(places->touch == place || places->colour != place, "it leads to itself");
+            for (const std::string& low : {places->low_touch, places->low_colour})
+                require(low.empty() || (low.starts_with(own) && low != place && low != places->touch),
+                        "the low level is elsewhere, or the full one");
         }
         const auto facts = check_hls_media(text, place);
-        if (is_taken(facts)) require(facts->header.empty() || facts->header.starts_with(own), "elsewhere");
+        if (is_taken(facts)) {
+            require(facts->header.empty() || facts->header.starts_with(own), "elsewhere");
+            const std::int64_t last = facts->next_segment - 1;
+            const auto rest = playlist_from(text, last);
+            require(rest && !playlist_from(text, last + 1), "its last segment is another");
+            const auto again = check_hls_media(*rest, place);
+            require(again && again->next_segment == last + 1, "its last segment alone is none");
+            const auto listed = segment_in(text, place, own + "a/0.m4s", last);
+            require(!listed || (listed->number == last && listed->duration_ns >= 0), "another segment");
+        }
         taken = taken || places || facts;
     }
     return taken;

@@ -230,6 +230,17 @@ TEST_F(Serve, AFolderForWebServersHasTheWholeClip) {
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
 }
 
+TEST_F(Serve, FolderHasALowLevel) {
+    const auto web = folder / "web";
+    const auto told = serve({clip, "--hls", web.string(), "--hls-low", "on"}, 0);
+    const auto& hls = told["hls"];
+    EXPECT_GT(hls["low_touch_bytes_per_second"], 0);
+    EXPECT_LT(hls["low_touch_bytes_per_second"], hls["touch_bytes_per_second"]);
+    EXPECT_LT(hls["low_colour_bytes_per_second"], hls["colour_bytes_per_second"]);
+    EXPECT_NE(read_bytes(web / "master.m3u8").find("touch-low.m3u8"), std::string::npos);
+    EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
+}
+
 // Beside those who listen, at the clip's own times.
 TEST_F(Serve, AFolderForWebServersHasAWindowOfALoop) {
     const auto web = folder / "web";
@@ -276,6 +287,7 @@ TEST_F(Serve, SaysWhatItCannotSend) {
     refused({clip, "tcp://127.0.0.1:0", "--mpegts"}, "--mpegts is for srt://");
     refused({clip, "tcp://127.0.0.1:0", "--listeners", "65"}, "0 to 64");
     refused({clip, "tcp://127.0.0.1:0", "--hls-window", "5"}, "are for --hls DIR");
+    refused({clip, "tcp://127.0.0.1:0", "--hls-low", "on"}, "are for --hls DIR");
     refused({clip, "--hls", folder / "web", "--hls-segment", "0.1"}, "0.5 to 10");
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
 }

@@ -55,6 +55,26 @@ TEST(FramesetAssembler, GivesWhatIsWholeAtOnceAndInOrder) {
     EXPECT_FALSE(assembler.has_part());
 }
 
+/// Every second frame from 4 to 12, all of them before and after.
+TEST(FramesetAssembler, FramesThatWereNotSentAreNotLost) {
+    const auto counts_without = [](const std::set<std::int64_t>& lost) {
+        FramesetAssembler assembler({depth});
+        for (std::int64_t number = 0; number < 20; ++number) {
+            const bool is_low = number >= 4 && number < 13;
+            if ((is_low && number % 2 == 1) || lost.contains(number)) continue;
+            StreamPicture sent = picture(depth, number);
+            sent.step = is_low ? 2 : 1;
+            assembler.add(std::move(sent));
+        }
+        return assembler.counts();
+    };
+    EXPECT_EQ(counts_without({}).whole, 15);
+    EXPECT_EQ(counts_without({}).lost, 0);
+    EXPECT_EQ(counts_without({8}).lost, 1);
+    EXPECT_EQ(counts_without({6, 8}).lost, 2);
+    EXPECT_EQ(counts_without({2, 8, 15}).lost, 3);
+}
+
 TEST(FramesetAssembler, SaysWhatIsMissingLateTornOrThereTwice) {
     FramesetAssembler assembler({depth, haptic});
     const auto add_whole = [&](std::int64_t number) {

@@ -24,10 +24,12 @@ struct WebStream {
     std::vector<RawFrame> frames;
     std::unique_ptr<HlsWriter> writer;
 
-    explicit WebStream(int count, std::int64_t window_s = 0, const Planes& planes = {true, true}) {
+    explicit WebStream(int count, std::int64_t window_s = 0, const Planes& planes = {true, true},
+                       bool has_low = false) {
         scene = small_scene(32, 24, 16);
         scene.rate = {10, 1};
-        auto opened = HlsWriter::open({folder / "web", hls_test_second, window_s * hls_test_second}, scene);
+        auto opened =
+            HlsWriter::open({folder / "web", hls_test_second, window_s * hls_test_second, has_low}, scene);
         EXPECT_EQ(message(opened), "");
         writer = std::move(*opened);
         add(count, planes);
@@ -81,7 +83,9 @@ HlsReceived received_from(HlsInput& input, const std::vector<RawFrame>& frames, 
             break;
         }
         if (!*packet) break;
-        const std::pair which{(*packet)->is_touch, (*packet)->stream->index};
+        constexpr int of_low = 100;
+        const std::pair which{(*packet)->is_touch,
+                              (*packet)->stream->index + ((*packet)->is_low ? of_low : 0)};
         if (!tracks.contains(which)) {
             const auto track = decoder.add_track(*(*packet)->stream, "stream");
             if (!track) continue;  // its header is damaged
@@ -94,6 +98,47 @@ HlsReceived received_from(HlsInput& input, const std::vector<RawFrame>& frames, 
     all.segments_lost = input.segments_lost();
     all.remarks = input.remarks();
     return all;
+}
+
+/// A web server behind a link, by a clock of its own: files take as long as their bytes need.
+struct LinkedServer {
+    explicit LinkedServer(const WebStream& stream)
+        : server([this, &stream](const std::string& path) {
+              WebReply reply = answer ? answer(path) : stream.reply(path);
+              if (path.ends_with(".m4s")) {
+                  const double rate = rate_of(path);  // bytes a second
+                  now_ns += static_cast<std::int64_t>(static_cast<double>(reply.body.size()) / rate * 1e9);
+              }
+              return reply;
+          }) {}
+    Result<std::unique_ptr<HlsInput>> open() {
+        return HlsInput::open(server.url("/master.m3u8"), never, HlsHosts::own,
+                              [this] { return now_ns.load(); });
+    }
+    std::atomic<std::int64_t> now_ns{0};
+    std::function<WebReply(const std::string&)> answer{};
+    std::function<double(const std::string&)> rate_of = [](const std::string&) { return 1e9; };
+    WebServer server;
+};
+
+/// Of a segment's file name.
+int number_of(const std::string& path) {
+    return std::stoi(path.substr(path.rfind('-') + 1));
+}
+
+/// Frames of depth that belong to segments, of ten frames each, in a level.
+Came depth_of_segments(int segments, const std::function<bool(int)>& is_low) {
+    Came came;
+    for (int n = 0; n < 10 * segments; ++n)
+        if (!is_low(n / 10) || n % 2 == 0) came[{PlaneRole::depth, n}] = 1;
+    return came;
+}
+
+Came depth_in(const Came& all) {
+    Came depth;
+    for (const auto& [which, count] : all)
+        if (which.first == PlaneRole::depth) depth[which] = count;
+    return depth;
 }
 
 HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& frames,
@@ -116,6 +161,98 @@ TEST(HlsInput, AStreamComesBackExactly) {
     }
     // 3 playlists (the master once), 2 headers, 6 segments
     EXPECT_EQ(server.requests().size(), 3U + 2U + 6U);
+}
+
+/// The link is narrow from segment 3 to 7: that one takes too long, and four that came well lead up again.
+TEST(HlsInput, GoesOverToTheLowLevelAndBack) {
+    const WebStream stream(200, 0, {true, true}, true);
+    LinkedServer link(stream);
+    link.rate_of = [](const std::string& path) {
+        const int number = number_of(path);
+        return number >= 3 && number < 8 ? 1000 : 1e6;
+    };
+    auto input = link.open();
+    ASSERT_EQ(message(input), "");
+    const HlsReceived all = received_from(**input, stream.frames);
+    EXPECT_EQ(all.error, "");
+    EXPECT_EQ(all.segments_lost, 0);
+    std::vector<int> low;
+    for (const std::string& path : link.server.requests())
+        if (path.starts_with("/touch-low-") && path.ends_with(".m4s")) low.push_back(number_of(path));
+    ASSERT_FALSE(low.empty());
+    EXPECT_EQ(low.front(), 4);
+    EXPECT_GE(low.back(), 7 + 4);
+    EXPECT_LT(low.back(), 19);
+    EXPECT_EQ(low.size(), static_cast<std::size_t>(low.back() - low.front() + 1));
+    // Every frameset of each segment's level is there, once, and exact; colour has all of its frames.
+    EXPECT_EQ(depth_in(all.came), depth_of_segments(20, [&](int n) { return n >= 4 && n <= low.back(); }));
+    EXPECT_EQ(all.of(PlaneRole::colour), 200U);
+    for (const auto& [which, count] : all.came) EXPECT_EQ(count, 1) << which.second;
+    const auto levels = (*input)->levels();
+    ASSERT_TRUE(levels);
+    EXPECT_EQ(levels->changes, 2);
+    EXPECT_FALSE(levels->is_low);
+    EXPECT_DOUBLE_EQ(levels->low_s, static_cast<double>(low.size()));
+    EXPECT_DOUBLE_EQ(levels->full_s + levels->low_s, 20);
+}
+
+TEST(HlsInput, OneLevelIsReadAsBefore) {
+    for (const bool has_low : {false, true}) {
+        const WebStream stream(60, 0, {true, true}, has_low);
+        LinkedServer link(stream);
+        link.rate_of = [](const std::string&) { return 1000; };
+        auto input = has_low ? HlsInput::open(link.server.url("/master.m3u8"), never)
+                             : link.open();  // which no clock has
+        ASSERT_EQ(message(input), "");
+        const HlsReceived all = received_from(**input, stream.frames);
+        EXPECT_EQ(all.error, "");
+        EXPECT_EQ(all.of(PlaneRole::depth), 60U);
+        EXPECT_FALSE((*input)->levels());
+    }
+}
+
+/// Its playlist is missing, or ends before the segment where it is needed.
+TEST(HlsInput, StaysWhereTheOtherLevelIsNot) {
+    for (const bool is_short : {false, true}) {
+        const WebStream stream(60, 0, {true, true}, true);
+        std::string text = stream.text("touch-low.m3u8");
+        text.resize(text.find("#EXTINF", text.find("-0.m4s")));
+        LinkedServer link(stream);
+        link.rate_of = [](const std::string&) { return 1000; };
+        link.answer = [&](const std::string& path) {
+            if (path != "/touch-low.m3u8") return stream.reply(path);
+            return is_short ? WebReply{.body = text} : WebReply{.status = 404};
+        };
+        auto input = link.open();
+        ASSERT_EQ(message(input), "");
+        const HlsReceived all = received_from(**input, stream.frames);
+        EXPECT_EQ(all.error, "");
+        EXPECT_EQ(depth_in(all.came), depth_of_segments(6, [](int) { return false; }));
+        ASSERT_TRUE((*input)->levels());
+        EXPECT_EQ((*input)->levels()->changes, 0);
+    }
+}
+
+/// From the segment where it is, not from where a live stream is begun.
+TEST(HlsInput, GoesOverInALiveStream) {
+    WebStream stream(65, 30, {true, true}, true);
+    int reloads = 0;
+    LinkedServer link(stream);
+    link.answer = [&](const std::string& path) {
+        if (path == "/touch-low.m3u8" && ++reloads == 2) stream.finish();
+        return stream.reply(path);
+    };
+    link.rate_of = [](const std::string&) { return 1000; };
+    auto input = link.open();
+    ASSERT_EQ(message(input), "");
+    std::vector<RawFrame> frames = stream.frames;
+    const HlsReceived all = received_from(**input, frames);
+    EXPECT_EQ(all.error, "");
+    // The third but last one, 3, is read in full; from 4 on each second frame.
+    Came right;
+    for (int n = 30; n < 65; ++n)
+        if (n < 40 || n % 2 == 0) right[{PlaneRole::depth, n}] = 1;
+    EXPECT_EQ(depth_in(all.came), right);
 }
 
 TEST(HlsInput, AMediaPlaylistAloneIsOneRendition) {

@@ -57,6 +57,55 @@ TEST(HlsPlaylist, OurMasterLeadsToBoth) {
     EXPECT_EQ(alone->colour, "");
 }
 
+TEST(HlsPlaylist, MasterLeadsToLowLevel) {
+    const HlsShown full{"colour.m3u8", 2000, "avc1.64001f", 640, 480, 30},
+        low{"low.m3u8", 1000, "", 640, 480, 30};
+    const auto places = places_in_playlist(master_text(full, low), web);
+    ASSERT_TRUE(places.ok()) << places.error().message;
+    EXPECT_EQ(places->colour, "http://host:8080/live/clip/colour.m3u8");
+    EXPECT_EQ(places->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(places->low_colour, "http://host:8080/live/clip/low.m3u8");
+    // A second variant alone is no low level.
+    const auto others =
+        places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web);
+    ASSERT_TRUE(others.ok()) << others.error().message;
+    EXPECT_EQ(others->low_touch + others->low_colour, "");
+    // Without colour its variants are the planes.
+    const HlsShown grey{"touch.m3u8", 2000, "", 640, 480, 30},
+        low_grey{"touch-low.m3u8", 1000, "", 640, 480, 15};
+    const auto planes = places_in_playlist(master_text(grey, low_grey), web);
+    ASSERT_TRUE(planes.ok()) << planes.error().message;
+    EXPECT_EQ(planes->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(planes->colour + planes->low_colour, "");
+}
+
+std::string numbered_playlist() {
+    return "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXT-X-MEDIA-SEQUENCE:7\n#EXT-X-MAP:URI=\"i.mp4\"\n"
+           "#EXTINF:1.000000,\na.m4s\n#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n"
+           "#EXT-X-ENDLIST\n";
+}
+
+TEST(HlsPlaylist, FindsSegments) {
+    const std::string text = numbered_playlist(), a = "http://host:8080/live/clip/a.m4s";
+    const auto first = segment_in(text, web, a, 0);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->number, 7);
+    EXPECT_EQ(first->duration_ns, 1'000'000'000);
+    const auto again = segment_in(text, web, a, 8);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->number, 9);
+    EXPECT_EQ(again->duration_ns, 0);
+    EXPECT_FALSE(segment_in(text, web, a, 10));
+    EXPECT_FALSE(segment_in(text, web, "http://host:8080/live/clip/c.m4s", 0));
+}
+
+TEST(HlsPlaylist, BeginsFromASegment) {
+    EXPECT_EQ(playlist_from(numbered_playlist(), 8),
+              "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:8\n#EXT-X-TARGETDURATION:1\n#EXT-X-MAP:URI=\"i.mp4\"\n"
+              "#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n#EXT-X-ENDLIST\n");
+    EXPECT_FALSE(playlist_from(numbered_playlist(), 10));
+}
+
 TEST(HlsPlaylist, AMediaPlaylistLeadsToItself) {
     HlsMedia media;
     media.header = "init.mp4";
@@ -74,7 +123,8 @@ TEST(HlsPlaylist, AMediaPlaylistLeadsToItself) {
 
 TEST(HlsPlaylist, HostileMastersAreRefused) {
     const std::string head = "#EXTM3U\n#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"";
-    const std::string colour = "\"\n#EXT-X-STREAM-INF:BANDWIDTH=1\n";
+    const std::string colour = "\"\n#EXT-X-STREAM-INF:BANDWIDTH=1\n",
+                      low = "t.m3u8\"\n#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"";
     for (const std::string& text :
          {std::string(), std::string("#EXTM3U8\n"), std::string("<html>"),
           std::string("#EXTM3U\n#EXT-X-STREAM-INF:BANDWIDTH=1\nvideo.m3u8\n"),
@@ -82,6 +132,9 @@ TEST(HlsPlaylist, HostileMastersAreRefused) {
           head + "t.m3u8" + colour + "/live/clip/./master.m3u8?token=1\n",
           head + "http://other/t.m3u8" + colour + "c.m3u8\n", head + "file:/etc/passwd" + colour + "c.m3u8\n",
           head + "t.m3u8" + colour + "ftp://host/c\n",
+          head + low + "http://other/l.m3u8" + colour + "c.m3u8\n",
+          head + low + "master.m3u8?token=1" + colour + "c.m3u8\n",
+          head + low + "l.m3u8" + colour + "c.m3u8\n#EXT-X-STREAM-INF:BANDWIDTH=1\nfile:/etc/passwd\n",
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(largest_hls_playlist, '\n'),
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(1, '\0')}) {
         const auto places = places_in_playlist(text, web);

@@ -42,6 +42,19 @@ TEST(HlsText, AMasterNamesWhatPlayersShowAndWhereTouchIs) {
               "FRAME-RATE=29.970\ncolour.m3u8\n");
 }
 
+TEST(HlsText, MasterNamesTheLowLevel) {
+    const HlsShown full{"colour.m3u8", 2'500'000, "avc1.64001f", 640, 480, 30},
+        low{"colour-low.m3u8", 1'250'000, "avc1.64001e", 640, 480, 30};
+    EXPECT_EQ(master_text(full, low),
+              "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
+              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
+              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"touch-low.m3u8\"\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f\",RESOLUTION=640x480,"
+              "FRAME-RATE=30.000\ncolour.m3u8\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=1250000,CODECS=\"avc1.64001e\",RESOLUTION=640x480,"
+              "FRAME-RATE=30.000\ncolour-low.m3u8\n");
+}
+
 TEST(HlsText, NamesOfCodecs) {
     constexpr std::array<std::uint8_t, 12> header{0, 0, 0, 1, 0x67, 0x64, 0x00, 0x1f, 0xac, 0, 0, 1};
     EXPECT_EQ(avc_codec_name(header), "avc1.64001f");

@@ -134,6 +134,66 @@ TEST(HlsWriter, AWholeClipIsThereSegmentBySegment) {
                                                                         fs::file_size(home / "touch.m3u8")));
 }
 
+/// Both levels are cut at the same frames. An odd number of frames in a segment: each begins anew.
+TEST(HlsWriter, LowLevelHasEverySecondFrameset) {
+    const TemporaryFolder folder;
+    const fs::path home = folder / "web";
+    const Written written = write_hls({.folder = home, .segment_ns = 9 * hls_second / 10, .has_low = true},
+                                      23, {true, true, false});
+    ASSERT_EQ(message(written.outcome), "");
+    EXPECT_TRUE(
+        has_line(home / "master.m3u8",
+                 "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"touch-low.m3u8\""));
+    const auto master = lines_of(home / "master.m3u8");
+    EXPECT_LT(std::ranges::find(master, "colour.m3u8"), std::ranges::find(master, "colour-low.m3u8"));
+    EXPECT_TRUE(has_line(home / "master.m3u8", "colour-low.m3u8"));
+    const auto extents = [](const fs::path& file) {
+        auto lines = lines_of(file);
+        std::erase_if(lines, [](const std::string& line) { return !line.starts_with("#EXTINF"); });
+        return lines;
+    };
+    for (const std::string name : {"colour", "touch"}) {
+        const auto files = files_of(home / (name + "-low.m3u8"));
+        ASSERT_EQ(files.size(), 4U);
+        EXPECT_EQ(extents(home / (name + "-low.m3u8")), extents(home / (name + ".m3u8")));
+        for (std::size_t k = 1; k < files.size(); ++k) {
+            const Came came =
+                pictures_of(read_bytes(home / files[0]) + read_bytes(home / files[k]), written.frames);
+            const std::int64_t step = name == "touch" ? 2 : 1, first = static_cast<std::int64_t>(k - 1) * 9,
+                               end = std::min<std::int64_t>(first + 9, 23);
+            Came right;
+            for (std::int64_t n = first; n < end; n += step)
+                for (const PlaneRole role : {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic})
+                    if ((role == PlaneRole::colour) == (name == "colour")) right[{role, n}] = 1;
+            EXPECT_EQ(came, right) << files[k];
+        }
+    }
+    std::int64_t full_bytes = 0, low_bytes = 0;
+    for (const auto& entry : fs::directory_iterator(home)) {
+        if (entry.path().extension() != ".m4s") continue;
+        const bool is_low = entry.path().filename().string().find("-low-") != std::string::npos;
+        (is_low ? low_bytes : full_bytes) += static_cast<std::int64_t>(entry.file_size());
+    }
+    const HlsFigures& figures = written.figures;
+    EXPECT_EQ(figures.colour_bytes + figures.touch_bytes, full_bytes);
+    EXPECT_EQ(figures.low_colour_bytes + figures.low_touch_bytes, low_bytes);
+    EXPECT_LT(figures.low_colour_bytes, figures.colour_bytes);
+    EXPECT_LT(figures.low_touch_bytes, figures.touch_bytes * 3 / 4);
+    EXPECT_EQ(figures.playlist_bytes, static_cast<std::int64_t>(fs::file_size(home / "colour.m3u8") +
+                                                                fs::file_size(home / "touch.m3u8")));
+    // A run without it leaves nothing of it.
+    ASSERT_EQ(message(write_hls({home}, 5, {true}).outcome), "");
+    EXPECT_EQ(all_files(home).size(), 3U + 2U * 2U);
+}
+
+TEST(HlsWriter, LowLevelWithoutColourIsDepth) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_hls({.folder = folder / "web", .has_low = true}, 5, {}).outcome), "");
+    EXPECT_TRUE(has_line(folder / "web/master.m3u8", "touch.m3u8"));
+    EXPECT_TRUE(has_line(folder / "web/master.m3u8", "touch-low.m3u8"));
+    EXPECT_NE(read_bytes(folder / "web/master.m3u8").find("FRAME-RATE=5.000\ntouch-low"), std::string::npos);
+}
+
 TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
     const TemporaryFolder folder;
     const fs::path home = folder / "web";
@@ -220,17 +280,19 @@ void write_sounding_film(const fs::path& file) {
 TEST(HlsWriter, SoundGoesWithColour) {
     const TemporaryFolder folder;
     write_sounding_film(folder / "film.mp4");
-    const Written written =
-        write_hls({folder / "web"}, 25, {true}, SoundPart{folder / "film.mp4", 0, 3 * hls_second});
+    const Written written = write_hls({.folder = folder / "web", .has_low = true}, 25, {true},
+                                      SoundPart{folder / "film.mp4", 0, 3 * hls_second});
     ASSERT_EQ(message(written.outcome), "");
     EXPECT_NE(read_bytes(folder / "web/master.m3u8").find(",mp4a.40.2\""), std::string::npos);
-    const auto files = files_of(folder / "web/colour.m3u8");
-    ASSERT_EQ(files.size(), 4U);
-    for (std::size_t k = 1; k < files.size(); ++k) {
-        int sounds = 0;
-        pictures_of(read_bytes(folder / ("web/" + files[0])) + read_bytes(folder / ("web/" + files[k])),
-                    written.frames, &sounds);
-        EXPECT_NEAR(sounds, k < 3 ? 48'000 / 1024 : 24'000 / 1024, 6) << k;
+    for (const char* const playlist : {"web/colour.m3u8", "web/colour-low.m3u8"}) {
+        const auto files = files_of(folder / playlist);
+        ASSERT_EQ(files.size(), 4U);
+        for (std::size_t k = 1; k < files.size(); ++k) {
+            int sounds = 0;
+            pictures_of(read_bytes(folder / ("web/" + files[0])) + read_bytes(folder / ("web/" + files[k])),
+                        written.frames, &sounds);
+            EXPECT_NEAR(sounds, k < 3 ? 48'000 / 1024 : 24'000 / 1024, 6) << playlist << k;
+        }
     }
 }
 
@@ -247,8 +309,8 @@ TEST(HlsWriter, SoundOfAnotherCodecIsLeftOut) {
 
 TEST(HlsWriter, FilesOfOthersAreNeverTouched) {
     for (const std::string name :
-         {"holiday.jpg", "master.m3u8", "touch-12345678-1.txt", "colour-1234567-1.m4s", "touch-12345678-.m4s",
-          "touch-12345678-x.m4s", "sub/a"}) {
+         {"holiday.jpg", "master.m3u8", "touch-low.m3u8", "touch-mid-12345678-1.m4s", "touch-12345678-1.txt",
+          "colour-1234567-1.m4s", "touch-12345678-.m4s", "touch-12345678-x.m4s", "sub/a"}) {
         const TemporaryFolder folder;
         fs::create_directories((folder / name).parent_path());
         write_bytes(folder / name, "mine");
