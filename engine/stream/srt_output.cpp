@@ -105,7 +105,7 @@ void SrtOutput::turn(std::int64_t now_ns) {
         } else if (!stop_ && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
             audience_.remark(url_.name() + ": goes again within a second; called less and less often");
         }
-        if (!stayed) call_later(now_ns);
+        if (!stayed) call_later(time_.now_ns());  // closing takes a while
     }
     std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
     if (const auto line = srt_log_line(now_ns)) audience_.remark(*line);

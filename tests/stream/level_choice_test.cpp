@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t level_second = 1'000'000'000;
 
 /// A stream of segments of a second, of 800 + 200 KB or half of that, over a link of `rate` KB/s.
-struct NarrowLink {
+struct SlowSegments {
     LevelChoice choice;
     /// Fetches `segments` of both renditions; the levels that were read: "full full low".
     std::vector<bool> read(int segments, double rate) {
@@ -31,7 +31,7 @@ struct NarrowLink {
 using LevelsRead = std::vector<bool>;
 
 TEST(LevelChoice, StaysFullWhereTheLinkCarriesIt) {
-    NarrowLink link;
+    SlowSegments link;
     EXPECT_EQ(link.read(20, 1100), LevelsRead(20, false));
     EXPECT_NEAR(link.choice.need(false), 1e6, 1);
     EXPECT_NEAR(link.choice.rate(), 1.1e6, 1);
@@ -39,13 +39,13 @@ TEST(LevelChoice, StaysFullWhereTheLinkCarriesIt) {
 
 /// The first segment takes longer than it lasts.
 TEST(LevelChoice, GoesDownAtOnce) {
-    NarrowLink link;
+    SlowSegments link;
     link.read(5, 5000);
     EXPECT_EQ(link.read(3, 900), LevelsRead({false, true, true}));
 }
 
 TEST(LevelChoice, GoesUpWithTwiceTheRateOnly) {
-    NarrowLink link;
+    SlowSegments link;
     link.read(2, 600);
     EXPECT_EQ(link.read(50, 1900), LevelsRead(50, true));
     EXPECT_EQ(link.read(20, 0.5), LevelsRead(20, true));
@@ -61,7 +61,7 @@ TEST(LevelChoice, GoesUpWithTwiceTheRateOnly) {
 
 /// A link that falters between 40 and 150 % of the rate never makes it go up and down.
 TEST(LevelChoice, DoesNotFlap) {
-    NarrowLink link;
+    SlowSegments link;
     int changes = 0;
     for (int n = 0; n < 200; ++n) {
         const bool was_low = link.choice.is_low();
@@ -82,7 +82,7 @@ TEST(LevelChoice, MissingFilesTellNothing) {
 }
 
 TEST(LevelChoice, ColourLeftOutNeedsNothing) {
-    NarrowLink link;
+    SlowSegments link;
     link.read(3, 1100);
     link.choice.leave_out_colour();
     EXPECT_NEAR(link.choice.need(false), 8e5, 1);
