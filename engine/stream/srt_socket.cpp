@@ -168,7 +168,19 @@ Result<void> SrtSocket::listen(const SocketAddress& address, std::function<bool(
     return {};
 }
 
+/// Waits for it.
+bool SrtSocket::has_something(int longest_ms) {
+    if (events_ == none) {
+        const int wanted = SRT_EPOLL_IN | SRT_EPOLL_ERR;
+        events_ = srt_epoll_create();
+        if (events_ == SRT_ERROR || srt_epoll_add_usock(events_, socket_, &wanted) == SRT_ERROR) return true;
+    }
+    SRT_EPOLL_EVENT event;
+    return srt_epoll_uwait(events_, &event, 1, longest_ms) > 0;
+}
+
 std::optional<std::pair<SrtSocket, SocketAddress>> SrtSocket::accept() {
+    if (!has_something(0)) return std::nullopt;  // that there is no caller libsrt would log as an error
     SocketAddress address;
     int length = sizeof address.storage;
     SrtSocket caller(srt_accept(socket_, reinterpret_cast<sockaddr*>(&address.storage), &length));
@@ -249,11 +261,6 @@ int SrtSocket::peer_latency_ms() const {
 }
 
 SrtSocket::Message SrtSocket::receive(std::span<std::uint8_t> to, int longest_ms) {
-    if (events_ == none) {
-        const int wanted = SRT_EPOLL_IN | SRT_EPOLL_ERR;
-        events_ = srt_epoll_create();
-        if (events_ == SRT_ERROR || srt_epoll_add_usock(events_, socket_, &wanted) == SRT_ERROR) return {-1};
-    }
     for (const bool has_waited : {false, true}) {
         SRT_MSGCTRL facts = srt_msgctrl_default;
         const int got =
@@ -261,8 +268,7 @@ SrtSocket::Message SrtSocket::receive(std::span<std::uint8_t> to, int longest_ms
         if (got != SRT_ERROR) return {got > 0 ? got : -1, facts.pktseq};
         if (srt_getlasterror(nullptr) != SRT_EASYNCRCV) return {-1};
         if (has_waited || longest_ms == 0) break;
-        SRT_EPOLL_EVENT event;
-        (void)srt_epoll_uwait(events_, &event, 1, longest_ms);
+        (void)has_something(longest_ms);
     }
     return {};
 }

@@ -102,9 +102,10 @@ public:
 private:
     static constexpr int none = -1;
     explicit SrtSocket(int socket) : socket_(socket) {}
+    bool has_something(int longest_ms);
 
     int socket_ = none;
-    int events_ = none;  // of libsrt, which tell that there is something to receive
+    int events_ = none;  // of libsrt, which tell that there is something to receive, or a caller
 };
 
 }  // namespace touchable

@@ -263,6 +263,18 @@ TEST(SrtOutput, LogsLittleOfAFlood) {
     EXPECT_LE(sent.lines.size(), 4U);
 }
 
+/// The log's own clock: this test's moments are later than all others.
+TEST(SrtOutput, LogsNothingWhileNobodyCalls) {
+    constexpr std::int64_t late_ns = std::int64_t{1} << 60U;
+    auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::sends));
+    std::function<bool()> always = [] { return true; };
+    const StreamUrl url = *read_stream_url(place_of(unused_port()));
+    ASSERT_TRUE(door.listen(*own_address(url), always).ok());
+    (void)srt_log_line(late_ns);
+    for (int n = 0; n < 10; ++n) EXPECT_FALSE(door.accept());
+    EXPECT_EQ(srt_log_line(2 * late_ns), std::nullopt);
+}
+
 TEST(SrtOutput, FirstCallIsTriedAgain) {
     SentOut sent;
     const int port = unused_port();
