@@ -15,6 +15,8 @@ constexpr double least_force = 0.01;
 /// Ticks by which the run is matched to a place in the period, and how far forces may be off there: N, RMS.
 constexpr std::size_t matched_ticks = 700;
 constexpr double most_off = 0.02;
+/// What came before the run is told as its first microseconds (CameraRun).
+constexpr std::int64_t first_in_run_ns = 500'000;
 
 double square(const glm::dvec3& vector) {
     return glm::dot(vector, vector);
@@ -37,37 +39,43 @@ private:
 }  // namespace
 
 Result<void> DelayedTouch::take(const TouchTick& tick) {
-    const TimedFrame& felt = tick.pair.prev;
-    if (felt.number < 0) return {};
-    if (numbers_.empty() || felt.number > numbers_.back()) {
-        numbers_.push_back(felt.number);
-        taken_ns_.push_back(felt.time_ns - reader_.taken_before(felt.number));
-    }
-    Tick kept{tick.tick, tick.time_ns, felt.number, felt.time_ns, {tick.goals.begin(), tick.goals.end()}, {}};
+    if (tick.pair.prev.number < 0) return {};
+    for (const TimedFrame& frame : {tick.pair.prev, tick.pair.next})
+        if (frame.time_ns >= first_in_run_ns && !taken_ns_.contains(frame.number))
+            taken_ns_[frame.number] = frame.time_ns - reader_.taken_before(frame.number);
+    if (tick.pair.prev.time_ns < first_in_run_ns) ++early_ticks_;
+    Tick kept{tick.tick, tick.time_ns, tick.pair, {tick.goals.begin(), tick.goals.end()}, {}};
     for (std::size_t k = 0; k < tick.forces.size(); ++k) kept.forces.push_back(tick.sent(k));
     ticks_.push_back(std::move(kept));
     return {};
 }
 
-/// Frames are sent at even times: the median of what they say of it.
-std::int64_t DelayedTouch::taken_frame_0(std::int64_t frame_ns) const {
-    std::vector<std::int64_t> zeros;
-    for (std::size_t n = 0; n < numbers_.size(); ++n) zeros.push_back(taken_ns_[n] - numbers_[n] * frame_ns);
-    const auto middle = zeros.begin() + static_cast<std::ptrdiff_t>(zeros.size() / 2);
-    std::nth_element(zeros.begin(), middle, zeros.end());
-    return *middle;
-}
-
-std::int64_t DelayedTouch::Sent::newest(std::int64_t time_ns) const {
-    const std::int64_t since = time_ns - zero_ns;
-    return since >= 0 ? since / frame_ns : -((frame_ns - 1 - since) / frame_ns);
-}
-
-FramePair DelayedTouch::Sent::pair(std::int64_t number, std::int64_t time_ns) const {
-    const auto period = static_cast<std::int64_t>(frames.size());
-    const std::int64_t at = ((number + first) % period + period) % period;
-    const TimedFrame frame{number, time_ns, frames[static_cast<std::size_t>(at)]};
+FramePair DelayedTouch::Sent::newest(std::int64_t time_ns) const {
+    const std::int64_t since = time_ns - first_ns,
+                       number = since >= 0 ? since / frame_ns : -((frame_ns - 1 - since) / frame_ns);
+    const TimedFrame frame{number, first_ns + number * frame_ns, at(first + number)};
     return {frame, frame, 0, 0};
+}
+
+/// Frames are sent at even times, and those that are lost on the way count, too.
+const SurfaceFrame* DelayedTouch::Sent::taken(std::int64_t taken_ns) const {
+    return at(first + std::llround(static_cast<double>(taken_ns - first_ns) / static_cast<double>(frame_ns)));
+}
+
+const SurfaceFrame* DelayedTouch::Sent::at(std::int64_t place) const {
+    const auto period = static_cast<std::int64_t>(frames.size());
+    return frames[static_cast<std::size_t>((place % period + period) % period)];
+}
+
+/// What the run felt, on the surfaces that were sent.
+FramePair DelayedTouch::felt(const Tick& tick, const Sent& sent) const {
+    FramePair pair = tick.pair;
+    for (TimedFrame* frame : {&pair.prev, &pair.next}) {
+        const auto taken = taken_ns_.find(frame->number);
+        frame->frame =
+            taken == taken_ns_.end() ? sent.at(sent.early + frame->number) : sent.taken(taken->second);
+    }
+    return pair;
 }
 
 /// Forces of the first `count` ticks, with the goals of so long before.
@@ -88,29 +96,27 @@ std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup,
     return forces;
 }
 
-/// The run's frames are those of a sender that was somewhere in its period: where the same frames give the
-/// same forces.
-Result<std::int64_t> DelayedTouch::first_of_period(const TouchSetup& setup, Sent sent) const {
-    const std::size_t count = std::min(matched_ticks, ticks_.size());
+/// The run's frames are those of a sender that was somewhere in its period: sets `place` to where the same
+/// frames give the same forces, as near as they come in the first `count` ticks; returns how far they are
+/// off, N.
+double DelayedTouch::match(const TouchSetup& setup, Sent& sent, std::int64_t Sent::*place,
+                           std::size_t count) const {
     double least = std::numeric_limits<double>::infinity();
     std::int64_t found = 0;
-    for (std::int64_t first = 0; first < static_cast<std::int64_t>(sent.frames.size()); ++first) {
-        sent.first = first;
+    for (std::int64_t tried = 0; tried < static_cast<std::int64_t>(sent.frames.size()); ++tried) {
+        sent.*place = tried;
         const auto forces = solved(
-            setup, 0, [&](const Tick& tick) { return sent.pair(tick.frame, tick.frame_ns); }, count);
+            setup, 0, [&](const Tick& tick) { return felt(tick, sent); }, count);
         Rms off;
         for (std::size_t n = 0; n < count; ++n)
             for (std::size_t k = 0; k < forces[n].size(); ++k)
                 off.add(square(forces[n][k] - ticks_[n].forces[k]));
         if (off.value() >= least) continue;
         least = off.value();
-        found = first;
+        found = tried;
     }
-    if (least > most_off)
-        return Error{ErrorKind::check, "the run's forces are not those of what was sent: " +
-                                           std::to_string(least) + " N off, at most " +
-                                           std::to_string(most_off) + " would be right"};
-    return found;
+    sent.*place = found;
+    return least;
 }
 
 Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vector<SurfaceFrame>& frames,
@@ -121,12 +127,17 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
     for (int n = 0; n < period; ++n)
         sent.frames.push_back(&frames[static_cast<std::size_t>(n) % frames.size()]);
     sent.frame_ns = setup.scene.rate.time_ns(1);
-    sent.zero_ns = taken_frame_0(sent.frame_ns);
-    const auto first = first_of_period(setup, sent);
-    if (!first.ok()) return first.error();
-    sent.first = *first;
+    if (taken_ns_.empty()) return Error{ErrorKind::check, "no frame came in the run"};
+    sent.first_ns = taken_ns_.begin()->second;
+    if (early_ticks_ > 0) (void)match(setup, sent, &Sent::early, early_ticks_);
+    const double off_n =
+        match(setup, sent, &Sent::first, std::min(early_ticks_ + matched_ticks, ticks_.size()));
+    if (off_n > most_off)
+        return Error{ErrorKind::check,
+                     "the run's forces are not those of what was sent: " + std::to_string(off_n) +
+                         " N off, at most " + std::to_string(most_off) + " would be right"};
 
-    const auto of_the_moment = [&](const Tick& tick) { return sent.pair(sent.newest(tick.time_ns)); };
+    const auto of_the_moment = [&](const Tick& tick) { return sent.newest(tick.time_ns); };
     const auto late_ms = static_cast<std::int64_t>(std::lround(faults.delay_ms));
     const auto undelayed = solved(setup, 0, of_the_moment, ticks_.size()),
                far_away = solved(setup, late_ms, of_the_moment, ticks_.size());

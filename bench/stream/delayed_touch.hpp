@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <map>
 #include <vector>
 
 #include "bench/suite.hpp"
@@ -22,8 +23,9 @@ public:
     Result<void> take(const TouchTick& tick) override;
 
     /// Appends undelayed_n, off_n, far_off_n (RMS over ticks and fingers) and without_touch_pct
-    /// (bench/README.md). `setup`: of the run. `frames`: the surfaces that were sent, again and again from the
-    /// first on, `period` frames each time. An error where the run's forces are not those of these surfaces.
+    /// (bench/README.md). `setup`: of the run. `frames`: the surfaces that were sent, again and again from
+    /// the first on, `period` frames each time. An error where the run's forces are not those of these
+    /// surfaces.
     Result<void> add_figures(const TouchSetup& setup, const std::vector<SurfaceFrame>& frames, int period,
                              const test::NetworkFaults& faults, Figures& figures) const;
 
@@ -31,29 +33,29 @@ private:
     using Vectors = std::vector<glm::dvec3>;  // of all fingers
     struct Tick {
         std::int64_t tick = 0, time_ns = 0;
-        std::int64_t frame = 0, frame_ns = 0;  // the frame that was felt, and its time
+        FramePair pair;  // what was felt, without its surfaces
         Vectors goals, forces;
     };
     /// Where the surface is: the frame of a moment, and when it was taken.
     struct Sent {
         std::vector<const SurfaceFrame*> frames;  // of a period
-        std::int64_t first = 0;                   // of the period, that the run calls frame 0
-        std::int64_t frame_ns = 0, zero_ns = 0;   // when frame 0 was taken
-        std::int64_t newest(std::int64_t time_ns) const;
-        FramePair pair(std::int64_t number, std::int64_t time_ns) const;
-        FramePair pair(std::int64_t number) const { return pair(number, zero_ns + number * frame_ns); }
+        std::int64_t frame_ns = 0, first_ns = 0;  // when the first was taken that came in the run
+        std::int64_t first = 0, early = 0;  // their places in the period: of that, and of the run's frame 0
+        FramePair newest(std::int64_t time_ns) const;
+        const SurfaceFrame* taken(std::int64_t taken_ns) const;
+        const SurfaceFrame* at(std::int64_t place) const;
     };
 
-    std::int64_t taken_frame_0(std::int64_t frame_ns) const;
+    FramePair felt(const Tick& tick, const Sent& sent) const;
     template <class PairOf>
     std::vector<Vectors> solved(const TouchSetup& setup, std::int64_t goals_late_ms, const PairOf& pair_of,
                                 std::size_t count) const;
-    Result<std::int64_t> first_of_period(const TouchSetup& setup, Sent sent) const;
+    double match(const TouchSetup& setup, Sent& sent, std::int64_t Sent::*place, std::size_t count) const;
 
     const ClipReader& reader_;
     std::vector<Tick> ticks_;
-    std::vector<std::int64_t> taken_ns_;  // of each frame that was felt, and
-    std::vector<std::int64_t> numbers_;   // its number
+    std::size_t early_ticks_ = 0;                    // on frames that came before the run, which tell no time
+    std::map<std::int64_t, std::int64_t> taken_ns_;  // of each other frame that was felt, by its number
 };
 
 }  // namespace touchable
