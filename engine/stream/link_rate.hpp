@@ -21,18 +21,17 @@ public:
     static constexpr std::int64_t slice_ns = 250'000'000;
 
     /// What is known at this moment: bytes that have arrived so far, datagrams sent and lost so far, the way
-    /// there and back, and whether more would be handed over if the window were larger.
+    /// there and back (0: not known), and whether more would be handed over if the window were larger.
     struct Look {
         std::int64_t now_ns = 0, arrived_bytes = 0, datagrams = 0, lost = 0, rtt_ns = 0;
         bool is_full = false;
     };
     void look(const Look& look) {
-        if (!first_in_slice_) {
-            first_in_slice_ = look;
-            shortest_ns_ = look.rtt_ns;
+        if (!first_in_slice_) first_in_slice_ = look;
+        if (look.rtt_ns > 0) {
+            shortest_ns_ = shortest_ns_ > 0 ? std::min(shortest_ns_, look.rtt_ns) : look.rtt_ns;
+            slice_.rtt_ns = std::min(slice_.rtt_ns, look.rtt_ns);
         }
-        shortest_ns_ = std::min(shortest_ns_, look.rtt_ns);
-        slice_.rtt_ns = std::min(slice_.rtt_ns, look.rtt_ns);
         slice_.is_full = slice_.is_full || look.is_full;
         const std::int64_t passed_ns = look.now_ns - first_in_slice_->now_ns;
         if (passed_ns < slice_ns) return;
@@ -46,8 +45,13 @@ public:
         slice_.lost = more(look.lost, first_in_slice_->lost);
         slices_[slice_count_++ % recent] = std::exchange(slice_, Slice{});
         first_in_slice_ = look;
+        grow();
         forget_shortest();
     }
+
+    /// At first nothing is known of the link, and each way there and back doubles what may be on its way,
+    /// until no more arrives for it, or it queues up.
+    bool is_growing() const { return is_growing_; }
 
     /// That of the last second, or of the one before if it was more. What was lost and comes at last is
     /// acknowledged together with all that is behind it, so shorter times would tell of more than arrives.
@@ -67,21 +71,25 @@ public:
     std::int64_t window_bytes() const {
         constexpr std::size_t first_slices = 4;
         // Acknowledgements are sent every 10 ms and looked at every 5; a thread may have to wait for a core.
-        constexpr double slack_ns = 80e6, ns_per_second = 1e9;
+        // On a long way the rate has to be able to grow by a quarter.
+        constexpr double least_slack_ns = 80e6, ns_per_second = 1e9;
+        const auto way_ns = static_cast<double>(shortest_ns_);
+        const double slack_ns = std::max(least_slack_ns, way_ns / 4);
         std::int64_t datagrams = 0, lost = 0;
         for (const Slice& slice : slices_) {
             datagrams += slice.datagrams;
             lost += slice.lost;
         }
-        // Acknowledgements stop at what is lost until it has been asked for and sent again. Of the hundreds of
-        // datagrams on their way some are lost once more as they are sent again.
+        // Acknowledgements stop at what is lost until it has been asked for and sent again. Of the hundreds
+        // of datagrams on their way some are lost once more as they are sent again.
         constexpr int loses_from = 200;  // one in so many
         const double ways = lost * loses_from > datagrams ? 6 : 1;
-        const double seconds = (ways * static_cast<double>(shortest_ns_) + slack_ns) / ns_per_second;
+        const double seconds = ((ways + (is_growing_ ? 1 : 0)) * way_ns + slack_ns) / ns_per_second;
         const double bytes = static_cast<double>(bytes_per_second()) * seconds;
         constexpr double most_bytes = 64 << 20;
-        return std::max(slice_count_ < first_slices ? first_window_bytes : least_window_bytes,
-                        static_cast<std::int64_t>(std::min(bytes, most_bytes)));
+        return std::max(
+            slice_count_ < first_slices || shortest_ns_ == 0 ? first_window_bytes : least_window_bytes,
+            static_cast<std::int64_t>(std::min(bytes, most_bytes)));
     }
 
 private:
@@ -91,6 +99,22 @@ private:
         std::int64_t datagrams = 0, lost = 0, rtt_ns = std::numeric_limits<std::int64_t>::max();
         bool is_full = false;
     };
+    void grow() {
+        if (!is_growing_ || shortest_ns_ == 0) return;
+        constexpr double grows_by = 1.25;
+        constexpr std::int64_t queue_ns = 100'000'000, least_in_vain_ns = 1'000'000'000, ways_in_vain = 3;
+        const Slice& newest = slices_[(slice_count_ - 1) % recent];
+        const auto rate = static_cast<double>(bytes_per_second());
+        if (rate > grows_by * fastest_) {
+            fastest_ = rate;
+            in_vain_ns_ = 0;
+        } else if (newest.is_full) {
+            in_vain_ns_ += slice_ns;
+        }
+        const bool has_queue = newest.rtt_ns < std::numeric_limits<std::int64_t>::max() &&
+                               newest.rtt_ns > 2 * shortest_ns_ + queue_ns;
+        is_growing_ = !has_queue && in_vain_ns_ < std::max(least_in_vain_ns, ways_in_vain * shortest_ns_);
+    }
     /// The way there and back is measured anew while nothing of ours waits in front of the link. While the
     /// window is full something does, and to believe in that would widen the window again and again.
     void forget_shortest() {
@@ -100,7 +124,7 @@ private:
             if (slice.is_full) return;
             shortest_ns = std::min(shortest_ns, slice.rtt_ns);
         }
-        shortest_ns_ = shortest_ns;
+        if (shortest_ns < std::numeric_limits<std::int64_t>::max()) shortest_ns_ = shortest_ns;
     }
 
     std::array<Slice, recent> slices_{};  // a ring
@@ -108,6 +132,9 @@ private:
     Slice slice_;  // that has not ended
     std::optional<Look> first_in_slice_;
     std::int64_t shortest_ns_ = 0;  // way there and back
+    bool is_growing_ = true;
+    double fastest_ = 0;           // bytes a second, while it grows
+    std::int64_t in_vain_ns_ = 0;  // for which the window was full, and the rate did not grow
 };
 
 }  // namespace touchable

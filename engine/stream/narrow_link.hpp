@@ -19,11 +19,12 @@ public:
     /// The listener has everything that there is, or framesets were left out for it.
     void has_caught_up() { behind_since_ns_.reset(); }
     /// There is a frameset for it, and it cannot be given yet. True: from now on its colour is left out.
-    bool is_behind(std::int64_t now_ns) {
+    /// `is_tried`: how much its link takes is being found out.
+    bool is_behind(std::int64_t now_ns, bool is_tried = false) {
         if (!behind_since_ns_) behind_since_ns_ = now_ns;
         if (!first_behind_ns_) first_behind_ns_ = now_ns;
         // Whoever joins begins with a key of up to half a second ago.
-        if (now_ns - *first_behind_ns_ < joins_within_ns) return false;
+        if (is_tried || now_ns - *first_behind_ns_ < joins_within_ns) return false;
         if (now_ns - *behind_since_ns_ < colour_goes_after_ns) return false;
         if (has_colour_) {
             const bool was_in_vain = colour_back_ns_ && now_ns - *colour_back_ns_ < longest_trial_ns;

@@ -52,7 +52,8 @@ void SrtListener::look(std::int64_t now_ns) {
         link_ = socket_.figures().value_or(link_);
         // A burst overflows the short queue of a narrow link, so its datagrams are spread.
         const std::int64_t rate = rate_.bytes_per_second();
-        socket_.pace(now_ns < paced_until_ns_ ? std::max<std::int64_t>(2 * rate, 1 << 17) : 0);
+        const bool is_paced = now_ns < paced_until_ns_ && !rate_.is_growing();
+        socket_.pace(is_paced ? std::max<std::int64_t>(2 * rate, 1 << 17) : 0);
     }
     const std::int64_t before =
         std::exchange(arrived_, handed_over_ - static_cast<std::int64_t>(socket_.unacknowledged_bytes()));
@@ -60,11 +61,15 @@ void SrtListener::look(std::int64_t now_ns) {
         progress_ns_ = now_ns;
         probes_ = 0;
     }
+    if (timed_byte_ > 0 && arrived_ >= timed_byte_) {
+        rtt_ns_ = now_ns - timed_since_ns_;
+        timed_byte_ = 0;
+    }
     rate_.look({.now_ns = now_ns,
                 .arrived_bytes = arrived_,
                 .datagrams = link_.datagrams,
                 .lost = link_.lost,
-                .rtt_ns = static_cast<std::int64_t>(link_.rtt_ms * static_cast<double>(ns_per_ms)),
+                .rtt_ns = rtt_ns_,
                 .is_full = std::exchange(is_full_, false)});
 }
 
@@ -113,7 +118,7 @@ bool SrtListener::take_piece(std::int64_t now_ns) {
     }
     if (handed_over_ - arrived_ > rate_.window_bytes()) {
         is_full_ = true;
-        const bool loses_colour = narrow_.is_behind(now_ns);
+        const bool loses_colour = narrow_.is_behind(now_ns, rate_.is_growing());
         if (loses_colour && !std::exchange(is_said_, true)) audience_.goes_without_colour(name_);
         paced_until_ns_ = now_ns + paced_ns;
         return false;
@@ -131,6 +136,10 @@ void SrtListener::write(std::int64_t now_ns) {
     while (phase_ == Phase::listens && (!rest_.empty() || take_piece(now_ns))) {
         const auto done = socket_.send(rest_);
         if (done < 0) return end("has gone");
+        if (timed_byte_ == 0 && done > 0) {
+            timed_byte_ = handed_over_ + 1;
+            timed_since_ns_ = now_ns;
+        }
         rest_ = rest_.subspan(static_cast<std::size_t>(done));
         handed_over_ += done;
         if (!rest_.empty()) return;

@@ -56,9 +56,11 @@ private:
     LinkFigures link_{};
     std::int64_t next_figures_ns_ = 0;
     std::int64_t handed_over_ = 0, arrived_ = 0;  // bytes
-    std::size_t heard_bytes_ = 0;                 // that it sent though it has nothing to say
-    std::int64_t progress_ns_;                    // when bytes arrived last, or none were on their way
-    bool is_full_ = false;                        // more would be given if more might be on its way
+    // The way there and back, timed by one byte after the other: libsrt says 100 ms at first, and for long.
+    std::int64_t timed_byte_ = 0, timed_since_ns_ = 0, rtt_ns_ = 0;
+    std::size_t heard_bytes_ = 0;  // that it sent though it has nothing to say
+    std::int64_t progress_ns_;     // when bytes arrived last, or none were on their way
+    bool is_full_ = false;         // more would be given if more might be on its way
     std::int64_t next_probe_ns_ = 0;
     int probes_ = 0;  // since bytes arrived last
     NarrowLink narrow_;

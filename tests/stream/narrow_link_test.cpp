@@ -30,6 +30,15 @@ TEST(NarrowLink, ColourGoesBeforeFramesets) {
     EXPECT_FALSE(link.is_far_behind(4 * narrow_second));
 }
 
+TEST(NarrowLink, KeepsItsColourWhileItsLinkIsTried) {
+    NarrowLink link;
+    for (std::int64_t now = 0; now < 5 * narrow_second; now += 5 * narrow_ms)
+        EXPECT_FALSE(link.is_behind(now, true));
+    EXPECT_TRUE(link.is_far_behind(5 * narrow_second)) << "framesets are left out all the same";
+    EXPECT_TRUE(link.gives_colour(false, 5 * narrow_second));
+    EXPECT_TRUE(link.is_behind(5 * narrow_second));
+}
+
 TEST(NarrowLink, ShortStopsCostNothing) {
     NarrowLink link;
     for (std::int64_t n = 0; n < 100; ++n) {
