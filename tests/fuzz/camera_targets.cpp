@@ -1,10 +1,9 @@
-// Cameras: pictures of colour as their drivers give them, cameras of frames, and how a camera stands.
+// Cameras: colour pictures as drivers deliver them, and the cameras of frames.
 #include <linux/videodev2.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/matrix.hpp>
 #include <memory>
 #include <vector>
 
@@ -12,7 +11,6 @@
 #include "engine/import/colour_registration.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/options/device_options.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {
@@ -91,20 +89,6 @@ bool parse_frame_cameras(std::string_view bytes) {
     return true;
 }
 
-bool parse_world_from_camera(std::string_view bytes) {
-    const auto frame = read_world_from_camera(file_of(bytes, "world.txt").string());
-    const auto typed = read_world_from_camera(std::string(bytes.substr(0, 1024)));
-    (void)is_taken(typed, Quotes::typed);
-    if (!is_taken(frame)) return false;
-    const glm::dmat4 back = glm::inverse(*frame) * *frame;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) {
-            require(std::isfinite((*frame)[column][row]), "a number is not finite");
-            require(std::abs(back[column][row] - (column == row ? 1.0 : 0.0)) < 1e-6, "has no way back");
-        }
-    return true;
-}
-
 /// A scene of two cameras, small; its pictures have what its own bytes give.
 bool parse_colour_registration(std::string_view bytes) {
     constexpr int most_side = 96;
@@ -143,12 +127,6 @@ bool parse_colour_registration(std::string_view bytes) {
 const Registered camera_colour_target{
     {.name = "camera_colour", .parse = parse_camera_colour, .most_bytes = 1024, .most_live_mebibytes = 512}};
 const Registered frame_cameras_target{{.name = "frame_cameras", .parse = parse_frame_cameras}};
-const Registered world_from_camera_target{{.name = "world_from_camera",
-                                           .parse = parse_world_from_camera,
-                                           .cuts_are_refused = true,
-                                           .needless_bytes = 2,
-                                           .most_bytes = 512,
-                                           .most_live_mebibytes = 4}};
 const Registered colour_registration_target{
     {.name = "colour_registration", .parse = parse_colour_registration, .most_bytes = 2048}};
 

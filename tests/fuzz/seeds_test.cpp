@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::fuzz {
 
@@ -41,8 +42,9 @@ TEST_P(Parsers, StandSeedsAndWhereverTheyAreCut) {
     for (const Seed& seed : seeds_of(GetParam())) {
         const bool is_taken_whole = stands(seed.bytes, seed.name);
         taken += is_taken_whole ? 1 : 0;
-        for (std::size_t length = 0; length < seed.bytes.size(); ++length) {
-            if (!is_cut_here(length, seed.bytes.size())) continue;
+        for (std::size_t length = 0, cuts = 0; length < seed.bytes.size(); ++length) {
+            if (!is_cut_here(length, seed.bytes.size()) || cuts++ % test::sanitized_sweep_step() != 0)
+                continue;
             const std::string what = seed.name + " cut to " + std::to_string(length) + " bytes";
             const bool is_cut_taken = stands(std::string_view(seed.bytes).substr(0, length), what);
             const bool may_be = !is_taken_whole || !GetParam().refuses_cut(length, seed.bytes.size());
@@ -62,23 +64,9 @@ TEST_P(Parsers, StandChanges) {
         for (std::size_t k = below(4) + 1; k > 0 && !changed.empty(); --k)
             changed[below(changed.size())] = static_cast<char>(below(256));
         if (trial % 5 == 0 && !changed.empty()) changed.erase(below(changed.size()), below(9));
+        if (static_cast<std::size_t>(trial) % test::sanitized_sweep_step() != 0) continue;
         (void)stands(changed, seed.name + ", change " + std::to_string(trial));
     }
-}
-
-/// A parser that takes as many times 1 KiB, one after the other, as it is told.
-bool take_kibibytes(std::string_view bytes) {
-    std::vector<std::vector<char>> taken;
-    for (std::size_t k = 0; k < 1024 * bytes.size(); ++k) taken.emplace_back(1024);
-    return !taken.empty();
-}
-
-TEST(MemoryOfAnInput, IsAllThatIsThereAtATimeHoweverSmallItsPieces) {
-    const Target target{.name = "kibibytes", .parse = take_kibibytes, .most_live_mebibytes = 4};
-    for (int again = 0; again < 8; ++again)
-        EXPECT_TRUE(parse_in_memory(target, "abc")) << "what was given back does not count";
-    EXPECT_THROW((void)parse_in_memory(target, "abcde"), Fault);
-    EXPECT_TRUE(parse_in_memory(target, "abc"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Parsers, ::testing::ValuesIn(all_targets()),

@@ -1,4 +1,4 @@
-"""Runs all tests beside this file, and says how each went in the lines of GoogleTest, which ./run test counts. As there,
+"""Runs all tests beside this file, and says how each went in the lines of GoogleTest, which tests/totals.py counts. As there,
 GTEST_FILTER chooses: names with * and :, those after - are left out."""
 import fnmatch
 import os

@@ -2,7 +2,6 @@
 
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/sanitizers.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 #include "tests/sweep.hpp"
@@ -127,13 +126,9 @@ protected:
 class SameBitsWithFilter : public SameBits, public testing::WithParamInterface<FilterSettings> {
 protected:
     /// Whether the n-th case is for this filter. In a short run each filter takes a seventh of them, and
-    /// all filters together take every one; under sanitizers, where few filters are tried, each takes all.
+    /// all filters together take every one.
     bool is_taken(std::size_t n) const {
-#ifdef TOUCHABLE_SANITIZED
-        const std::size_t step = 1;
-#else
         const std::size_t step = sweep_step();
-#endif
         return n % step == static_cast<std::size_t>(GetParam().median + GetParam().fill_holes) % step;
     }
 };

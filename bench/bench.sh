@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# All benchmarks, briefly, into out/bench/: ./run bench (README.md)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+./run install tests
+./run build release touchable-bench
+mkdir -p out/bench
+for suite in touch surface loop paper media live play targets; do
+    printf '\n== benchmark %s\n' "$suite"
+    build/release/bench/touchable-bench "$suite" --quick --json "out/bench/$suite.json"
+done

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# The Python package with the libraries in it, for pip: ./run wheel (docs/python.md)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+./run install wheel
+./run build program touchable_shared touchable_media_shared
+# Built from a copy, so that nothing is left in the source.
+at=out/wheel
+rm -rf "$at" out/touchable-*.whl
+mkdir -p "$at"
+cp -r python CMakeLists.txt "$at"
+TOUCHABLE_LIBRARIES=$PWD/build/release/capi /usr/bin/python3 -m build --wheel --no-isolation --outdir out "$at/python" >"$at/log" 2>&1 ||
+    { cat "$at/log" >&2; exit 1; }
+rm -rf "$at"
+echo "$(echo out/touchable-*.whl): pip install --no-index --no-deps it, into a virtual environment with numpy"

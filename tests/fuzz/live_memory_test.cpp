@@ -1,0 +1,27 @@
+// That the memory of an input is counted.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/fuzz/fuzz_target.hpp"
+
+namespace touchable::fuzz {
+namespace {
+
+/// A parser that takes as many times 1 KiB, one after the other, as it is told.
+bool take_kibibytes(std::string_view bytes) {
+    std::vector<std::vector<char>> taken;
+    for (std::size_t k = 0; k < 1024 * bytes.size(); ++k) taken.emplace_back(1024);
+    return !taken.empty();
+}
+
+TEST(MemoryOfAnInput, IsAllThatIsThereAtATimeHoweverSmallItsPieces) {
+    const Target target{.name = "kibibytes", .parse = take_kibibytes, .most_live_mebibytes = 4};
+    for (int again = 0; again < 8; ++again)
+        EXPECT_TRUE(parse_in_memory(target, "abc")) << "what was given back does not count";
+    EXPECT_THROW((void)parse_in_memory(target, "abcde"), Fault);
+    EXPECT_TRUE(parse_in_memory(target, "abc"));
+}
+
+}  // namespace
+}  // namespace touchable::fuzz

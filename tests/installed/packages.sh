@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# The Debian package and the wheel, made as a person makes them, give in a bare Debian the forces that the program gives. Exit code 77:
+# there is no such Debian (run.sh).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+./run deb
+./run wheel
+exec tests/installed/run.sh build/release/touchable_*.deb out/touchable-*.whl

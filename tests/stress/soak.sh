@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# The stress suites of the touch solver: ./run soak [OPTION...], options of touchable-soak (docs/proof.md)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+./run install tests
+./run build release touchable-soak
+exec build/release/tests/stress/touchable-soak "$@"
