@@ -3,8 +3,6 @@
 #include <cstddef>
 #include <cstdlib>
 
-#include "tests/sanitizers.hpp"
-
 namespace touchable::test {
 
 /// From one place of a long sweep to the next, such as of every byte of a file, or of random cases. 1; or 7,
@@ -12,15 +10,6 @@ namespace touchable::test {
 /// change set it; `./run test --all` takes all.
 inline std::size_t sweep_step() {
     return std::getenv("TOUCHABLE_SHORT_SWEEPS") != nullptr ? 7 : 1;
-}
-
-/// The same for a sweep that takes seconds, but a minute under sanitizers: whole in other builds.
-inline std::size_t sanitized_sweep_step() {
-#ifdef TOUCHABLE_SANITIZED
-    return sweep_step();
-#else
-    return 1;
-#endif
 }
 
 }  // namespace touchable::test

@@ -7,7 +7,6 @@
 
 #include "tests/capi/hill.hpp"
 #include "tests/capi/spoiled_values.hpp"
-#include "tests/sweep.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
@@ -165,10 +164,9 @@ private:
 
 TEST(HostileClips, EachGivesAStatus) {
     std::array<int, 256> seen{};
-    const auto step = static_cast<int>(sanitized_sweep_step());
-    for (int seed = 1; seed <= 10; seed += step) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
         const TemporaryFolder folder;
-        HostileReader program(static_cast<unsigned>(seed), folder);
+        HostileReader program(seed, folder);
         for (int k = 0; k < 1000; ++k) {
             const touch_status status = program.call();
             ASSERT_STRNE(touch_status_name(status), "unknown status");
@@ -179,7 +177,7 @@ TEST(HostileClips, EachGivesAStatus) {
     for (const touch_status status :
          {TOUCH_OK, TOUCH_USAGE, TOUCH_INPUT, TOUCH_STALE, TOUCH_END, TOUCH_INTERRUPTED})
         EXPECT_GT(seen[static_cast<std::size_t>(status)], 10) << touch_status_name(status);
-    EXPECT_GT(seen[TOUCH_OK], 500 / step) << "hardly anything was called as it should be";
+    EXPECT_GT(seen[TOUCH_OK], 500) << "hardly anything was called as it should be";
 }
 
 }  // namespace

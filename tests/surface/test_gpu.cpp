@@ -12,7 +12,7 @@ class TestGpu : public testing::Environment {
 public:
     std::shared_ptr<SurfaceKernels> kernels() {
         if (!kernels_) {
-            // Stays in memory, so that the leak checker can name it (tests/gpu/lsan.supp).
+            // Stays in memory, so that the leak checker can name it (tests/lsan.supp).
             dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
             auto device = GpuDevice::open({.validation = true});
             if (!device.ok()) throw std::runtime_error(device.error().message);
