@@ -25,6 +25,8 @@ int make_socket(const std::string& passphrase) {
     const int ten_seconds = 10'000;
     EXPECT_EQ(srt_setsockflag(socket, SRTO_TSBPDMODE, &no, sizeof no), 0);
     EXPECT_EQ(srt_setsockflag(socket, SRTO_CONNTIMEO, &ten_seconds, sizeof ten_seconds), 0);
+    // If the other end closes while a call waits for room, libsrt 1.5.1 may never return from srt_send.
+    EXPECT_EQ(srt_setsockflag(socket, SRTO_SNDTIMEO, &ten_seconds, sizeof ten_seconds), 0);
     if (!passphrase.empty()) {
         EXPECT_EQ(
             srt_setsockflag(socket, SRTO_PASSPHRASE, passphrase.data(), static_cast<int>(passphrase.size())),
