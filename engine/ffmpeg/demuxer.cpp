@@ -51,13 +51,13 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSou
                                                          const std::string& file) {
     DisparityTracks disparity;
     const auto end = [&]() -> Result<std::optional<std::uint64_t>> {
-        auto end = end_of_boxes(*bytes);
-        if (!end || !*end) return end;
-        if (auto checked = check_box_tables(*bytes, **end); !checked) return checked.error();
-        auto found = find_disparity_tracks(*bytes, **end);
+        auto boxes = end_of_boxes(*bytes);
+        if (!boxes || !*boxes) return boxes;
+        if (auto checked = check_box_tables(*bytes, **boxes); !checked) return checked.error();
+        auto found = find_disparity_tracks(*bytes, **boxes);
         if (!found) return found.error();
         disparity = std::move(*found);
-        return end;
+        return boxes;
     }();
     if (!end) return error_at(file, end.error());
     if (!*end) return input_error(file + ": is truncated, or no QuickTime or MP4 file");

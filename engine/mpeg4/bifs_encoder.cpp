@@ -306,7 +306,7 @@ Result<void> SceneEncoder::value(const FieldValue& value, NodeSlot slot) {
                 string(each.file);
         } else {
             for (const float number : each)
-                if (auto put = real(number); !put) return put;
+                if (auto written = real(number); !written) return written;
         }
         return {};
     };

@@ -290,8 +290,8 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
             if (!low) return low.error();
             track.low_stream = *low;
         }
-        const auto is_lossless = [&](int stream) {
-            return is_coded_without_loss(*file.container().streams[stream]->codecpar);
+        const auto is_lossless = [&](int number) {
+            return is_coded_without_loss(*file.container().streams[number]->codecpar);
         };
         track.is_lossless =
             is_lossless(track.stream) && (!track.low_stream || is_lossless(*track.low_stream));

@@ -175,7 +175,7 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     std::sort(names.begin(), names.end(),
               [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
     if (std::all_of(names.begin(), names.end(),
-                    [](const auto& name) { return whole_number(name.first).has_value(); }))
+                    [](const auto& each) { return whole_number(each.first).has_value(); }))
         std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
             return whole_number(a.first) < whole_number(b.first);
         });
