@@ -69,19 +69,19 @@ function(touchable_room name)
   touchable_reads(touchable_${name} precompiled)
 endfunction()
 
-# What takes long to compile and little time to run, such as a room that reads words: sanitizers see it without optimisation, which
-# takes a third off. The fuzzer runs what reads files all the time.
+# What takes long to compile and little time to run, such as a room that reads words: half of the time to compile it would go into
+# making it fast. Sanitizers see it without optimisation. The fuzzer runs what reads files all the time.
 function(touchable_unhurried target)
-  if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
-    target_compile_options(${target} PRIVATE -O0)
-    touchable_reads(${target} unhurried_precompiled)
+  touchable_unhurried_by_sanitizers(${target})
+  if(NOT TOUCHABLE_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${target} PRIVATE -O1)
   endif()
 endfunction()
 
-# A command line is read once: half of the time to compile that would go into making it fast, in every build.
-function(touchable_reads_words target)
-  touchable_unhurried(${target})
-  if(NOT TOUCHABLE_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${target} PRIVATE -O1)
+# The same where loops over pixels or samples take their time in the program.
+function(touchable_unhurried_by_sanitizers target)
+  if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
+    target_compile_options(${target} PRIVATE -O0)
+    touchable_reads(${target} unhurried_precompiled)
   endif()
 endfunction()
