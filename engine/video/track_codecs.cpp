@@ -48,15 +48,16 @@ Settings settings_of(TrackCoding coding, AVPixelFormat format) {
     // A packet comes out for each picture that goes in, and begins anew only where it is told to.
     Settings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
                   "H.264",
-                  {{"tune", "zerolatency"},
-                   {"forced-idr", "1"},
-                   {"udu_sei", "1"},
-                   {"x264-params", "keyint=infinite:scenecut=0"}}};
+                  {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"udu_sei", "1"}}};
     if (is_visual(coding)) {
         const char* const quality = coding == TrackCoding::h264_visual ? "18" : "24";
-        h264.options.insert(h264.options.end(), {{"preset", "superfast"}, {"crf", quality}});
+        // Streams of both qualities have the same parameter sets: VLC keeps those of the first as it goes
+        // from one to the other.
+        h264.options.insert(h264.options.end(), {{"x264-params", "keyint=infinite:scenecut=0:stitchable=1"},
+                                                 {"preset", "superfast"},
+                                                 {"crf", quality}});
     } else {
-        h264.options.insert(h264.options.end(), {{"qp", "0"}});
+        h264.options.insert(h264.options.end(), {{"x264-params", "keyint=infinite:scenecut=0"}, {"qp", "0"}});
         h264.options.push_back({"preset", coding == TrackCoding::h264_quick ? "ultrafast" : "superfast"});
     }
     return h264;

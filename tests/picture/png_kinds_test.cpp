@@ -277,5 +277,17 @@ TEST(PngKinds, PassesOverPackedTexts) {
     }
 }
 
+TEST(PngKinds, PixelsThatAreWrittenAreSquare) {
+    const TemporaryFolder folder;
+    const std::uint8_t grey = 7;
+    ASSERT_TRUE(write_png(folder / "image.png", PlaneView{&grey, 1, 1, 1, 1, 1}));
+    std::ifstream file(folder / "image.png", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const auto shape = bytes.find("pHYs");
+    if (shape != std::string::npos)
+        EXPECT_EQ(bytes.substr(shape + 4, 8), std::string("\0\0\0\1\0\0\0\1", 8))
+            << "or nothing is said of it";
+}
+
 }  // namespace
 }  // namespace touchable::test

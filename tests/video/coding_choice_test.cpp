@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "engine/video/matroska_writer.hpp"
+#include "engine/video/track_codecs.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 
@@ -114,6 +115,19 @@ TEST(CodingChoice, ASeekPassesOverWhatLiesBeforeTheAccessPoint) {
     ASSERT_EQ(message((*reader)->seek(25)), "");
     EXPECT_TRUE(same_frame(**(*reader)->next(), test_frame(scene, 25, {true})));
     EXPECT_NE(message((*reader)->seek(12)).find("track depth, frame 10: is damaged"), std::string::npos);
+}
+
+/// A player that goes from one to the other may keep those of the first, as VLC does.
+TEST(Codings, BothQualitiesOfColourHaveTheSameParameterSets) {
+    const auto sets = [](TrackCoding coding) {
+        const auto encoder = open_encoder(coding, AV_PIX_FMT_YUV420P, 64, 48, {30, 1});
+        EXPECT_TRUE(encoder.ok());
+        return encoder.ok()
+                   ? std::string((*encoder)->extradata, (*encoder)->extradata + (*encoder)->extradata_size)
+                   : std::string();
+    };
+    EXPECT_FALSE(sets(TrackCoding::h264_visual).empty());
+    EXPECT_EQ(sets(TrackCoding::h264_visual), sets(TrackCoding::h264_reduced));
 }
 
 }  // namespace
