@@ -284,9 +284,8 @@ TEST(PngKinds, PixelsThatAreWrittenAreSquare) {
     std::ifstream file(folder / "image.png", std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     const auto shape = bytes.find("pHYs");
-    if (shape != std::string::npos)
-        EXPECT_EQ(bytes.substr(shape + 4, 8), std::string("\0\0\0\1\0\0\0\1", 8))
-            << "or nothing is said of it";
+    if (shape == std::string::npos) return;  // which means that they are square, too
+    EXPECT_EQ(bytes.substr(shape + 4, 8), std::string("\0\0\0\1\0\0\0\1", 8));
 }
 
 }  // namespace
