@@ -69,8 +69,8 @@ function(touchable_room name)
   touchable_reads(touchable_${name} precompiled)
 endfunction()
 
-# What takes long to compile and little time to run, such as a room that reads words: half of the time to compile it would go into
-# making it fast. Sanitizers see it without optimisation. The fuzzer runs what reads files all the time.
+# touchable_unhurried(target): the target takes long to compile and little time to run, such as a room that reads words. Release
+# compiles it with -O1, sanitizers without optimisation. Not so the fuzzer, which runs what reads files all the time.
 function(touchable_unhurried target)
   touchable_unhurried_by_sanitizers(${target})
   if(NOT TOUCHABLE_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
@@ -78,7 +78,8 @@ function(touchable_unhurried target)
   endif()
 endfunction()
 
-# The same where loops over pixels or samples take their time in the program.
+# touchable_unhurried_by_sanitizers(target): the same under sanitizers only, for a room whose loops over pixels or samples have to
+# be fast in Release.
 function(touchable_unhurried_by_sanitizers target)
   if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)

@@ -39,6 +39,7 @@ case ${1:-} in
     '') ./run install tests ;;
     --ci) ./run install sanitizers ;;
     --all) ./run install everything ;;
+    *) echo "test.sh: '$1' is neither --ci nor --all" >&2; exit 2 ;;
 esac
 rm -rf "$results"
 mkdir -p "$results"
@@ -69,7 +70,7 @@ case ${1:-} in
     --all)
         # Where there are recordings, a test without its own fails.
         if [[ -d ../shared/data ]]; then export TOUCHABLE_REQUIRE_DATA=1; fi
-        build everything release -DTOUCHABLE_WERROR=ON -DTOUCHABLE_BENCH=ON
+        build everything release -DTOUCHABLE_WERROR=ON
         run_tests everything
         run_tests_at_half_speed half-speed
         for preset in asan-ubsan tsan clang; do

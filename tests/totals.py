@@ -46,6 +46,8 @@ def main(folder, seconds, *presets):
             for test in root.iter("testcase"):
                 of_preset.add(test)
             tests = of_preset.passed + of_preset.failed + of_preset.skipped
+            if not tests:
+                of_preset.failed = 1
             print(f"{preset:24} {tests:5} tests, {of_preset.failed} failed, {of_preset.skipped} skipped; "
                   f"building {building:>4} s, testing {testing:4.0f} s")
         else:
@@ -58,7 +60,7 @@ def main(folder, seconds, *presets):
     for failure in everything.failures:
         print("failed:", failure)
     print(f"{everything.passed} passed, {everything.failed} failed, {everything.skipped} skipped; {seconds} s")
-    return everything.failed > 0
+    return everything.failed > 0 or everything.passed == 0
 
 
 if __name__ == "__main__":

@@ -128,7 +128,17 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
         sent.frames.push_back(&frames[static_cast<std::size_t>(n) % frames.size()]);
     sent.frame_ns = setup.scene.rate.time_ns(1);
     if (taken_ns_.empty()) return Error{ErrorKind::check, "no frame came in the run"};
-    sent.first_ns = taken_ns_.begin()->second;
+    // Frames are sent at even times, each read from a clock: the median of what they say of the first.
+    std::vector<std::int64_t> firsts;
+    const std::int64_t of_first = taken_ns_.begin()->second;
+    for (const auto& [number, taken_ns] : taken_ns_) {
+        const double frames_later =
+            static_cast<double>(taken_ns - of_first) / static_cast<double>(sent.frame_ns);
+        firsts.push_back(taken_ns - std::llround(frames_later) * sent.frame_ns);
+    }
+    const auto middle = firsts.begin() + static_cast<std::ptrdiff_t>(firsts.size() / 2);
+    std::nth_element(firsts.begin(), middle, firsts.end());
+    sent.first_ns = *middle;
     if (early_ticks_ > 0) (void)match(setup, sent, &Sent::early, early_ticks_);
     const double off_n =
         match(setup, sent, &Sent::first, std::min(early_ticks_ + matched_ticks, ticks_.size()));

@@ -39,8 +39,10 @@ private:
     /// Where the surface is: the frame of a moment, and when it was taken.
     struct Sent {
         std::vector<const SurfaceFrame*> frames;  // of a period
-        std::int64_t frame_ns = 0, first_ns = 0;  // when the first was taken that came in the run
-        std::int64_t first = 0, early = 0;  // their places in the period: of that, and of the run's frame 0
+        std::int64_t frame_ns = 0;                // from one frame to the next
+        std::int64_t first_ns = 0;                // when the first frame that came in the run was taken
+        std::int64_t first = 0;                   // its place in the period
+        std::int64_t early = 0;  // place in the period of the run's frame 0, which came before the run
         FramePair newest(std::int64_t time_ns) const;
         const SurfaceFrame* taken(std::int64_t taken_ns) const;
         const SurfaceFrame* at(std::int64_t place) const;

@@ -125,8 +125,8 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     encoder->height = frame.height;
     encoder->pix_fmt = static_cast<AVPixelFormat>(frame.format);
     encoder->time_base = {1, 1};
-    encoder->sample_aspect_ratio = {
-        1, 1};  // FFmpeg would write pHYs of 0:1 otherwise, which is no shape of a pixel
+    // Without it FFmpeg writes pHYs of 0:1, which is no shape of a pixel.
+    encoder->sample_aspect_ratio = {1, 1};
     encoder->thread_count = 1;
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
     const bool quick = effort == PngEffort::quick;

@@ -49,8 +49,8 @@ public:
         forget_shortest();
     }
 
-    /// At first nothing is known of the link, and each way there and back doubles what may be on its way,
-    /// until no more arrives for it, or it queues up.
+    /// What the link takes is not known yet. Twice what fits on the way may be on it, until the rate no
+    /// longer rises by a quarter, or bytes queue up, or all that there is has fitted for a while.
     bool is_growing() const { return is_growing_; }
 
     /// That of the last second, or of the one before if it was more. What was lost and comes at last is
@@ -102,7 +102,8 @@ private:
     void grow() {
         if (!is_growing_ || shortest_ns_ == 0) return;
         constexpr double grows_by = 1.25;
-        constexpr std::int64_t queue_ns = 100'000'000, least_in_vain_ns = 1'000'000'000, ways_in_vain = 3;
+        constexpr std::int64_t queue_ns = 100'000'000, least_in_vain_ns = 1'000'000'000, ways_in_vain = 3,
+                               fits_for_ns = 4'000'000'000;
         const Slice& newest = slices_[(slice_count_ - 1) % recent];
         const auto rate = static_cast<double>(bytes_per_second());
         if (rate > grows_by * fastest_) {
@@ -111,9 +112,11 @@ private:
         } else if (newest.is_full) {
             in_vain_ns_ += slice_ns;
         }
+        fits_ns_ = newest.is_full ? 0 : fits_ns_ + slice_ns;
         const bool has_queue = newest.rtt_ns < std::numeric_limits<std::int64_t>::max() &&
                                newest.rtt_ns > 2 * shortest_ns_ + queue_ns;
-        is_growing_ = !has_queue && in_vain_ns_ < std::max(least_in_vain_ns, ways_in_vain * shortest_ns_);
+        is_growing_ = !has_queue && fits_ns_ < fits_for_ns &&
+                      in_vain_ns_ < std::max(least_in_vain_ns, ways_in_vain * shortest_ns_);
     }
     /// The way there and back is measured anew while nothing of ours waits in front of the link. While the
     /// window is full something does, and to believe in that would widen the window again and again.
@@ -135,6 +138,7 @@ private:
     bool is_growing_ = true;
     double fastest_ = 0;           // bytes a second, while it grows
     std::int64_t in_vain_ns_ = 0;  // for which the window was full, and the rate did not grow
+    std::int64_t fits_ns_ = 0;     // for which the window was not full
 };
 
 }  // namespace touchable

@@ -69,7 +69,7 @@ void SrtListener::look(std::int64_t now_ns) {
                 .arrived_bytes = arrived_,
                 .datagrams = link_.datagrams,
                 .lost = link_.lost,
-                .rtt_ns = rtt_ns_,
+                .rtt_ns = std::exchange(rtt_ns_, 0),
                 .is_full = std::exchange(is_full_, false)});
 }
 

@@ -56,6 +56,7 @@ struct FullLink {
                 timed = 0;
             }
             rate.look(now);
+            now.rtt_ns = 0;
             const std::int64_t before =
                 std::exchange(handed_over, std::max(handed_over, now.arrived_bytes + rate.window_bytes()));
             if (timed == 0 && handed_over > before) {
