@@ -46,7 +46,9 @@ Result<std::optional<std::string>> first_message(BagFile& bag, const std::string
 Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
     std::vector<BagPictures> topics;
     std::size_t looked_at = 0;
-    for (const BagConnection& connection : bag.connections()) {
+    // Reading messages may find further connections, behind these.
+    for (std::size_t n = 0; n < bag.connections().size(); ++n) {
+        const BagConnection connection = bag.connections()[n];
         const bool is_compressed = is_of(connection, ros_compressed_image);
         if (!is_compressed && !is_of(connection, ros_image)) continue;
         if (std::any_of(topics.begin(), topics.end(), [&](const BagPictures& other) {
