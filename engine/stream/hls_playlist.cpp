@@ -47,16 +47,18 @@ PlaceParts parts_of(std::string_view place) {
 /// Without "." and "..".
 std::string plain_path(std::string_view path) {
     std::vector<std::string_view> steps;
+    bool is_folder = false;  // what ends in dots is one (RFC 3986, 5.2.4)
     while (!path.empty()) {
         const std::size_t end = std::min(path.find('/', 1), path.size());
         const std::string_view step = path.substr(0, end);
         path.remove_prefix(end);
         if (step == "/.." && !steps.empty()) steps.pop_back();
-        if (step != "/.." && step != "/.") steps.push_back(step);
+        is_folder = step == "/.." || step == "/.";
+        if (!is_folder) steps.push_back(step);
     }
     std::string plain;
     for (const std::string_view step : steps) plain += step;
-    return plain;
+    return is_folder ? plain + '/' : plain;
 }
 
 bool has_step_up(std::string_view path) {

@@ -23,6 +23,9 @@ TEST(HlsPlaylist, PlacesBesideIt) {
     EXPECT_EQ(resolved(web, "/b.m4s"), "http://host:8080/b.m4s");
     EXPECT_EQ(resolved(web, "../b.m4s"), "http://host:8080/live/b.m4s");
     EXPECT_EQ(resolved(web, "../../../../b.m4s"), "http://host:8080/b.m4s");
+    EXPECT_EQ(resolved(web, "/.."), "http://host:8080/");
+    EXPECT_EQ(resolved(web, ".."), "http://host:8080/live/");
+    EXPECT_EQ(resolved(web, "a/./.?x=1"), "http://host:8080/live/clip/a/?x=1");
     EXPECT_EQ(resolved(web, "?x=2"), "http://host:8080/live/clip/master.m3u8?x=2");
     EXPECT_EQ(resolved(web, "HTTP://Host:8080/b"), "http://host:8080/b");
     EXPECT_EQ(resolved(web, "//host:8080/b"), "http://host:8080/b");
