@@ -8,7 +8,7 @@
 namespace touchable::fuzz {
 namespace {
 
-/// A parser that takes as many times 1 KiB, one after the other, as it is told.
+/// A parser that allocates 1 KiB so many times, one after the other.
 bool take_kibibytes(std::string_view bytes) {
     std::vector<std::vector<char>> taken;
     for (std::size_t k = 0; k < 1024 * bytes.size(); ++k) taken.emplace_back(1024);
