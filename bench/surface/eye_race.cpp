@@ -6,6 +6,7 @@
 #include "bench/surface/race.hpp"
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/gpu_lattice.hpp"
+#include "tests/view/plain_surface.hpp"
 
 namespace touchable {
 namespace {
@@ -118,18 +119,18 @@ Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& ker
     const auto seen = kernels.seen();
     if (!seen.ok()) return seen.error();
     if (!seen->on_gpu || !nearly_equal(twin, seen->q)) return wrong(c, "the kernel's q are not the field's");
-    if (seen->tiles != classify_tiles(c.width, c.height, seen->q))
+    if (seen->tiles != test::classify_tiles(c.width, c.height, seen->q))
         return wrong(c, "the kernel's tiles differ");
     if (!nearly_equal(twin, one.q()) || one.q() != two.q())
         return wrong(c, "the CPU's q are not the field's");
-    const ViewTiles tiles = classify_tiles(c.width, c.height, one.q());
+    const ViewTiles tiles = test::classify_tiles(c.width, c.height, one.q());
     if (one.tiles() != tiles || two.tiles() != tiles) return wrong(c, "the CPU's tiles differ");
     if (opencv == nullptr) return {};
     opencv->median();
     opencv->q();
     opencv->mark_cuts();
     if (!nearly_equal(twin, opencv->q_plane())) return wrong(c, "OpenCV's q are not the field's");
-    if (tiles_of_marks(opencv->cut_marks()) != classify_tiles(c.width, c.height, opencv->q_plane()))
+    if (tiles_of_marks(opencv->cut_marks()) != test::classify_tiles(c.width, c.height, opencv->q_plane()))
         return wrong(c, "the cut marks beside OpenCV differ");
     return {};
 }

@@ -16,7 +16,6 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
         lattices_.q_of(field, pair, surface_.q);
     else
         surface_.q = q_of(field);
-    surface_.tiles = lattices_.tiles_of(surface_.width, surface_.height, surface_.q);
     surface_.colours_are_values = lighting == Lighting::plain && !colour.empty();
     surface_.colours.resize(surface_.q.size());
     lattices_.light(field, surface_.q.data(), surface_.width, colour, lighting, surface_.colours.data());

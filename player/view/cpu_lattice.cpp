@@ -211,9 +211,11 @@ void CpuLattices::light(const HeightField& field, const float* q, int pitch, con
 
 ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair,
                                     const PlaneView& colour) {
-    if (!SurfaceUnproject::has_codes(field, pair)) return make_view_surface(field, colour);
     std::vector<float> q;
-    q_of(field, pair, q);
+    if (SurfaceUnproject::has_codes(field, pair))
+        q_of(field, pair, q);
+    else
+        q = touchable::q_of(field);
     ViewTiles tiles = tiles_of(field.width(), field.height(), q);
     return make_view_surface(field, std::move(q), std::move(tiles), colour);
 }

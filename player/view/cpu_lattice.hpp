@@ -25,7 +25,7 @@ public:
     void q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q);
     /// The same in rows of `pitch` floats, 0 beyond the width.
     void q_of(const HeightField& field, const FramePair& pair, float* q, int pitch);
-    /// The twin of `classify_tiles`: the same lists.
+    /// Which tiles of a lattice of these q are worth drawing.
     ViewTiles tiles_of(int width, int height, const std::vector<float>& q);
 
     /// Colours of the vertices of `field`, whose q is there, as LightRows makes them; both in rows of
@@ -33,7 +33,7 @@ public:
     void light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
                Lighting lighting, PackedColour* colours, float cut_ratio = CUT_RULE_RATIO);
 
-    /// `make_view_surface`, with q and tiles as above where the frames have codes.
+    /// `make_view_surface`, with q and tiles as above; q by `touchable::q_of` where the frames have no codes.
     ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
 
 private:

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "player/view/cpu_lattice.hpp"
 #include "player/view/decimation.hpp"
 #include "player/view/view_rows.hpp"
 #include "shaders/edges.h"
@@ -178,7 +179,8 @@ Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FrameP
 
 Result<ViewSurface> GpuLattices::surface_of(const HeightField& field, const FramePair& pair,
                                             const PlaneView& colour) {
-    if (!SurfaceUnproject::has_codes(field, pair)) return make_view_surface(field, colour);
+    if (!SurfaceUnproject::has_codes(field, pair))
+        return CpuLattices(CpuLattices::usual_threads()).surface_of(field, pair, colour);
     auto lattice = std::make_shared<GpuLattice>();
     const auto seen = read_back(field, pair, *lattice);
     if (!seen.ok()) return seen.error();

@@ -45,8 +45,8 @@ public:
     Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
                               GpuLattice& lattice);
 
-    /// `make_view_surface`, with q and tiles by `record` where the frames have codes; they stay on the GPU
-    /// beside.
+    /// `make_view_surface`, with q and tiles by `record`, which stay on the GPU beside; where the frames have
+    /// no codes, that of CpuLattices.
     Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
 
     /// A surface where painters on this device read it: only colours are uploaded where the rest is there.

@@ -35,14 +35,14 @@ constexpr int most_pixels = 4;
 /// Rows of the picture that one thread draws: all cells of the lattice that are seen there, row by row.
 class LatticeRaster::Band {
 public:
-    Band(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera, const RowBand& band,
-         int pitch, std::uint64_t* pixels)
+    Band(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+         const RowBand& band, int pitch, std::uint64_t* pixels)
         : lattice_(lattice),
           edges_(edges),
           projection_(lattice, edges, camera),
           view_(rows_of(camera)),
-          q_(lattice.q.mapped<float>().data()),
-          colours_(lattice.colours.mapped<PackedColour>().data()),
+          q_(lattice.q),
+          colours_(lattice.colours),
           width_(camera.width),
           first_(band.first),
           last_(band.last - 1),
@@ -285,7 +285,7 @@ private:
         if (!no_left) fill_one({top_left, bottom_right, corner(x, y + 1)});
     }
 
-    const GpuLattice& lattice_;
+    const MappedLattice& lattice_;
     const SurfaceEdges& edges_;
     const RowProjection projection_;
     const ViewRows view_;
@@ -299,7 +299,7 @@ private:
 LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), rows_(static_cast<std::size_t>(threads)) {}
 
-void LatticeRaster::draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+void LatticeRaster::draw(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
                          std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
                          std::span<float> z) {
     pixels_.resize(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height));

@@ -6,7 +6,6 @@
 
 #include "engine/row_bands.hpp"
 #include "engine/vector_unit.hpp"
-#include "player/view/gpu_lattice.hpp"
 #include "player/view/lattice_row.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/surface_edges.hpp"
@@ -14,17 +13,16 @@
 
 namespace touchable {
 
-/// Triangles of a lattice from any view, drawn by the CPU on threads: the picture that make_cpu_painter
-/// draws, to the bit, with any number of threads and any vectors. On a device that computes on the CPU it
-/// takes the place of the kernels raster and resolve: a lane there waits for the largest cell of sixteen,
-/// which in a view from the side covers hundreds of pixels.
+/// Triangles of a lattice from any view, drawn by the CPU: the same bits with any number of threads and any
+/// vectors. On a device that computes on the CPU it takes the place of the kernels raster and resolve: a lane
+/// there waits for the largest cell of sixteen, which in a view from the side covers hundreds of pixels.
 class LatticeRaster {
 public:
     explicit LatticeRaster(int threads, VectorUnit vectors = usable_vector_units().front());
 
-    /// Writes colours and z (0 is empty) of the camera's pixels, rows of `pitch`. `lattice` is in memory that
-    /// is mapped, `edges` are its own; `background`: a colour for each row.
-    void draw(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+    /// Writes colours and z (0 is empty) of the camera's pixels, rows of `pitch`. `edges` are the lattice's
+    /// own; `background`: a colour for each row.
+    void draw(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
               std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
               std::span<float> z);
 

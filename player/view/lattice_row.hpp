@@ -8,6 +8,14 @@
 
 namespace touchable {
 
+/// A lattice in the CPU's memory: rows of `pitch` vertices.
+struct MappedLattice {
+    const float* q;
+    const PackedColour* colours;
+    int width, height, pitch;
+    int step = 1;  ///< of the clip's pixels, from vertex to vertex (Decimation)
+};
+
 /// A row of vertices on the screen. Colours are times share, 1 / w.
 struct LatticeRow {
     void resize(std::size_t vertices) {

@@ -108,10 +108,10 @@ bool OwnViewPicture::draws(const ViewCamera& camera) {
            y.y * static_cast<float>(camera.height) < largest;
 }
 
-void OwnViewPicture::read_corners(const GpuLattice& lattice, int row, Corners& corners) const {
+void OwnViewPicture::read_corners(const MappedLattice& lattice, int row, Corners& corners) const {
     const std::size_t start = static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice.pitch);
-    const PackedColour* colours = lattice.colours.mapped<PackedColour>().data() + start;
-    const float* q = lattice.q.mapped<float>().data() + start;
+    const PackedColour* colours = lattice.colours + start;
+    const float* q = lattice.q + start;
     for (auto* each : {&corners.left, &corners.right}) each->resize(columns_.cells.size());
     for (auto* each : {&corners.left_q, &corners.right_q}) each->resize(columns_.cells.size());
     for (auto x = static_cast<std::size_t>(columns_.first); x < static_cast<std::size_t>(columns_.end); ++x) {
@@ -123,7 +123,7 @@ void OwnViewPicture::read_corners(const GpuLattice& lattice, int row, Corners& c
     }
 }
 
-void OwnViewPicture::draw(const GpuLattice& lattice, const ViewCamera& camera,
+void OwnViewPicture::draw(const MappedLattice& lattice, const ViewCamera& camera,
                           std::span<const PackedColour> background, int pitch,
                           std::span<PackedColour> colours, std::span<float> z) {
     const ViewRows view = rows_of(camera);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/vector_unit.hpp"
-#include "player/view/gpu_lattice.hpp"
+#include "player/view/lattice_row.hpp"
 #include "player/view/light_picture.hpp"
 #include "player/view/view_camera.hpp"
 
@@ -21,9 +21,10 @@ public:
     static bool draws(const ViewCamera& camera);
 
     /// Writes colours and z (as the other painters have it: 0 is empty) of the camera's pixels, rows of
-    /// `pitch`. `lattice` is in memory that is mapped; `background`: a colour for each row.
-    void draw(const GpuLattice& lattice, const ViewCamera& camera, std::span<const PackedColour> background,
-              int pitch, std::span<PackedColour> colours, std::span<float> z);
+    /// `pitch`. `background`: a colour for each row.
+    void draw(const MappedLattice& lattice, const ViewCamera& camera,
+              std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
+              std::span<float> z);
 
 private:
     /// Of each pixel along one side of the picture: the cell before it, and how far it is into that, 0 to 1.
@@ -39,7 +40,7 @@ private:
     };
     template <class SubpixelsOf>
     static void find_places(int vertices, int pixels, SubpixelsOf subpixels_of, Places& places);
-    void read_corners(const GpuLattice& lattice, int row, Corners& corners) const;
+    void read_corners(const MappedLattice& lattice, int row, Corners& corners) const;
 
     VectorUnit unit_;
     Places columns_, rows_;

@@ -7,7 +7,6 @@
 #include <limits>
 #include <span>
 
-#include "player/view/gpu_lattice.hpp"
 #include "player/view/lattice_row.hpp"
 #include "player/view/surface_edges.hpp"
 #include "player/view/triangle_lanes.hpp"
@@ -29,11 +28,11 @@ template <int n>
 /// triangle_lanes.hpp wants it.
 class RowProjection {
 public:
-    RowProjection(const GpuLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera)
+    RowProjection(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera)
         : edges_(edges),
           view_(rows_of(camera)),
-          q_(lattice.q.mapped<float>().data()),
-          colours_(lattice.colours.mapped<PackedColour>().data()),
+          q_(lattice.q),
+          colours_(lattice.colours),
           width_(lattice.width),
           pitch_(lattice.pitch),
           screen_width_(camera.width),

@@ -234,10 +234,16 @@ Result<void> SurfaceDrawing::draw_by_cpu(const GpuCommands& commands, const View
     const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
     const auto z = z_values_.mapped<float>();
     const ViewCamera seen = decimated(camera, lattice_.step);
+    const MappedLattice lattice{lattice_.q.mapped<float>().data(),
+                                lattice_.colours.mapped<PackedColour>().data(),
+                                lattice_.width,
+                                lattice_.height,
+                                lattice_.pitch,
+                                lattice_.step};
     if (OwnViewPicture::draws(seen))
-        own_view_.draw(lattice_, seen, background, pitch, colours, z);
+        own_view_.draw(lattice, seen, background, pitch, colours, z);
     else
-        turned_view_->draw(lattice_, edges_of(commands, seen), seen, background, pitch, colours, z);
+        turned_view_->draw(lattice, edges_of(commands, seen), seen, background, pitch, colours, z);
     return {};
 }
 

@@ -28,7 +28,7 @@ public:
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 
-/// On this thread, without a GPU: the definition that the others are tested against.
+/// By the CPU's vectors and threads, without a GPU. Does not read a surface's tiles.
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
 /// "cpu", "raster" or "mesh" (gpu_painters.hpp) on the GPU that `open_gpu` gives, which cpu does not ask for,

@@ -11,7 +11,7 @@ namespace touchable {
 struct GpuLattice;
 
 /// The kernels cut_tiles and list_tiles: q of a lattice to the tiles worth drawing. The twin of
-/// `classify_tiles`: from the same q, the same lists.
+/// `CpuLattices::tiles_of`: from the same q, the same lists.
 class TileLists {
 public:
     explicit TileLists(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}

@@ -1,14 +1,13 @@
 #include "player/view/view_surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "player/view/drawn_vertex.hpp"
 #include "player/view/surface_light.hpp"
-#include "shaders/cut_rule.h"
 
 namespace touchable {
+
 std::vector<float> q_of(const HeightField& field) {
     const Scene& scene = field.scene();
     std::vector<float> q;
@@ -20,38 +19,6 @@ std::vector<float> q_of(const HeightField& field) {
             q.push_back(vertex.valid ? static_cast<float>(1.0 / depth) : 0.0F);
         }
     return q;
-}
-
-ViewTiles classify_tiles(int width, int height, const std::vector<float>& q) {
-    const TileGrid grid = TileGrid::of(width, height);
-    ViewTiles tiles;
-    auto at = [&](int x, int y) {
-        return q[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-    };
-    for (int ty = 0; ty < grid.tiles_y; ++ty)
-        for (int tx = 0; tx < grid.tiles_x; ++tx) {
-            bool any_cut = false, any_shown = false;
-            const int end_x = std::min((tx + 1) * TileGrid::cells, width - 1);
-            const int end_y = std::min((ty + 1) * TileGrid::cells, height - 1);
-            for (int y = ty * TileGrid::cells; y < end_y; ++y)
-                for (int x = tx * TileGrid::cells; x < end_x; ++x)
-                    for (const std::array<float, 3>& q :
-                         {std::array{at(x, y), at(x + 1, y), at(x + 1, y + 1)},
-                          std::array{at(x, y), at(x + 1, y + 1), at(x, y + 1)}}) {
-                        any_cut = any_cut || triangle_is_cut(q[0], q[1], q[2]);
-                        any_shown = any_shown || !triangle_has_hole(q[0], q[1], q[2]);
-                    }
-            if (!any_shown) continue;
-            (any_cut ? tiles.mixed : tiles.whole)
-                .push_back(static_cast<std::uint32_t>(ty * grid.tiles_x + tx));
-        }
-    return tiles;
-}
-
-ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour) {
-    std::vector<float> q = q_of(field);
-    ViewTiles tiles = classify_tiles(field.width(), field.height(), q);
-    return make_view_surface(field, std::move(q), std::move(tiles), colour);
 }
 
 ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,

@@ -43,15 +43,10 @@ struct ViewSurface {
 /// q of every pixel of a field: of what is drawn there (drawn_vertex.hpp), to the nearest float.
 std::vector<float> q_of(const HeightField& field);
 
-/// Which tiles of a lattice of these q are worth drawing, by asking for every triangle.
-ViewTiles classify_tiles(int width, int height, const std::vector<float>& q);
-
 /// The surface of a field with these q and tiles. Colours are those of `colour` (3 channels of the field's
 /// size), gently lit; where that is empty, light and depth alone.
 ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
                               const PlaneView& colour);
-/// With q_of(field), and classify_tiles of that.
-ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
 
 /// What there is to look at, world: a hundred thousand points at most of the valid pixels that are not at the
 /// far plane, where backgrounds are, and the lower medians of their X, Y and Z. Without any, the middle is

@@ -12,6 +12,7 @@
 #include "player/view/surface_drawing.hpp"
 #include "player/view/upload_pool.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -81,7 +82,7 @@ protected:
 /// The same by the CPU: painter, background and fingers, a sample a pixel.
 Image cpu_picture(const ViewSurface& surface, const ViewCamera& camera, std::span<const FingerMark> fingers,
                   const MarkSizes& sizes) {
-    LightPicture picture = on_background(must(make_cpu_painter()->paint(surface, camera)));
+    LightPicture picture = on_background(plain_picture(surface, camera));
     draw_fingers(fingers, sizes, camera, picture);
     return developed(picture, 1);
 }

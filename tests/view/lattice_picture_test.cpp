@@ -11,9 +11,9 @@
 #include "player/view/lattice_raster.hpp"
 #include "player/view/own_view_picture.hpp"
 #include "player/view/surface_edges.hpp"
-#include "player/view/surface_painter.hpp"
 #include "player/view/view_rows.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -21,6 +21,11 @@ namespace {
 
 /// Lattices are a device's.
 class LatticePicture : public GpuTest {};
+
+MappedLattice mapped(const GpuLattice& lattice) {
+    return {lattice.q.mapped<float>().data(), lattice.colours.mapped<PackedColour>().data(), lattice.width,
+            lattice.height, lattice.pitch};
+}
 
 TEST_F(LatticePicture, OwnViewIsTheSameByAllVectors) {
     const auto shown = shown_scene("globe", 203, 133);
@@ -36,7 +41,7 @@ TEST_F(LatticePicture, OwnViewIsTheSameByAllVectors) {
     for (const VectorUnit unit : usable_vector_units()) {
         std::vector<PackedColour> colours(304 * 200);
         std::vector<float> z(colours.size());
-        OwnViewPicture(unit).draw(lattice, camera, background, 304, colours, z);
+        OwnViewPicture(unit).draw(mapped(lattice), camera, background, 304, colours, z);
         if (first.empty()) {
             first = colours;
             first_z = z;
@@ -48,7 +53,7 @@ TEST_F(LatticePicture, OwnViewIsTheSameByAllVectors) {
     EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
 }
 
-TEST_F(LatticePicture, OwnViewIsTheCpuPaintersAcrossDepthSteps) {
+TEST_F(LatticePicture, OwnViewIsThePlainOneAcrossDepthSteps) {
     for (const char* scene : {"globe", "cliffs", "noise"}) {
         const auto shown = shown_scene(scene, 203, 133);
         const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
@@ -56,10 +61,10 @@ TEST_F(LatticePicture, OwnViewIsTheCpuPaintersAcrossDepthSteps) {
         const GpuLattice lattice = must(lattices.lattice_of(surface));
         const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
         ASSERT_TRUE(OwnViewPicture::draws(camera));
-        const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
+        const PicturePlanes expected = plain_picture(surface, camera);
         std::vector<PackedColour> colours(304 * 200);
         std::vector<float> z(colours.size());
-        OwnViewPicture().draw(lattice, camera, std::vector<PackedColour>(200, 7), 304, colours, z);
+        OwnViewPicture().draw(mapped(lattice), camera, std::vector<PackedColour>(200, 7), 304, colours, z);
         std::size_t drawn = 0, others = 0;
         for (int y = 0; y < 200; ++y)
             for (int x = 0; x < 301; ++x) {
@@ -79,7 +84,7 @@ TEST_F(LatticePicture, OwnViewIsTheCpuPaintersAcrossDepthSteps) {
 }
 
 /// From the side, from behind, from so near that cells are large and reach before the eye.
-TEST_F(LatticePicture, AnyViewIsTheCpuPaintersToTheBit) {
+TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
     for (const char* scene : {"globe", "cliffs", "noise", "rows without surface"}) {
         const bool has_gap = std::string_view(scene) == "rows without surface";
         const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
@@ -94,7 +99,7 @@ TEST_F(LatticePicture, AnyViewIsTheCpuPaintersToTheBit) {
               "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
             const ViewCamera camera =
                 make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
-            const PicturePlanes expected = must(make_cpu_painter()->paint(surface, camera));
+            const PicturePlanes expected = plain_picture(surface, camera);
             SurfaceEdges edges(1);
             if (!is_own_view(camera))
                 edges.find(surface.q.data(), surface.width, surface.height, surface.width);
@@ -104,7 +109,8 @@ TEST_F(LatticePicture, AnyViewIsTheCpuPaintersToTheBit) {
             for (const auto& [threads, unit] : ways) {
                 std::vector<PackedColour> colours(304 * 200);
                 std::vector<float> z(colours.size(), 9);
-                LatticeRaster(threads, unit).draw(lattice, edges, camera, background, 304, colours, z);
+                LatticeRaster(threads, unit)
+                    .draw(mapped(lattice), edges, camera, background, 304, colours, z);
                 std::size_t others = 0;
                 for (int y = 0; y < 200; ++y)
                     for (int x = 0; x < 301; ++x) {
@@ -140,7 +146,7 @@ TEST_F(LatticePicture, AnyViewIsTheSameAfterAWiderLattice) {
         SurfaceEdges edges(1);
         edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
         Picture picture;
-        raster.draw(lattice, edges, camera, background, 304, picture.colours, picture.z);
+        raster.draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
         return picture;
     };
     for (const VectorUnit unit : usable_vector_units()) {

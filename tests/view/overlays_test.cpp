@@ -12,6 +12,7 @@
 #include "player/overlay/colour_ramp.hpp"
 #include "player/view/surface_pick.hpp"
 #include "tests/view/coded_frames.hpp"
+#include "tests/view/plain_surface.hpp"
 
 namespace touchable::test {
 namespace {

@@ -9,6 +9,7 @@
 #include "player/view/gpu_painters.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
+#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -61,7 +62,9 @@ void expect_alike(const PicturePlanes& cpu, const PicturePlanes& other, float su
 class Painters : public GpuTest {
 protected:
     void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
-        const PicturePlanes cpu = must(make_cpu_painter()->paint(surface, camera));
+        const PicturePlanes plain = plain_picture(surface, camera),
+                            cpu = must(make_cpu_painter()->paint(surface, camera));
+        EXPECT_TRUE(cpu.z == plain.z && cpu.colours == plain.colours) << what;
         expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster, " + what);
         // Triangle hardware rounds places, and the way to z from them, in its own way.
         expect_alike(cpu, must(must(make_mesh_painter(gpu))->paint(surface, camera)), 2, "mesh, " + what);
@@ -90,7 +93,7 @@ TEST_F(Painters, DrawNoiseAlike) {
     const ViewSurface surface = make_view_surface(field, {});
     const ViewCamera camera =
         make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject_of(field).middle, 480, 320);
-    const PicturePlanes cpu = must(make_cpu_painter()->paint(surface, camera));
+    const PicturePlanes cpu = plain_picture(surface, camera);
     expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster");
     // Lone slivers, whose z triangle hardware finds less exactly: only where they are is compared.
     const Difference mesh =

@@ -1,4 +1,4 @@
-// What is under a place of a picture, against the picture that the CPU painter draws.
+// What is under a place of a picture, against the plain picture.
 #include "player/view/surface_pick.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "player/view/drawn_lattice.hpp"
-#include "player/view/surface_painter.hpp"
+#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -35,7 +35,7 @@ struct Compared {
 
 Compared compare(const Shown& shown, const HeightField& field, const ViewCamera& camera) {
     const ViewSurface surface = make_view_surface(field, {});
-    const PicturePlanes planes = *make_cpu_painter()->paint(surface, camera);
+    const PicturePlanes planes = plain_picture(surface, camera);
     Compared counts;
     for (int y = 1; y + 1 < camera.height; y += 2)
         for (int x = 1; x + 1 < camera.width; x += 2) {
@@ -88,7 +88,7 @@ TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
         const HeightField field = shown->field();
         const ViewCamera camera = own_view(shown->scene, 480, 320, 1);
         const ViewSurface surface = make_view_surface(field, {});
-        const PicturePlanes planes = *make_cpu_painter()->paint(surface, camera);
+        const PicturePlanes planes = plain_picture(surface, camera);
         int walls = 0;
         for (int y = 4; y + 4 < camera.height; ++y)
             for (int x = 4; x + 4 < camera.width; ++x) {

@@ -14,6 +14,7 @@
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/view/plain_surface.hpp"
 
 namespace touchable::test {
 

@@ -11,6 +11,7 @@
 #include "shaders/cut_rule.h"
 #include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/plain_surface.hpp"
 
 namespace touchable::test {
 namespace {
