@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "engine/gpu/spirv_layout.hpp"
-
 namespace touchable {
 namespace {
 
@@ -117,10 +115,9 @@ Result<GpuProgram> GpuProgram::create(const GpuDevice& device, std::string name,
     const auto refusal = [&name](ErrorKind kind, const std::string& why) {
         return Error{kind, "kernel " + name + ": " + why};
     };
-    const auto kernel = read_spirv(spirv, constants);
-    if (!kernel.ok()) return refusal(ErrorKind::internal, kernel.error().message);
-    if (const std::string fault = difference(*kernel, layout, constants.size()); !fault.empty())
-        return refusal(ErrorKind::internal, fault);
+    if (layout_fault != nullptr)
+        if (const std::string fault = layout_fault(spirv, layout, constants); !fault.empty())
+            return refusal(ErrorKind::internal, fault);
     if (const std::string fault = beyond(layout, device.facts().limits); !fault.empty())
         return refusal(ErrorKind::gpu, fault + " on " + device.facts().name);
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "engine/gpu/gpu_features.hpp"
+#include "tests/gpu/spirv_layout.hpp"
 
 // What the engine demands of a device against what its kernels, as built, declare.
 namespace touchable::test {
@@ -56,8 +57,8 @@ std::vector<std::string> kernel_files() {
     return names;
 }
 
-std::vector<std::uint32_t> words_in(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
+std::vector<std::uint32_t> words_of(const std::string& kernel) {
+    std::ifstream in(std::filesystem::path(TOUCHABLE_KERNEL_FOLDER) / kernel, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(in)), {});
     std::vector<std::uint32_t> words(bytes.size() / 4);
     std::memcpy(words.data(), bytes.data(), 4 * words.size());
@@ -66,7 +67,7 @@ std::vector<std::uint32_t> words_in(const std::filesystem::path& file) {
 
 /// The features that a kernel declares; what this test has no name for by its number.
 std::set<std::string> declared_by(const std::string& kernel) {
-    const auto words = words_in(std::filesystem::path(TOUCHABLE_KERNEL_FOLDER) / kernel);
+    const auto words = words_of(kernel);
     EXPECT_GT(words.size(), 5U) << kernel;
     std::set<std::string> names;
     for (std::size_t at = 5; at < words.size() && words[at] >> 16U > 0; at += words[at] >> 16U) {
@@ -118,6 +119,25 @@ TEST(KernelFeatures, ADeviceMayLackOnlyWhatOnePainterNeeds) {
         expected.merge(declared);
     }
     EXPECT_EQ(names, expected);
+}
+
+/// So that every test can hold those that it creates against what C++ believes (layout_fault).
+TEST(KernelLayouts, AreReadOfEveryComputeKernelAndOfWhatGpuProgramBinds) {
+    int kernels = 0;
+    for (const std::string& kernel : kernel_files()) {
+        if (kernel.find(".vert.") != std::string::npos || kernel.find(".frag.") != std::string::npos)
+            continue;
+        ++kernels;
+        const auto layout = read_spirv(words_of(kernel));
+        ASSERT_TRUE(layout.ok()) << kernel << ": " << layout.error().message;
+        EXPECT_FALSE(layout->other_sets) << kernel;
+        std::uint32_t next = 0;
+        for (const auto& [number, kind] : layout->bindings) {
+            EXPECT_EQ(number, next++) << kernel;
+            EXPECT_TRUE(kind) << kernel << ", binding " << number;
+        }
+    }
+    EXPECT_GT(kernels, 15);
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include <functional>
 #include <vector>
 
-#include "engine/gpu/spirv_layout.hpp"
 #include "shaders/mix_words.spv.h"
 #include "shaders/spec_group.spv.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
+#include "tests/gpu/spirv_layout.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/gpu/spirv_layout.hpp"
+#include "tests/gpu/spirv_layout.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -334,6 +334,12 @@ std::string difference(const SpirvLayout& kernel, const GpuLayout& believed, std
     for (std::uint32_t i = 0; i < constants; ++i)
         if (!kernel.constants.contains(i)) return "it has no specialisation constant " + std::to_string(i);
     return difference_of_bindings(kernel, believed);
+}
+
+std::string layout_fault(std::span<const std::uint32_t> spirv, const GpuLayout& layout,
+                         std::span<const std::uint32_t> constants) {
+    const auto kernel = read_spirv(spirv, constants);
+    return kernel.ok() ? difference(*kernel, layout, constants.size()) : kernel.error().message;
 }
 
 }  // namespace touchable
