@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "bench/loop/stability.hpp"
 #include "bench/suite.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -16,18 +16,12 @@ struct Pixel {
 // Away from the picture's middle, from its axes and from the lattice's symmetries.
 constexpr Pixel places[] = {{0.53, 0.47}, {0.37, 0.58}, {0.61, 0.66}};
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
-
 /// <case of touch>-b<damping>, then -d<ticks of delay>, -f<friction, N>, -q<quantum, um> where they apply.
 std::string name_of(const LoopCase& c) {
-    std::string name = name_of(c.touch) + "-b" + number(c.handle.damping);
+    std::string name = name_of(c.touch) + formatted("-b%g", c.handle.damping);
     if (c.delay_ticks > 0) name += "-d" + std::to_string(c.delay_ticks);
-    if (c.handle.friction > 0) name += "-f" + number(c.handle.friction);
-    if (c.handle.quantum > 0) name += "-q" + number(c.handle.quantum * 1e6);
+    if (c.handle.friction > 0) name += formatted("-f%g", c.handle.friction);
+    if (c.handle.quantum > 0) name += formatted("-q%g", c.handle.quantum * 1e6);
     return name;
 }
 

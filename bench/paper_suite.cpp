@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -7,6 +6,7 @@
 #include "bench/paper/scratch_run.hpp"
 #include "bench/paper/sweep_run.hpp"
 #include "bench/suite.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -38,12 +38,6 @@ private:
     std::string name_;
     std::shared_ptr<const PaperClip> clip_;
 };
-
-std::string noise_name(double levels) {
-    char text[32];
-    std::snprintf(text, sizeof text, "n%g", levels);
-    return text;
-}
 
 TouchCase setup_of(const char* scene, int width, int height, TouchMetric metric, const PaperFilter& filter) {
     TouchCase c;
@@ -88,7 +82,7 @@ private:
     void add_scratch(double noise, bool still, const ScratchHand& hand, TouchMetric metric,
                      const PaperFilter& filter) {
         ScratchRun run{setup_of("chest", 320, 240, metric, filter), filter, hand};
-        run.setup.run = "scratch-" + noise_name(noise) + std::string(hand.name);
+        run.setup.run = formatted("scratch-n%g", noise) + std::string(hand.name);
         if (filter.temporal) run.setup.run += "-temporal";
         if (still) run.setup.run += "-still";
         add(name_of(run.setup), [shelf = shelf_, run, noise, still](Figures& figures) {

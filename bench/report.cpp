@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "engine/new_file.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -38,10 +38,8 @@ std::vector<std::string> broken(const std::string& name) {
 }
 
 std::string text_of(double value) {
-    char text[64];
     const bool whole = value == std::floor(value) && std::fabs(value) < 1e9;
-    std::snprintf(text, sizeof text, whole ? "%.0f" : "%.4g", value);
-    return text;
+    return formatted(whole ? "%.0f" : "%.4g", value);
 }
 
 std::string padded(const std::string& text, std::size_t width) {

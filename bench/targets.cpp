@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -18,9 +19,7 @@ std::optional<double> metric_of(const std::vector<CaseFigures>& measured, const 
 }
 
 std::string text(double value, const std::string& unit) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.5g", value);
-    return unit.empty() ? digits : std::string(digits) + " " + unit;
+    return formatted("%.5g", value) + (unit.empty() ? "" : " " + unit);
 }
 
 std::string in_words(const Limit& limit) {

@@ -1,6 +1,6 @@
 #include "device/goal_watch.hpp"
 
-#include <cstdio>
+#include "engine/number_words.hpp"
 
 namespace touchable {
 
@@ -34,9 +34,7 @@ std::vector<std::string> GoalWatch::remarks() const {
         const double percent =
             goals_ > 0 ? 100.0 * static_cast<double>(some) / static_cast<double>(goals_) : 0;
         if (percent < 1) return;
-        char text[32];
-        std::snprintf(text, sizeof text, "%.1f %% of the goals ", percent);
-        out.push_back(text + what);
+        out.push_back(formatted("%.1f %% of the goals ", percent) + what);
     };
     say(outside_, "lie outside the picture, where there is only the wall around it");
     say(far_below_,

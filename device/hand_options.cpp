@@ -1,25 +1,20 @@
 #include "device/hand_options.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
 
+#include "engine/number_words.hpp"
+
 namespace touchable {
 namespace {
-
-std::string shortest(double value) {
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-    return {digits.data(), end};
-}
 
 /// What a key takes, in words: "0.001 to 2 m/s".
 std::string takes(const HandKey& key) {
     if (key.kind == HandKey::Kind::words) return std::string(key.unit);
     std::string text = key.kind == HandKey::Kind::whole ? "a whole number, " : "";
-    text += shortest(key.least) + " to " + shortest(key.greatest);
+    text += exact_number(key.least) + " to " + exact_number(key.greatest);
     if (!key.unit.empty()) text.append(" ").append(key.unit);
     return text;
 }

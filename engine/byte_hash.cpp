@@ -3,9 +3,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include <array>
-#include <cstdio>
 #include <new>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 
@@ -29,9 +29,7 @@ std::uint64_t ByteHash::value() const {
 }
 
 std::string ByteHash::hex() const {
-    std::array<char, 17> text;
-    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value()));
-    return text.data();
+    return formatted("%016llx", static_cast<unsigned long long>(value()));
 }
 
 }  // namespace touchable

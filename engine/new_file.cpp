@@ -4,12 +4,13 @@
 #include <sys/random.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <system_error>
 #include <utility>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -34,9 +35,7 @@ int add_name(const fs::path& from, const fs::path& to) {
 fs::path hidden_name(const fs::path& folder) {
     std::uint64_t number = 0;
     if (getrandom(&number, sizeof number, 0) != sizeof number) number = static_cast<std::uint64_t>(getpid());
-    std::array<char, 40> name;
-    std::snprintf(name.data(), name.size(), ".unfinished-%016llx", static_cast<unsigned long long>(number));
-    return folder / name.data();
+    return folder / formatted(".unfinished-%016llx", static_cast<unsigned long long>(number));
 }
 
 int move_to_free_name(const fs::path& from, const fs::path& to) {

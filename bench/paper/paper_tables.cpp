@@ -8,6 +8,7 @@
 #include "bench/paper/scratch_run.hpp"
 #include "bench/paper/scripted_path.hpp"
 #include "bench/suite.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -36,13 +37,9 @@ std::string cell_of(const Measured& measured, const std::string& name, const std
     const auto back = figure_of(measured, name, "held_back_mm");
     const auto none = figure_of(measured, without_filter, "force_band_mn");
     if (!band || !back) return "";
-    char text[64];
     if (none && *none > 0)
-        std::snprintf(text, sizeof text, "%8.1f %6.1f dB %6.1f mm", *band, 20 * std::log10(*band / *none),
-                      *back);
-    else
-        std::snprintf(text, sizeof text, "%8.1f %9s %6.1f mm", *band, "", *back);
-    return text;
+        return formatted("%8.1f %6.1f dB %6.1f mm", *band, 20 * std::log10(*band / *none), *back);
+    return formatted("%8.1f %9s %6.1f mm", *band, "", *back);
 }
 
 struct FilterRow {
@@ -64,10 +61,7 @@ void print_filters(const Measured& measured, const std::string& heading, const s
             cells[k] = cell_of(measured, begin + row.filter + run + row.more, begin + run);
         }
         if (cells[0].empty() && cells[1].empty()) continue;
-        char line[128];
-        std::snprintf(line, sizeof line, "    %-32s %-29s %s\n", row.words, cells[0].c_str(),
-                      cells[1].c_str());
-        lines += line;
+        lines += formatted("    %-32s %-29s %s\n", row.words, cells[0].c_str(), cells[1].c_str());
     }
     if (!lines.empty()) std::printf("  %s\n%s", heading.c_str(), lines.c_str());
 }

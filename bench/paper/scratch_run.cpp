@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
 #include "device/workspace.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -94,19 +94,13 @@ Result<Scratched> scratched(Scratching& hand) {
     return recorded;
 }
 
-std::string number(const char* format, double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 void add_bands(const Spectrum& spectrum, Figures& figures) {
     const auto rms_mn = [&](double from, double to) { return 1000 * std::sqrt(spectrum.between(from, to)); };
     figures.push_back({"force_band_mn", rms_mn(20, rate_hz / 2), "mN"});
     double from = first_octave_hz;
     for (int octave = 0; octave < octaves; ++octave, from *= 2)
-        figures.push_back({"force_band_mn_" + number("%.0f", from) + "_" + number("%.0f", 2 * from),
-                           rms_mn(from, 2 * from), "mN"});
+        figures.push_back(
+            {formatted("force_band_mn_%.0f_%.0f", from, 2 * from), rms_mn(from, 2 * from), "mN"});
 }
 
 /// The density from 1 Hz on, the mean over each twelfth of an octave that has a wave.
@@ -121,7 +115,7 @@ void add_curve(const Spectrum& spectrum, Figures& figures) {
             ++waves;
         }
         if (waves == 0) continue;
-        figures.push_back({"force_psd_" + number("%.4g", from * std::sqrt(ratio)) + "hz",
+        figures.push_back({formatted("force_psd_%.4ghz", from * std::sqrt(ratio)),
                            sum / (waves * spectrum.hz_step), "N^2/Hz", false});
     }
 }

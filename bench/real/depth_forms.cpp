@@ -7,12 +7,12 @@
 #include <half.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 
 #include "bench/real/depth_map.hpp"
 #include "engine/import/open_clip.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/import/bag_bytes.hpp"
 
@@ -23,9 +23,7 @@ namespace fs = std::filesystem;
 using Floats = std::vector<float>;
 
 fs::path numbered(const fs::path& folder, std::size_t n, const char* ending) {
-    char name[32];
-    std::snprintf(name, sizeof name, "depth_%04zu.%s", n, ending);
-    return folder / name;
+    return folder / formatted("depth_%04zu.%s", n, ending);
 }
 
 Floats metres_of(const RawFrame& frame, const Scene& scene) {

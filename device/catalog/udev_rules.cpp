@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <sstream>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 
 std::vector<std::string> udev_rules_of(std::uint16_t vendor) {
-    std::array<char, 5> lower{}, upper{};
-    std::snprintf(lower.data(), lower.size(), "%04x", vendor);
-    std::snprintf(upper.data(), upper.size(), "%04X", vendor);
-    const std::array marks{"idVendor}==\"" + std::string(lower.data()) + "\"",
-                           ":" + std::string(upper.data()) + ":"};
+    const std::array marks{formatted("idVendor}==\"%04x\"", vendor), formatted(":%04X:", vendor)};
     std::vector<std::string> rules;
     std::istringstream file(udev_rules());
     for (std::string line; std::getline(file, line);)

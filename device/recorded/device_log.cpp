@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "device/csv_table.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -17,12 +18,6 @@ using LogValues = std::array<std::vector<double>, log_columns.size()>;
 
 Error log_fault(const CsvTable& table, std::size_t row, LogColumn column, const std::string& what) {
     return input_error(table.place(row) + ", column '" + log_columns[column] + "' " + what);
-}
-
-std::string in_digits(double value) {
-    std::string digits = std::to_string(value);
-    digits.erase(digits.find_last_not_of('0') + 1);
-    return digits.ends_with('.') ? digits.substr(0, digits.size() - 1) : digits;
 }
 
 Result<LogValues> log_values(const CsvTable& table) {
@@ -54,7 +49,7 @@ Result<void> check_log_row(const CsvTable& table, const LogValues& values, std::
     const std::size_t finger = row % fingers;
     if (values[log_finger][row] != static_cast<double>(finger))
         return log_fault(table, row, log_finger,
-                         "is " + in_digits(values[log_finger][row]) + "; right would be " +
+                         "is " + trimmed_number(values[log_finger][row]) + "; right would be " +
                              std::to_string(finger) + ", as each tick has " + std::to_string(fingers));
     const double time = values[log_time][row];
     if (finger > 0 && time != values[log_time][row - 1])

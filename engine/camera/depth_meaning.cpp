@@ -3,12 +3,12 @@
 #include <linux/videodev2.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guess/presets.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -85,12 +85,11 @@ Result<DepthMeaning> settled(const SceneDescription& described, std::vector<std:
     }
     auto scene = settle(described, found);
     if (!scene) return input_error(node + ": " + scene.error().message);
-    if (found.far) {
-        char words[200];
-        std::snprintf(words, sizeof words, "deeper than %.3g m is no depth: twice what the first frames show",
-                      *found.far * scene->metres_per_unit);
-        add_remark(scene->remarks, {words, true, "a scene file's depth.far says otherwise"});
-    }
+    if (found.far)
+        add_remark(scene->remarks,
+                   {formatted("deeper than %.3g m is no depth: twice what the first frames show",
+                              *found.far * scene->metres_per_unit),
+                    true, "a scene file's depth.far says otherwise"});
     return DepthMeaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
 }
 

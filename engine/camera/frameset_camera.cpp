@@ -7,16 +7,16 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
-#include "engine/clip/camera_run.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/frameset_format.hpp"
 #include "engine/camera/live_bytes.hpp"
-#include "engine/clip/sender_clock.hpp"
+#include "engine/clip/camera_run.hpp"
 #include "engine/clip/plane_role.hpp"
+#include "engine/clip/sender_clock.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -172,10 +172,9 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
     scene_.interpolation = FrameInterpolation::hold;
     scene_.rate = rate_of(taken);
     for (const auto& input : meaning->inputs) add_input(input);
-    char words[160];
-    std::snprintf(words, sizeof words, "%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
-                  sent.height, sent.metres_per_unit, sent.fx, sent.fy, per_second(scene_.rate));
-    notes_.push_back(name_ + " sends depth of " + words);
+    notes_.push_back(name_ + " sends depth of " +
+                     formatted("%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
+                               sent.height, sent.metres_per_unit, sent.fx, sent.fy, per_second(scene_.rate)));
     if (sent.time_ns == 0)
         notes_.emplace_back("the sender does not say when frames are taken: they count from their arrival");
     tracks_.push_back({"depth", "frameset", "gray16le", sent.width, sent.height, true});

@@ -6,10 +6,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <utility>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -41,10 +42,8 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
 std::string size_text(std::uint32_t width, std::uint32_t height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
-std::string number_text(double value) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%.6g", value);
-    return words;
+std::string lens_text(const FramesetHeader& header) {
+    return formatted("fx %.6g, fy %.6g, cx %.6g, cy %.6g", header.fx, header.fy, header.cx, header.cy);
 }
 
 bool is_picture_size(std::uint32_t width, std::uint32_t height) {
@@ -96,20 +95,18 @@ Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
     header.colour_height = static_cast<int>(colour_height);
     header.colour_is_registered = flags == 1;
     if (!(header.metres_per_unit >= 1e-7 && header.metres_per_unit <= 1))
-        return input_error("gives a unit of " + number_text(header.metres_per_unit) +
-                           " m; right is 0.0000001 to 1, such as 0.001 for millimetres");
+        return input_error(
+            formatted("gives a unit of %.6g m; right is 0.0000001 to 1, such as 0.001 for millimetres",
+                      header.metres_per_unit));
     if (!is_lens(header))
-        return input_error("gives a lens with fx " + number_text(header.fx) + ", fy " +
-                           number_text(header.fy) + ", cx " + number_text(header.cx) + ", cy " +
-                           number_text(header.cy) + ", which no picture of " + size_text(width, height) +
-                           " has; right are pixels");
+        return input_error("gives a lens with " + lens_text(header) + ", which no picture of " +
+                           size_text(width, height) + " has; right are pixels");
     return header;
 }
 
 std::string meaning_text(const FramesetHeader& header) {
-    return std::to_string(header.width) + "x" + std::to_string(header.height) + " of " +
-           number_text(header.metres_per_unit) + " m with fx " + number_text(header.fx) + ", fy " +
-           number_text(header.fy) + ", cx " + number_text(header.cx) + ", cy " + number_text(header.cy) +
+    return formatted("%dx%d of %.6g m with ", header.width, header.height, header.metres_per_unit) +
+           lens_text(header) +
            (header.has_colour() ? " and colour of " + std::to_string(header.colour_width) + "x" +
                                       std::to_string(header.colour_height)
                                 : std::string(" without colour"));

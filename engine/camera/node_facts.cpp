@@ -6,10 +6,10 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <numeric>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -186,9 +186,7 @@ double per_second(const FrameRate& rate) {
 }
 
 std::string rate_text(const FrameRate& rate) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", per_second(rate));
-    return text;
+    return formatted("%.4g", per_second(rate));
 }
 
 Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish) {

@@ -1,9 +1,9 @@
 #include "engine/clip/camera_run.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -70,12 +70,9 @@ void CameraRun::remark(std::string words) {
 void CameraRun::gone(const std::string& why) {
     is_gone_ = true;
     std::string when;
-    if (zero_ns_) {
-        char words[64];
-        std::snprintf(words, sizeof words, " after %.1f s; its last frame stands still",
-                      1e-9 * static_cast<double>(steady_ns(std::chrono::steady_clock::now()) - *zero_ns_));
-        when = words;
-    }
+    if (zero_ns_)
+        when = formatted(" after %.1f s; its last frame stands still",
+                         1e-9 * static_cast<double>(steady_ns(std::chrono::steady_clock::now()) - *zero_ns_));
     remark("the " + kind_ + ", " + name_ + ", " + why + when);
 }
 

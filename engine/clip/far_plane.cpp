@@ -1,12 +1,11 @@
 #include "engine/clip/far_plane.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 
 #include "engine/clip/prefetch.hpp"
 #include "engine/clip/reader_around.hpp"
+#include "engine/number_words.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/stop_request.hpp"
 
@@ -103,16 +102,12 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
     for (int code = deepest + 1; code < 65536; ++code)
         if (is_valid(code) && !scene.depth.is_valid(static_cast<std::uint16_t>(code)))
             lost += pixels_[static_cast<std::size_t>(code)];
-    std::array<char, 160> words{};
-    std::snprintf(words.data(), words.size(),
-                  "depth.far is %.6g, 5 %% beyond the depth that 1 pixel in %d exceeds at most (%d frame%s)",
+    const std::string note =
+        formatted("depth.far is %.6g, 5 %% beyond the depth that 1 pixel in %d exceeds at most (%d frame%s)",
                   scene.depth.far, static_cast<int>(stray_of), frames_, frames_ == 1 ? "" : "s");
-    std::string note = words.data();
     if (lost == 0) return note;
-    std::snprintf(words.data(), words.size(), "; %.2g %% of the pixels lie beyond it and count as holes",
-                  100 * static_cast<double>(lost) / static_cast<double>(valid));
-    note += words.data();
-    return note;
+    return note + formatted("; %.2g %% of the pixels lie beyond it and count as holes",
+                            100 * static_cast<double>(lost) / static_cast<double>(valid));
 }
 
 Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "engine/clip/hidden_folder.hpp"
 #include "engine/clip/plane_role.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
@@ -32,9 +32,7 @@ Error unwritable(const fs::path& place, const std::error_code& why) {
 }
 
 std::string numbered(PlaneRole role, std::int64_t frame) {
-    std::array<char, 40> digits;
-    std::snprintf(digits.data(), digits.size(), "_%06lld.png", static_cast<long long>(frame));
-    return std::string(role_name(role)) + digits.data();
+    return std::string(role_name(role)) + formatted("_%06lld.png", static_cast<long long>(frame));
 }
 
 /// "NAME_colour.png", beside a file NAME of whatever kind.
@@ -184,10 +182,9 @@ private:
         std::ofstream out(hidden_.path() / times_list, std::ios::binary);
         for (std::int64_t frame = 0; frame < frames_; ++frame) {
             const std::int64_t ns = scene_.rate.time_ns(frame);
-            std::array<char, 48> seconds{};
-            std::snprintf(seconds.data(), seconds.size(), "%lld.%09lld ",
-                          static_cast<long long>(ns / ns_a_second), static_cast<long long>(ns % ns_a_second));
-            out << seconds.data() << numbered(PlaneRole::depth, frame) << '\n';
+            out << formatted("%lld.%09lld ", static_cast<long long>(ns / ns_a_second),
+                             static_cast<long long>(ns % ns_a_second))
+                << numbered(PlaneRole::depth, frame) << '\n';
         }
         out.close();
         return out ? Result<void>{} : input_error((place_ / times_list).string() + ": cannot be written");

@@ -1,12 +1,12 @@
 #include "engine/clip/plane_role.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <utility>
 #include <vector>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -15,11 +15,6 @@ constexpr std::array<std::string_view, all_roles.size()> names{"depth", "colour"
 
 std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
-}
-
-std::string number_text(double number) {
-    std::array<char, 32> digits{};
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
 }
 
 std::string kind_text(const PlaneView& plane) {
@@ -248,16 +243,17 @@ std::string take_grey_haptic(Scene& scene) {
                  sliding = scene.default_properties.dynamic_friction;
     scene.haptic.static_friction = {held, held};
     scene.haptic.dynamic_friction = {sliding, sliding};
-    return "haptic is grey: stiffness alone, " + number_text(scene.haptic.stiffness.min) + " to " +
-           number_text(scene.haptic.stiffness.max) + " N/mm; friction " + number_text(held) + " static, " +
-           number_text(sliding) + " dynamic everywhere, as the scene's default_properties have it";
+    return "haptic is grey: stiffness alone, " + exact_number(scene.haptic.stiffness.min) + " to " +
+           exact_number(scene.haptic.stiffness.max) + " N/mm; friction " + exact_number(held) + " static, " +
+           exact_number(sliding) + " dynamic everywhere, as the scene's default_properties have it";
 }
 
 std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene) {
     if (has_haptic) return std::nullopt;
     const HapticProperties& felt = scene.default_properties;
-    return "no haptic plane: " + number_text(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
-           number_text(felt.static_friction) + " static, " + number_text(felt.dynamic_friction) + " dynamic";
+    return "no haptic plane: " + exact_number(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
+           exact_number(felt.static_friction) + " static, " + exact_number(felt.dynamic_friction) +
+           " dynamic";
 }
 
 std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding) {

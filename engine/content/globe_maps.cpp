@@ -7,17 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/number_words.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
-
-std::string number_text(double number) {
-    std::string text = std::to_string(number);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.ends_with('.')) text.pop_back();
-    return text;
-}
 
 Result<void> check_map(const GlobeMap& map, const char* which) {
     const auto refuse = [&](const std::string& what) {
@@ -122,7 +116,7 @@ Areas areas_at(const std::vector<Sample>& samples, double stated) {
 }
 
 std::string percent(double share) {
-    return number_text(std::floor(1000 * share + 0.5) / 10) + " %";
+    return trimmed_number(std::floor(1000 * share + 0.5) / 10) + " %";
 }
 
 }  // namespace
@@ -157,10 +151,10 @@ Result<void> check_globe_maps(const GlobeMaps& maps) {
     if (!maps.haptic.empty() && maps.haptic.channels != 3)
         return input_error("the haptic map is grey; must be RGB: stiffness, static and dynamic friction");
     if (!(maps.relief > 0 && maps.relief <= 0.1))
-        return usage_error("a relief of " + number_text(maps.relief) +
+        return usage_error("a relief of " + trimmed_number(maps.relief) +
                            " radii is impossible; must be above 0, and 0.1 at most");
     if (!(maps.smoothing_degrees >= 0 && maps.smoothing_degrees <= 10))
-        return usage_error("smoothing over " + number_text(maps.smoothing_degrees) +
+        return usage_error("smoothing over " + trimmed_number(maps.smoothing_degrees) +
                            " degrees is impossible; must be 0 to 10");
     return {};
 }
@@ -196,7 +190,7 @@ Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::o
     }
     shore.bright_is_land = sense > 0;
     shore.agreement = areas_at(samples, shore.sea_level).agreement(shore.bright_is_land);
-    const std::string level = number_text(shore.sea_level);
+    const std::string level = trimmed_number(shore.sea_level);
     constexpr double least_sense = 0.6;
     if (std::fabs(sense) < least_sense)
         return input_error(std::string("the elevation map and the mask do not agree where land is: at ") +
@@ -206,7 +200,7 @@ Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::o
                            "and north up");
     if (!(shore.top > shore.sea_level))
         return input_error("nothing is above sea level " + level + " in the elevation map, which goes from " +
-                           number_text(heights.least) + " to " + number_text(heights.most));
+                           trimmed_number(heights.least) + " to " + trimmed_number(heights.most));
     return shore;
 }
 

@@ -1,8 +1,6 @@
 #include "engine/gltf/gltf_clip_writer.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "engine/ffmpeg/demuxer.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/gltf/gltf_scene.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/video/mp4_writer.hpp"
 
@@ -21,10 +20,7 @@ namespace {
 /// RFC 6381: what a player must know to decode it, of its parameters.
 std::string codecs_of(const AVCodecParameters& stored) {
     if (stored.codec_id != AV_CODEC_ID_H264 || stored.extradata_size < 4) return "";
-    std::array<char, 16> text{};
-    std::snprintf(text.data(), text.size(), "avc1.%02X%02X%02X", stored.extradata[1], stored.extradata[2],
-                  stored.extradata[3]);
-    return text.data();
+    return formatted("avc1.%02X%02X%02X", stored.extradata[1], stored.extradata[2], stored.extradata[3]);
 }
 
 /// Grey of 8 bits, near and far as they are stored.

@@ -2,23 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include "engine/mpeg4/node_types.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
-
-/// The number that somebody wrote who has this one in four bytes: the shortest that rounds to it.
-double shortest(float value) {
-    std::array<char, 32> digits{};
-    const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-    double written = 0;
-    std::from_chars(digits.data(), end, written);
-    return written;
-}
 
 /// A node with what its scene says of it.
 class NodeView {
@@ -52,12 +43,12 @@ public:
     }
     Result<double> number(const char* name) const {
         const auto found = value<float>(name);
-        return found ? Result<double>(shortest(*found)) : Result<double>(found.error());
+        return found ? Result<double>(decimal_of(*found)) : Result<double>(found.error());
     }
     Result<PropertyRange> range(const char* name) const {
         const auto found = value<std::array<float, 2>>(name);
         if (!found) return found.error();
-        return PropertyRange{shortest((*found)[0]), shortest((*found)[1])};
+        return PropertyRange{decimal_of((*found)[0]), decimal_of((*found)[1])};
     }
     Result<std::optional<PlaneTexture>> texture(const char* name) const;
 
@@ -216,8 +207,8 @@ Result<ClipNodes> from_depth_image(const NodeView& image) {
         return image.wrong("its diTexture must be a SimpleTexture");
     if (!angles || !near || !far || !flat) return image.wrong("its camera is damaged");
     if (*flat) return image.wrong("is orthographic: must have a perspective camera (orthographic FALSE)");
-    made.angle_x = shortest((*angles)[0]);
-    made.angle_y = shortest((*angles)[1]);
+    made.angle_x = decimal_of((*angles)[0]);
+    made.angle_y = decimal_of((*angles)[1]);
     made.near = *near;
     made.far = *far;
     auto depth = (*textures)->texture("depth"), colour = (*textures)->texture("texture");

@@ -1,20 +1,12 @@
-#include <array>
-#include <charconv>
 #include <set>
 #include <type_traits>
 
 #include "engine/mpeg4/node_types.hpp"
 #include "engine/mpeg4/scene_text.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
-
-/// The shortest that is read as the same number.
-template <class T>
-std::string number_text(T value) {
-    std::array<char, 64> digits{};
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
-}
 
 std::string quoted_text(const std::string& text) {
     std::string quoted = "\"";
@@ -127,16 +119,16 @@ void TextWriter::value(const FieldValue& value, int depth) {
         if constexpr (std::is_same_v<T, bool>) {
             text_ += each ? "TRUE" : "FALSE";
         } else if constexpr (std::is_arithmetic_v<T>) {
-            text_ += number_text(each);
+            text_ += exact_number(each);
         } else if constexpr (std::is_same_v<T, std::string>) {
             text_ += quoted_text(each);
         } else if constexpr (std::is_same_v<T, NodePtr>) {
             node(each, depth);
         } else if constexpr (std::is_same_v<T, Url>) {
-            text_ += each.object > 0 ? number_text(each.object) : quoted_text(each.file);
+            text_ += each.object > 0 ? exact_number(each.object) : quoted_text(each.file);
         } else {
             for (const float& number : each)
-                text_ += (&number == each.data() ? "" : " ") + number_text(number);
+                text_ += (&number == each.data() ? "" : " ") + exact_number(number);
         }
     };
     std::visit(say, value);

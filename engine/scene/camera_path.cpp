@@ -4,9 +4,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -148,16 +148,9 @@ std::string timed_poses_text(const CameraPath& path, const FrameRate& rate, doub
     for (std::size_t frame = 0; frame < path.poses.size(); ++frame) {
         if (!path.poses[frame]) continue;
         const std::int64_t ns = rate.time_ns(static_cast<std::int64_t>(frame));
-        std::array<char, 48> seconds{};
-        std::snprintf(seconds.data(), seconds.size(), "%lld.%09lld", static_cast<long long>(ns / ns_a_second),
-                      static_cast<long long>(ns % ns_a_second));
-        text += seconds.data();
-        const auto add = [&](double number) {
-            std::array<char, 32> digits{};
-            const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-            text += ' ';
-            text.append(digits.data(), end.ptr);
-        };
+        text += formatted("%lld.%09lld", static_cast<long long>(ns / ns_a_second),
+                          static_cast<long long>(ns % ns_a_second));
+        const auto add = [&](double number) { text += ' ' + exact_number(number); };
         for (const double length : path.poses[frame]->translation) add(length * metres_per_unit);
         for (const double term : quaternion_of(path.poses[frame]->rotation)) add(term);
         text += '\n';

@@ -1,7 +1,6 @@
 #include "engine/scene/scene.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 
@@ -22,10 +22,7 @@ constexpr std::int64_t max_rate_term = 1'000'000'000;
 constexpr double longest = 1e12, shortest = 1e-12;
 
 std::string text(double number) {
-    std::array<char, 32> digits{};
-    return {
-        digits.data(),
-        std::to_chars(digits.data(), digits.data() + digits.size(), number, std::chars_format::general).ptr};
+    return exact_number(number, std::chars_format::general);
 }
 std::string text(int number) {
     return std::to_string(number);

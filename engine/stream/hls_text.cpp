@@ -1,21 +1,14 @@
 #include "engine/stream/hls_text.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
-
-template <class... Numbers>
-std::string printed(const char* format, Numbers... numbers) {
-    std::array<char, 128> text{};
-    std::snprintf(text.data(), text.size(), format, numbers...);
-    return text.data();
-}
 
 std::string playlist_head() {
     return "#EXTM3U\n#EXT-X-VERSION:7\n" + std::string(hls_mark) + "\n#EXT-X-INDEPENDENT-SEGMENTS\n";
@@ -28,16 +21,16 @@ std::string date_text(std::int64_t ns) {
     const auto whole_days = std::chrono::floor<days>(ms);
     const std::chrono::year_month_day date{std::chrono::sys_days(whole_days)};
     const std::chrono::hh_mm_ss time(ms - whole_days);
-    return printed("%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
-                   static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                   static_cast<int>(time.hours().count()), static_cast<int>(time.minutes().count()),
-                   static_cast<int>(time.seconds().count()), static_cast<int>(time.subseconds().count()));
+    return formatted("%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     static_cast<int>(time.hours().count()), static_cast<int>(time.minutes().count()),
+                     static_cast<int>(time.seconds().count()), static_cast<int>(time.subseconds().count()));
 }
 
 std::string seconds_text(std::int64_t ns) {
     const std::int64_t us = (ns + 500) / 1000;
-    return printed("%lld.%06lld", static_cast<long long>(us / 1'000'000),
-                   static_cast<long long>(us % 1'000'000));
+    return formatted("%lld.%06lld", static_cast<long long>(us / 1'000'000),
+                     static_cast<long long>(us % 1'000'000));
 }
 
 std::string planes_text(std::string_view id, std::string_view playlist) {
@@ -48,7 +41,7 @@ std::string planes_text(std::string_view id, std::string_view playlist) {
 std::string variant_text(const HlsShown& shown) {
     return "#EXT-X-STREAM-INF:BANDWIDTH=" + std::to_string(shown.most_bits_s) + ",CODECS=\"" + shown.codecs +
            "\",RESOLUTION=" + std::to_string(shown.width) + "x" + std::to_string(shown.height) +
-           printed(",FRAME-RATE=%.3f\n", shown.frames_s) + shown.playlist + "\n";
+           formatted(",FRAME-RATE=%.3f\n", shown.frames_s) + shown.playlist + "\n";
 }
 
 }  // namespace
@@ -80,8 +73,8 @@ std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header) 
     for (std::size_t at = 0; at + 6 < header.size(); ++at)
         if (header[at] == 0 && header[at + 1] == 0 && header[at + 2] == 1 &&
             (header[at + 3] & 31) == sequence_parameters)
-            return printed("avc1.%02x%02x%02x", static_cast<unsigned>(header[at + 4]),
-                           static_cast<unsigned>(header[at + 5]), static_cast<unsigned>(header[at + 6]));
+            return formatted("avc1.%02x%02x%02x", static_cast<unsigned>(header[at + 4]),
+                             static_cast<unsigned>(header[at + 5]), static_cast<unsigned>(header[at + 6]));
     return std::nullopt;
 }
 

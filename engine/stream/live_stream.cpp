@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
-#include <cstdio>
 #include <deque>
 #include <mutex>
 #include <thread>
@@ -13,6 +12,7 @@
 
 #include "engine/clip/camera_run.hpp"
 #include "engine/clip/wake.hpp"
+#include "engine/number_words.hpp"
 #include "engine/start_thread.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/stream/jitter_buffer.hpp"
@@ -46,12 +46,6 @@ std::optional<LevelFigures> sum_of(const std::optional<LevelFigures>& before,
     if (!before || !now) return now ? now : before;
     return LevelFigures{before->full_s + now->full_s, before->low_s + now->low_s,
                         before->changes + now->changes, now->is_low};
-}
-
-std::string in_words(const char* format, double number) {
-    char words[160];
-    std::snprintf(words, sizeof words, format, number);
-    return words;
 }
 
 class LiveStream final : public ClipReader {
@@ -369,8 +363,8 @@ std::vector<std::string> LiveStream::remarks() const {
     if (!why_again_.empty())
         all.push_back("the sender " + why_again_ + "; connecting again");
     else if (const std::int64_t silent = now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
-        all.push_back(in_words("the sender has sent no whole frameset for %.0f s; it is waited for",
-                               1e-9 * static_cast<double>(silent)));
+        all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
+                                1e-9 * static_cast<double>(silent)));
     if (figures_.connections > 1)
         all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
                       (figures_.connections == 2 ? " time" : " times"));
@@ -380,9 +374,9 @@ std::vector<std::string> LiveStream::remarks() const {
             "and coarser colour");
     else if (levels && levels->changes > 0)
         all.push_back(
-            in_words("the link was too slow for the full level: for %.0f s the low one was read, "
-                     "every second frameset and coarser colour",
-                     levels->low_s));
+            formatted("the link was too slow for the full level: for %.0f s the low one was read, "
+                      "every second frameset and coarser colour",
+                      levels->low_s));
     const auto tell = [&all](std::int64_t count, const char* what) {
         if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
     };

@@ -1,13 +1,12 @@
 #include "engine/video/frame_times_text.hpp"
 
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -36,12 +35,9 @@ std::optional<std::int64_t> ns_of(std::string_view line) {
 
 std::string frame_times_text(const FrameRate& rate) {
     std::string text = "# timestamp format v2\n";
-    for (const std::int64_t ns : *rate.own_times) {
-        std::array<char, 48> line{};
-        std::snprintf(line.data(), line.size(), "%lld.%06lld\n", static_cast<long long>(ns / ns_a_ms),
-                      static_cast<long long>(ns % ns_a_ms));
-        text += line.data();
-    }
+    for (const std::int64_t ns : *rate.own_times)
+        text += formatted("%lld.%06lld\n", static_cast<long long>(ns / ns_a_ms),
+                          static_cast<long long>(ns % ns_a_ms));
     return text;
 }
 

@@ -1,10 +1,9 @@
 #include "player/check/device_check_report.hpp"
 
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -13,9 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string digits_of(double value, int digits = 3) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-    return text.data();
+    return formatted("%.*g", digits, value);
 }
 
 std::string times_in_words(const Percentiles& of) {
@@ -25,8 +22,7 @@ std::string times_in_words(const Percentiles& of) {
 }
 
 std::string micrometres(const glm::dvec3& metres) {
-    return digits_of(metres.x * 1e6) + " " + digits_of(metres.y * 1e6) + " " + digits_of(metres.z * 1e6) +
-           " um";
+    return formatted("%.3g %.3g %.3g um", metres.x * 1e6, metres.y * 1e6, metres.z * 1e6);
 }
 
 void tell_device(std::ostream& out, const DeviceReport& report) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
@@ -13,6 +12,7 @@
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/number_words.hpp"
 #include "engine/video/matroska_writer.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
@@ -141,14 +141,8 @@ constexpr double ms_per_second = 1000, us_per_ms = 1000;
 /// Of the machine and of each deadline: other programs run too, and no two frames take the same time.
 constexpr double usable_share = 0.9;
 
-std::string number(const char* format, double value) {
-    char text[64];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 std::string figure(double value) {
-    return number(value < 100 ? "%.3g" : "%.0f", value);
+    return formatted(value < 100 ? "%.3g" : "%.0f", value);
 }
 
 }  // namespace
@@ -222,11 +216,11 @@ std::string trial_to_text(const TouchDemand& demand, const TrialFigures& figures
     text += "build     " + spread(figures.build_ms, "ms") + "; " + figures.builder + " builder, median 3x3\n";
     text += "tick      " + spread(figures.tick_us, "us") + " of " + std::to_string(figures.ticks) +
             ", all fingers; the next one is due after 1000\n";
-    text += "cpu time  " + number("%.0f ms a second, of ", figures.cpu_ms_per_second(demand)) +
+    text += "cpu time  " + formatted("%.0f ms a second, of ", figures.cpu_ms_per_second(demand)) +
             std::to_string(cores) + (cores == 1 ? " core\n" : " cores\n");
     if (figures.is_crowded())
         text += "note      other programs kept the cores busy; ask again when they rest\n";
-    text += "at most   " + number("%.0f frames/s", verdict.most_rate) + " with as many fingers\n";
+    text += "at most   " + formatted("%.0f frames/s", verdict.most_rate) + " with as many fingers\n";
     return text;
 }
 

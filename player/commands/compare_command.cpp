@@ -1,11 +1,11 @@
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "engine/number_words.hpp"
 #include "player/options/file_option.hpp"
 #include "player/record/force_comparison.hpp"
 #include "player/run/memory.hpp"
@@ -47,54 +47,50 @@ Json to_json(const ForceComparison& c) {
         {"worst", worst}};
 }
 
-template <class... Values>
-void print_line(const char* format, Values... values) {
-    char line[200];
-    std::snprintf(line, sizeof line, format, values...);
-    std::cout << line << '\n';
-}
-
 void print_contact(const ForceComparison& c) {
     const double all = 0.01 * static_cast<double>(c.both + c.only_a + c.only_b + c.neither);
-    print_line("  contact      both %.1f %%, only A %.1f %%, only B %.1f %%, neither %.1f %%",
-               static_cast<double>(c.both) / all, static_cast<double>(c.only_a) / all,
-               static_cast<double>(c.only_b) / all, static_cast<double>(c.neither) / all);
+    std::cout << formatted("  contact      both %.1f %%, only A %.1f %%, only B %.1f %%, neither %.1f %%\n",
+                           static_cast<double>(c.both) / all, static_cast<double>(c.only_a) / all,
+                           static_cast<double>(c.only_b) / all, static_cast<double>(c.neither) / all);
 }
 
 void print_noise(const ForceComparison& c) {
     if (c.noise_windows == 0) {
-        print_line(
+        std::cout << formatted(
             "  noise        not known: the runs never touch at once for %zu ms; a hand that stays in contact "
             "helps "
-            "(press, or wander with glide=1000)",
+            "(press, or wander with glide=1000)\n",
             ForceComparison::noise_window);
         return;
     }
     for (std::size_t k = 0; k < noise_bands.size(); ++k)
-        print_line("  %s %3.0f to %3.0f Hz: A %.4f N, B %.4f N", k == 0 ? "noise       " : "            ",
-                   noise_bands[k].from_hz, noise_bands[k].to_hz, c.noise_a_n[k], c.noise_b_n[k]);
+        std::cout << formatted("  %s %3.0f to %3.0f Hz: A %.4f N, B %.4f N\n",
+                               k == 0 ? "noise       " : "            ", noise_bands[k].from_hz,
+                               noise_bands[k].to_hz, c.noise_a_n[k], c.noise_b_n[k]);
 }
 
 void print_table(const ForceComparison& c) {
-    print_line("  compared     %lld ticks of %d finger%s", static_cast<long long>(c.ticks), c.fingers,
-               c.fingers == 1 ? "" : "s");
+    std::cout << formatted("  compared     %lld ticks of %d finger%s\n", static_cast<long long>(c.ticks),
+                           c.fingers, c.fingers == 1 ? "" : "s");
     if (c.other_goals > 0)
-        print_line("  left out     %lld whose goals differ", static_cast<long long>(c.other_goals));
+        std::cout << formatted("  left out     %lld whose goals differ\n",
+                               static_cast<long long>(c.other_goals));
     print_contact(c);
     if (c.both > 0) {
-        print_line("  force        A %.4f N, B %.4f N, A - B %+.4f N (mean, where both touch)", c.mean_a_n,
-                   c.mean_b_n, c.longer_n);
-        print_line("  difference   mean %.4f N, 95 %% at most %.4f N, largest %.4f N", c.difference_n.mean,
-                   c.difference_n.p95, c.difference_n.max);
-        print_line("  direction    mean %.2f degrees, 95 %% at most %.2f, largest %.2f (from %.2f N on)",
-                   c.direction_degrees.mean, c.direction_degrees.p95, c.direction_degrees.max,
-                   ForceComparison::least_newtons);
+        std::cout << formatted("  force        A %.4f N, B %.4f N, A - B %+.4f N (mean, where both touch)\n",
+                               c.mean_a_n, c.mean_b_n, c.longer_n);
+        std::cout << formatted("  difference   mean %.4f N, 95 %% at most %.4f N, largest %.4f N\n",
+                               c.difference_n.mean, c.difference_n.p95, c.difference_n.max);
+        std::cout << formatted(
+            "  direction    mean %.2f degrees, 95 %% at most %.2f, largest %.2f (from %.2f N on)\n",
+            c.direction_degrees.mean, c.direction_degrees.p95, c.direction_degrees.max,
+            ForceComparison::least_newtons);
     }
     print_noise(c);
     for (const WorstTick& one : c.worst)
-        print_line("  %s tick %lld, finger %d: %.4f N",
-                   &one == &c.worst.front() ? "worst       " : "            ",
-                   static_cast<long long>(one.tick), one.finger, one.newtons);
+        std::cout << formatted("  %s tick %lld, finger %d: %.4f N\n",
+                               &one == &c.worst.front() ? "worst       " : "            ",
+                               static_cast<long long>(one.tick), one.finger, one.newtons);
     if (c.worst.empty()) std::cout << "  every force is the same\n";
 }
 

@@ -1,25 +1,14 @@
 #include "player/commands/convert_report.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdarg>
-#include <cstdio>
 
 #include "engine/clip/image_folder_writer.hpp"
+#include "engine/number_words.hpp"
 #include "engine/video/lerobot_writer.hpp"
 
 namespace touchable {
 
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string worded(const char* form, ...) {
-    std::array<char, 256> words{};
-    va_list values;
-    va_start(values, form);
-    std::vsnprintf(words.data(), words.size(), form, values);
-    va_end(values);
-    return words.data();
-}
 
 std::string how_stored(const TrackInfo& track, bool is_still) {
     return track.codec + (is_still ? ", one picture for all frames" : "");
@@ -29,26 +18,26 @@ std::string how_stored(const TrackInfo& track, bool is_still) {
 std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
     if (loss.changed == 0 && !resized) return "every value kept";
     const std::string share =
-        worded("%.3g %% of the values differ, by %d at most, RMS %.3g",
-               100.0 * static_cast<double>(loss.changed) / static_cast<double>(loss.samples), loss.largest,
-               loss.rms());
+        formatted("%.3g %% of the values differ, by %d at most, RMS %.3g",
+                  100.0 * static_cast<double>(loss.changed) / static_cast<double>(loss.samples), loss.largest,
+                  loss.rms());
     if (role == PlaneRole::colour)
         return (resized ? "averaged: " : "as good as the eye can tell: ") + share +
                (resized || !may_be_exact ? "" : " (--exact-colour keeps every value)");
     std::string words = "LOST: of the pixels before, " + share + "; ";
     if (role != PlaneRole::depth) return words.substr(0, words.size() - 2);
     if (loss.is_recoded) words = "LOST: stored as other codes; ";
-    words += worded("depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
-                    1000 * loss.rms_metres());
+    words += formatted("depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
+                       1000 * loss.rms_metres());
     if (loss.appeared + loss.disappeared > 0)
-        words += worded("; %lld pixels lost their depth, %lld without one have one now",
-                        static_cast<long long>(loss.disappeared), static_cast<long long>(loss.appeared));
+        words += formatted("; %lld pixels lost their depth, %lld without one have one now",
+                           static_cast<long long>(loss.disappeared), static_cast<long long>(loss.appeared));
     return words;
 }
 
 std::string forces_in_words(const ForceComparison& forces) {
     if (forces.both == 0) return "a standard stroke never touches both: what it feels cannot be compared";
-    return worded(
+    return formatted(
         "on a standard stroke %.2g degrees off on average, 95 %% at most %.2g; %.2g N, at most %.2g "
         "of %.2g N (mean)",
         forces.direction_degrees.mean, forces.direction_degrees.p95, forces.difference_n.mean,
@@ -99,7 +88,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
                        (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
                        std::to_string(scene.height);
     if (!is_one_frame(options.form))
-        text += worded(
+        text += formatted(
             scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
             scene.rate.per_second());
     text += "\n";

@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/number_option.hpp"
@@ -58,16 +58,15 @@ StoredImage mask_of(const GlobeMap& elevation, double level) {
 }
 
 std::string shore_in_words(const Shore& shore, bool told, bool has_mask) {
-    char agreement[32], level[32];
-    std::snprintf(agreement, sizeof agreement, "%.1f", 100 * shore.agreement);
-    std::snprintf(level, sizeof level, "%.9g", shore.sea_level);
+    const std::string level = formatted("sea level %.9g", shore.sea_level);
     if (!has_mask)
-        return std::string("sea level ") + level +
+        return level +
                (told ? ", as told" : ", the least of the elevation map (--sea-level VALUE says otherwise)") +
                "; --mask FILE would say which is land";
-    return std::string("sea level ") + level + (told ? ", as told" : " of the elevation map") + "; land is " +
-           (shore.bright_is_land ? "bright" : "dark") + " in the mask; the two agree on " + agreement +
-           " % of the globe" + (told ? "" : " (--sea-level VALUE says otherwise)");
+    return level + (told ? ", as told" : " of the elevation map") + "; land is " +
+           (shore.bright_is_land ? "bright" : "dark") +
+           formatted(" in the mask; the two agree on %.1f %% of the globe", 100 * shore.agreement) +
+           (told ? "" : " (--sea-level VALUE says otherwise)");
 }
 
 }  // namespace

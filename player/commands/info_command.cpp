@@ -14,6 +14,7 @@
 
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_text.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/terraces.hpp"
@@ -60,42 +61,36 @@ const char* semantics_name(DepthSemantics semantics) {
 std::string values_of(const DepthCoding& coding) {
     if (coding.kind == DepthCodingKind::inverse) return " (1/depth)";
     if (coding.kind != DepthCodingKind::log) return "";
-    std::ostringstream words;
-    words << " (ln(depth + " << coding.shift << "))";
-    return words.str();
+    return formatted(" (ln(depth + %g))", coding.shift);
 }
 
 std::string coding_words(const DepthCoding& coding) {
-    std::ostringstream words;
-    if (coding.kind == DepthCodingKind::metric)
-        words << "metric, " << coding.scale << " units a code";
-    else
-        words << kind_name(coding.kind) << values_of(coding) << " between two planes, largest code at the "
-              << (coding.near_is_high ? "near" : "far") << " one";
-    if (coding.kind == DepthCodingKind::hue) words << ", no depth where R + G + B < " << coding.least_sum;
-    words << (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
-                                                        : "; planar, along -Z");
-    return words.str();
+    std::string words = coding.kind == DepthCodingKind::metric
+                            ? formatted("metric, %g units a code", coding.scale)
+                            : kind_name(coding.kind) + values_of(coding) +
+                                  " between two planes, largest code at the " +
+                                  (coding.near_is_high ? "near" : "far") + " one";
+    if (coding.kind == DepthCodingKind::hue)
+        words += ", no depth where R + G + B < " + std::to_string(coding.least_sum);
+    return words + (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
+                                                              : "; planar, along -Z");
 }
 
 /// "400..4400 without 1000".
 std::string valid_words(const DepthCoding& coding) {
-    std::ostringstream words;
-    words << coding.valid_min << ".." << coding.valid_max;
+    std::string words = std::to_string(coding.valid_min) + ".." + std::to_string(coding.valid_max);
     const char* separator = " without ";
     for (int k = 0; k < coding.invalid_code_count; ++k) {
         const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(k)];
         if (code < coding.valid_min || code > coding.valid_max) continue;
-        words << separator << code;
+        words += separator + std::to_string(code);
         separator = ", ";
     }
-    return words.str();
+    return words;
 }
 
 std::string range_words(const PropertyRange& range) {
-    std::ostringstream words;
-    words << range.min << ".." << range.max;
-    return words.str();
+    return formatted("%g..%g", range.min, range.max);
 }
 
 /// As terrace removal would see it.

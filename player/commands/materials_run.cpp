@@ -1,9 +1,6 @@
 #include "player/commands/materials_run.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdarg>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -11,6 +8,7 @@
 #include <vector>
 
 #include "engine/clip/plane_role.hpp"
+#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/printable.hpp"
 #include "player/commands/convert_command.hpp"
@@ -24,27 +22,18 @@ namespace {
 /// Smaller segments that nobody named are not told one by one.
 constexpr std::int64_t told_permille = 5;
 
-[[gnu::format(printf, 1, 2)]] std::string in_form(const char* form, ...) {
-    std::array<char, 256> words{};
-    va_list values;
-    va_start(values, form);
-    std::vsnprintf(words.data(), words.size(), form, values);
-    va_end(values);
-    return words.data();
-}
-
 std::string values_in_words(const HapticProperties& properties) {
-    return in_form("%.3g N/mm, friction %.3g and %.3g", properties.stiffness / 1000,
-                   properties.static_friction, properties.dynamic_friction);
+    return formatted("%.3g N/mm, friction %.3g and %.3g", properties.stiffness / 1000,
+                     properties.static_friction, properties.dynamic_friction);
 }
 
 std::string segment_line(const SeenSegment& segment, double of_pixels) {
     std::string at = std::to_string(segment.at.x) + ',' + std::to_string(segment.at.y);
     if (segment.at.frame > 0) at += ',' + std::to_string(segment.at.frame);
     const std::string material = segment.paint.material.empty() ? "own values" : segment.paint.material;
-    std::string line = in_form("  %5d  %-14s %6.1f %%  #%02x%02x%02x  %-10s ", segment.label, at.c_str(),
-                               100 * segment.pixels / of_pixels, segment.colour[0], segment.colour[1],
-                               segment.colour[2], material.c_str());
+    std::string line = formatted("  %5d  %-14s %6.1f %%  #%02x%02x%02x  %-10s ", segment.label, at.c_str(),
+                                 100 * segment.pixels / of_pixels, segment.colour[0], segment.colour[1],
+                                 segment.colour[2], material.c_str());
     line += segment.paint.is_guess       ? "guess"
             : segment.paint.name.empty() ? "all others"
                                          : printable(segment.paint.name);
@@ -74,11 +63,12 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene, bo
             "  Guesses are by colour and roughness alone. --material NAME=MATERIAL --at X,Y says what a "
             "segment is; --list has the materials.\n";
     if (report.compared > 0)
-        words += in_form("  steady   %.3f %% of the pixels change their segment from frame to frame\n",
-                         100.0 * static_cast<double>(report.changed) / static_cast<double>(report.compared));
+        words +=
+            formatted("  steady   %.3f %% of the pixels change their segment from frame to frame\n",
+                      100.0 * static_cast<double>(report.changed) / static_cast<double>(report.compared));
     if (report.seconds > 0 && !has_cuts)
-        words += in_form("  speed    %.1f frames/s for segments and materials\n",
-                         static_cast<double>(report.frames) / report.seconds);
+        words += formatted("  speed    %.1f frames/s for segments and materials\n",
+                           static_cast<double>(report.frames) / report.seconds);
     return words;
 }
 
@@ -116,9 +106,9 @@ void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
     for (const SeenSegment& segment : report.segments) {
         const auto say = [&](const char* what, double value, const PropertyRange& range) {
             const double felt = std::clamp(value, range.min, range.max);
-            if (in_form("%.3g", felt) == in_form("%.3g", value)) return;
+            if (formatted("%.3g", felt) == formatted("%.3g", value)) return;
             std::cout << "  note: segment " << segment.label << ": " << what << ' '
-                      << in_form("%.3g becomes %.3g", value, felt)
+                      << formatted("%.3g becomes %.3g", value, felt)
                       << ", as the clip's haptic ranges have it; NAME.mkv keeps it\n";
         };
         const HapticProperties& properties = segment.paint.feel.properties;
@@ -258,9 +248,9 @@ Result<void> run_materials(const MaterialsOptions& options) {
 Result<void> print_palette() {
     std::cout << "material    stiffness  static, dynamic friction  relief  from\n";
     for (const PaletteMaterial& material : palette())
-        std::cout << in_form("%-10s  %4.2f N/mm             %4.2f, %5.3f    %3d %%  ",
-                             std::string(material.name).c_str(), material.stiffness, material.static_friction,
-                             material.dynamic_friction, material.relief)
+        std::cout << formatted("%-10s  %4.2f N/mm             %4.2f, %5.3f    %3d %%  ",
+                               std::string(material.name).c_str(), material.stiffness,
+                               material.static_friction, material.dynamic_friction, material.relief)
                   << "stiffness: " << material.stiffness_source << "; friction: " << material.friction_source
                   << '\n';
     std::cout

@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <iostream>
 #include <memory>
@@ -15,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/sound/stored_sound.hpp"
 #include "engine/start_thread.hpp"
@@ -70,12 +69,6 @@ void say_who_may_listen(const std::string& address) {
     say_served(address +
                " is open to ANY machine that reaches it: each program that connects gets all that "
                "is sent (127.0.0.1 keeps it on this machine)");
-}
-
-std::string number_words(const char* format, double number) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, number);
-    return text.data();
 }
 
 /// A stream of one form.
@@ -359,21 +352,21 @@ std::string Serving::report_in_words() const {
     std::string text;
     for (const std::string& note : notes_) text += "note: " + note + '\n';
     text += "sent " + std::to_string(sent.framesets) + " framesets in " +
-            number_words("%.1f s, ", report["seconds"]) +
-            number_words("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
-            number_words(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"]) +
+            formatted("%.1f s, ", report["seconds"].get<double>()) +
+            formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
+            formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +
             std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
     if (sent.held_up_ns > 0)
-        text += "warning: they went " + number_words("%.1f s", report["held_up_ms"].get<double>() / 1000) +
+        text += "warning: they went " + formatted("%.1f s", report["held_up_ms"].get<double>() / 1000) +
                 " later than they were to: this machine encodes them too slowly, or stood still\n";
     if (hls_)
         text += "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
-                number_words(" segments; a viewer fetches %.1f KB/s",
-                             (report["hls"]["colour_bytes_per_second"].get<double>() +
-                              report["hls"]["touch_bytes_per_second"].get<double>() +
-                              report["hls"]["playlist_bytes_per_second"].get<double>()) /
-                                 1000) +
-                number_words(" by %.1f requests a second\n", report["hls"]["requests_per_second"]);
+                formatted(" segments; a viewer fetches %.1f KB/s",
+                          (report["hls"]["colour_bytes_per_second"].get<double>() +
+                           report["hls"]["touch_bytes_per_second"].get<double>() +
+                           report["hls"]["playlist_bytes_per_second"].get<double>()) /
+                              1000) +
+                formatted(" by %.1f requests a second\n", report["hls"]["requests_per_second"].get<double>());
     for (const ListenerFigures& one : audience_.gone())
         text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
                 " left out\n";

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <functional>
 #include <initializer_list>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 #include "player/options/outputs.hpp"
 #include "player/run/field_probe.hpp"
@@ -131,11 +131,10 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
     if (auto done = order_.deliver(field, pair, nearer.colour, fingers_on(field)); !done.ok()) return done;
     const std::string gpu = order_.painter->gpu_name();
-    std::ostringstream line;
-    line << "picture: " << order_.file->target().string() << " by the " << order_.painter->name()
-         << " painter" << (gpu.empty() ? "" : " on " + gpu) << "; 1 N is "
-         << mark_sizes(setup.scene, subject_of(field).middle).length_per_newton << " units long\n";
-    line_ = line.str();
+    line_ = "picture: " + order_.file->target().string() + " by the " + std::string(order_.painter->name()) +
+            " painter" + (gpu.empty() ? "" : " on " + gpu) +
+            formatted("; 1 N is %g units long\n",
+                      mark_sizes(setup.scene, subject_of(field).middle).length_per_newton);
     return {};
 }
 

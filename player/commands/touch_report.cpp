@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "engine/import/guess/known_camera.hpp"
+#include "engine/number_words.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
@@ -32,11 +32,9 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
             "busy");
     const auto skipped = static_cast<double>(live.loop.skipped);
     const double skipped_pct = 100 * skipped / (skipped + static_cast<double>(live.loop.ticks));
-    if (skipped_pct > bearable_skipped_pct) {
-        char share[32];
-        std::snprintf(share, sizeof share, "%.1f %%", skipped_pct);
-        warnings.push_back(share + std::string(" of the ticks were skipped, because others came too late"));
-    }
+    if (skipped_pct > bearable_skipped_pct)
+        warnings.push_back(
+            formatted("%.1f %% of the ticks were skipped, because others came too late", skipped_pct));
     if (live.late_frames > 0)
         warnings.push_back(
             std::to_string(live.late_frames) + " of " + std::to_string(frames) +
@@ -68,12 +66,6 @@ std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& f
     return warnings;
 }
 
-std::string in_seconds(double seconds) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%.3g s", seconds);
-    return words;
-}
-
 /// What became of the clip when it ended, and what the hand has to say after the run.
 std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigures& figures) {
     std::vector<std::string> notes;
@@ -85,8 +77,8 @@ std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigure
                  run = 1e-3 * static_cast<double>(figures.ticks());
     if (setup.settings.playback.empty() && setup.feed->ended() && setup.feed->frames() > 1 &&
         run > 1.02 * clip)
-        notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
-                        in_seconds(run));
+        notes.push_back(
+            formatted("the clip ends at %.3g s; its last frame stands still until %.3g s", clip, run));
     if (setup.held_device && setup.held_device->is_over())
         notes.push_back(setup.held_device->name() + ": " + setup.held_device->prompt() +
                         (setup.settings.ticks ? "" : "; the run ends there"));
@@ -144,21 +136,16 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
 std::string limited_words(const Json& report) {
     const auto& limited = report["force_limited"];
     if (limited["finger_ticks"] == 0) return "";
-    char words[96];
-    std::snprintf(words, sizeof words, "; at the device's limit for %.3f s, at most %.3f s in a row",
-                  1e-3 * limited["finger_ticks"].get<double>(),
-                  1e-3 * limited["longest_ticks"].get<double>());
-    return words;
+    return formatted("; at the device's limit for %.3f s, at most %.3f s in a row",
+                     1e-3 * limited["finger_ticks"].get<double>(),
+                     1e-3 * limited["longest_ticks"].get<double>());
 }
 
 /// Where no depth is: how long fingers were caught there.
 std::string hole_words(const Json& holes) {
-    char words[160];
-    std::snprintf(words, sizeof words,
-                  "%.3f s behind walls of missing depth (%.1f %% of contact), at most %.3f s in a row",
-                  1e-3 * holes["finger_ticks"].get<double>(), holes["contact_pct"].get<double>(),
-                  1e-3 * holes["longest_ticks"].get<double>());
-    return words;
+    return formatted("%.3f s behind walls of missing depth (%.1f %% of contact), at most %.3f s in a row",
+                     1e-3 * holes["finger_ticks"].get<double>(), holes["contact_pct"].get<double>(),
+                     1e-3 * holes["longest_ticks"].get<double>());
 }
 
 /// Energy that a surface of one stiffness would not give. Moving surfaces are no part of it (docs/solver.md).
@@ -166,41 +153,32 @@ std::string energy_words(const Json& report) {
     const double created = report["energy_mj"]["created"], bound = report["energy_mj"]["zoh_bound"],
                  smallest = report["stiffness_limited"]["smallest_n_mm"],
                  largest = report["stiffness_limited"]["largest_n_mm"];
-    char words[200];
     if (report["energy_mj"].value("of_the_map", false))
-        std::snprintf(
-            words, sizeof words,
-            "%.3g mJ, because the clip is soft here and stiff there (%.3g to %.3g N/mm), as it asks to "
-            "be; --stiffness passive takes that away",
+        return formatted(
+            "%.3g mJ, because the clip is soft here and stiff there (%.3g to %.3g N/mm), as it asks to be; "
+            "--stiffness passive takes that away",
             created, smallest, largest);
-    else
-        std::snprintf(words, sizeof words,
-                      "%.3g mJ came out of the surface, where a real one gives none; holding each force for "
-                      "1 ms explains up to "
-                      "%.3g mJ of it",
-                      created, bound);
-    return words;
+    return formatted(
+        "%.3g mJ came out of the surface, where a real one gives none; holding each force for 1 ms explains "
+        "up to %.3g mJ of it",
+        created, bound);
 }
 
 /// What came over the network.
 std::string stream_words(const Json& stream) {
     const auto count = [&](const char* what) { return std::to_string(stream[what].get<std::int64_t>()); };
-    char words[96];
-    std::snprintf(words, sizeof words, "; held back %.1f ms now, longest gap %.0f ms",
-                  stream["delay_ms"].get<double>(), stream["longest_gap_ms"].get<double>());
     std::string text = count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") +
-                       " late, " + count("torn") + " damaged" + words;
-    if (stream.contains("levels") && stream["levels"]["changes"] > 0) {
-        std::snprintf(words, sizeof words, "; full level for %.0f s, low one for %.0f s",
-                      stream["levels"]["full_s"].get<double>(), stream["levels"]["low_s"].get<double>());
-        text += words;
-    }
+                       " late, " + count("torn") + " damaged" +
+                       formatted("; held back %.1f ms now, longest gap %.0f ms",
+                                 stream["delay_ms"].get<double>(), stream["longest_gap_ms"].get<double>());
+    if (stream.contains("levels") && stream["levels"]["changes"] > 0)
+        text += formatted("; full level for %.0f s, low one for %.0f s",
+                          stream["levels"]["full_s"].get<double>(), stream["levels"]["low_s"].get<double>());
     if (!stream.contains("link")) return text;
     const Json& link = stream["link"];
-    std::snprintf(words, sizeof words, "; %.0f ms there and back, %.1f %% of the datagrams lost",
-                  link["rtt_ms"].get<double>(),
-                  100 * link["lost"].get<double>() / std::max(1.0, link["datagrams"].get<double>()));
-    return text + words;
+    return text +
+           formatted("; %.0f ms there and back, %.1f %% of the datagrams lost", link["rtt_ms"].get<double>(),
+                     100 * link["lost"].get<double>() / std::max(1.0, link["datagrams"].get<double>()));
 }
 
 /// What a builder does, for a person who has not heard of builders.
@@ -239,22 +217,19 @@ std::string labelled(const char* name, const std::string& value) {
     return "  " + label + value + '\n';
 }
 
-std::string with_number(double value, const char* format) {
-    char buffer[64];
-    std::snprintf(buffer, sizeof buffer, format, value);
-    return buffer;
-}
-
 std::string force_words(const Json& report) {
-    return with_number(report["force_n"]["mean"], "%.3f N mean in contact, ") +
-           with_number(report["force_n"]["max"], "%.3f N max") + limited_words(report);
+    return formatted("%.3f N mean in contact, %.3f N max", report["force_n"]["mean"].get<double>(),
+                     report["force_n"]["max"].get<double>()) +
+           limited_words(report);
 }
 
 /// Empty: nothing was held back.
 std::string held_back_words(const Json& report) {
     if (report["held_back_ticks"] == 0) return "";
-    return with_number(1e-3 * report["held_back_ticks"].get<double>(), "%.3f s of contact ") +
-           "with no force or a part of it: forces were off, or the finger had not been free since";
+    return formatted(
+        "%.3f s of contact with no force or a part of it: forces were off, or the finger had not been free "
+        "since",
+        1e-3 * report["held_back_ticks"].get<double>());
 }
 
 /// Empty: no finger waited.
@@ -269,8 +244,9 @@ std::string waiting_words(const Json& report) {
 /// Empty: it never was.
 std::string stale_words(const Json& report) {
     if (report["stale_ticks"] == 0) return "";
-    return with_number(1e-3 * report["stale_ticks"].get<double>(), "%.3f s ") +
-           "without force, or with a part of it: the surface was too old, because no newer frame came";
+    return formatted(
+        "%.3f s without force, or with a part of it: the surface was too old, because no newer frame came",
+        1e-3 * report["stale_ticks"].get<double>());
 }
 
 /// How much of the clip nobody has said. Empty: nothing was guessed.
@@ -378,8 +354,9 @@ std::string report_in_short(const Json& report, const std::optional<std::vector<
     for (const auto& warning : report["warnings"]) text += labelled("warning", warning.get<std::string>());
     text += labelled("touched", report["clip"].get<std::string>() + ", by " + fingers_in_words(report) +
                                     (report["fingers"] == 1 ? " finger" : " fingers") +
-                                    with_number(1e-3 * report["ticks"].get<double>(), " for %.3f s, ") +
-                                    with_number(report["finger_contact_pct"], "%.1f %% of it in contact") +
+                                    formatted(" for %.3f s, %.1f %% of it in contact",
+                                              1e-3 * report["ticks"].get<double>(),
+                                              report["finger_contact_pct"].get<double>()) +
                                     guesses_in_words(report));
     for (const auto& note : report.value("run_notes", std::vector<std::string>()))
         text += labelled("note", note);
@@ -403,7 +380,7 @@ std::string report_to_text(const Json& r) {
         return text;
     }
     auto line = [&text](const char* name, const std::string& value) { text += labelled(name, value); };
-    const auto number = with_number;
+    auto number = [](double value, const char* format) { return formatted(format, value); };
     auto count = [&r](const char* name) { return std::to_string(r[name].get<std::int64_t>()); };
     auto spread = [&](const Json& s) {
         return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "device/hand_control.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "engine/start_thread.hpp"
 #include "player/commands/touch_outputs.hpp"
@@ -189,11 +189,8 @@ struct Told {
 /// Of a run that ended too early and whose files are complete nevertheless.
 Result<void> ended_early(const LiveFacts& facts) {
     if (!facts.interrupted && !facts.failure) return {};
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%.3f",
-                  static_cast<double>(facts.loop.ticks + facts.loop.skipped) / 1000);
-    const std::string kept =
-        std::string(" after ") + seconds + " s; what was asked for is written, up to there";
+    const std::string kept = formatted(" after %.3f s; what was asked for is written, up to there",
+                                       static_cast<double>(facts.loop.ticks + facts.loop.skipped) / 1000);
     if (facts.failure) {
         Error failure = *facts.failure;
         failure.message += ": ended" + kept;

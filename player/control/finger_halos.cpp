@@ -3,10 +3,10 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/number_words.hpp"
 #include "player/view/surface_pick.hpp"
 
 namespace touchable {
@@ -37,9 +37,8 @@ void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thic
 
 /// On a ground of its own, to be read on any surface.
 void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox>& labels, float scale) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%.1f N", halo.newtons);
-    const ImVec2 text = ImGui::CalcTextSize(words);
+    const std::string words = formatted("%.1f N", halo.newtons);
+    const ImVec2 text = ImGui::CalcTextSize(words.c_str());
     const float x = 5 * scale, y = 2 * scale;
     const glm::dvec2 size(text.x + 2 * x, text.y + 2 * y);
     const auto place = place_label(halo.at, halo.ring + 5.0 * static_cast<double>(scale), size, labels);
@@ -47,7 +46,7 @@ void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox
     labels.push_back({*place, *place + size});
     const ImVec2 at = point(*place);
     list.AddRectFilled(at, point(*place + size), IM_COL32(14, 17, 22, 190), 5 * scale);
-    list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words);
+    list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words.c_str());
 }
 
 /// The force of an arrow that is too short on the screen to tell it.

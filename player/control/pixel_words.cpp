@@ -1,23 +1,13 @@
 #include "player/control/pixel_words.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
-namespace {
-
-std::string number_words(const char* format, double number) {
-    char words[64];
-    std::snprintf(words, sizeof words, format, number);
-    return words;
-}
-
-}  // namespace
-
 std::string metres_in_words(double depth, const Scene& scene) {
-    return number_words("%.4f m", depth * scene.metres_per_unit);
+    return formatted("%.4f m", depth * scene.metres_per_unit);
 }
 
 std::string stored_in_words(const PlaneView& depth, const Scene& scene, int x, int y) {
@@ -29,14 +19,12 @@ std::string stored_in_words(const PlaneView& depth, const Scene& scene, int x, i
 
 std::string length_in_words(double length, const Scene& scene) {
     const double metres = length * scene.metres_per_unit;
-    if (metres >= 10) return number_words("%.3f m", metres);
-    return number_words(metres < 0.1 ? "%.2f mm" : "%.1f mm", 1000 * metres);
+    if (metres >= 10) return formatted("%.3f m", metres);
+    return formatted(metres < 0.1 ? "%.2f mm" : "%.1f mm", 1000 * metres);
 }
 
 std::string pressed_in_words(double millimetres) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%.1f %s", std::abs(millimetres), millimetres < 0 ? "above" : "in");
-    return words;
+    return formatted("%.1f %s", std::abs(millimetres), millimetres < 0 ? "above" : "in");
 }
 
 }  // namespace touchable

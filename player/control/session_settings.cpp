@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "device/pointer_device.hpp"
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
@@ -15,16 +15,10 @@ namespace {
 /// As FilterSettings has it.
 constexpr int most_passes = 16;
 
-std::string short_number(double number) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%.4g", number);
-    return words;
-}
-
 /// What the setting can be, for whoever meant something else.
 std::string right_values(const SessionSetting& setting) {
     if (setting.words.empty()) {
-        const std::string range = short_number(setting.least) + " to " + short_number(setting.most);
+        const std::string range = formatted("%.4g to %.4g", setting.least, setting.most);
         return (setting.whole ? "a whole number from " : "a number from ") + range +
                (*setting.unit ? std::string(" ") + setting.unit : "");
     }
@@ -46,7 +40,7 @@ std::optional<std::string> settled(const SessionSetting& setting, const std::str
     const auto number = number_of(value);
     if (!number || !(*number >= setting.least && *number <= setting.most)) return std::nullopt;
     if (setting.whole && *number != std::floor(*number)) return std::nullopt;
-    return short_number(*number);
+    return formatted("%.4g", *number);
 }
 
 /// Words for the values of something, in both directions.
@@ -122,7 +116,7 @@ std::vector<SessionSetting> force_settings() {
          .unit = "N",
          .apply = [](const std::string& value,
                      Options& o) { o.guard.max_force = number_of(value).value_or(0); },
-         .in_effect = [](const TouchSetup& s) { return short_number(s.settings.guard.max_force); }},
+         .in_effect = [](const TouchSetup& s) { return formatted("%.4g", s.settings.guard.max_force); }},
         {.name = "max-stiffness",
          .what =
              "How hard the surface can be at most: newtons for each millimetre that a finger is pressed in.",
@@ -133,7 +127,7 @@ std::vector<SessionSetting> force_settings() {
          .apply = [](const std::string& value,
                      Options& o) { o.guard.max_stiffness = number_of(value).value_or(0) * 1000; },
          .in_effect =
-             [](const TouchSetup& s) { return short_number(s.settings.guard.max_stiffness / 1000); }},
+             [](const TouchSetup& s) { return formatted("%.4g", s.settings.guard.max_stiffness / 1000); }},
         {.name = "hand-scale",
          .what =
              "How far a finger goes for a way of the hand: at 1 the picture fits into the device's reach, "
@@ -147,7 +141,7 @@ std::vector<SessionSetting> force_settings() {
              [](const std::string& value, Options& o) {
                  if (o.control) o.hand_scale = number_of(value).value_or(1);
              },
-         .in_effect = [](const TouchSetup& s) { return short_number(s.hand_scale); }}};
+         .in_effect = [](const TouchSetup& s) { return formatted("%.4g", s.hand_scale); }}};
 }
 
 std::vector<SessionSetting> filter_settings() {
@@ -240,7 +234,7 @@ std::vector<SessionSetting> relief_settings() {
          .by_ratio = true,
          .apply = [](const std::string& value,
                      Options& o) { relief_of(o).height_mm = number_of(value).value_or(0.5); },
-         .in_effect = [](const TouchSetup& s) { return short_number(relief_in(s).height_mm); }},
+         .in_effect = [](const TouchSetup& s) { return formatted("%.4g", relief_in(s).height_mm); }},
         relief_band<0>("relief-fine",
                        "The share of details of 2 to 4 pixels; below 0 they are turned round."),
         relief_band<1>("relief-medium", "The share of details of 5 to 10 pixels."),

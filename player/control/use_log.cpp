@@ -6,12 +6,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <mutex>
 #include <string_view>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 #include "player/control/universal_time.hpp"
 
@@ -92,9 +92,7 @@ Result<void> UseLog::finish(std::chrono::milliseconds longest) {
 }
 
 void UseLog::visit(Time came, double seconds) {
-    char words[64];
-    std::snprintf(words, sizeof words, "visit,%lld,%.1f,", static_cast<long long>(++visitors_), seconds);
-    add(came, words);
+    add(came, formatted("visit,%lld,%.1f,", static_cast<long long>(++visitors_), seconds));
 }
 
 void UseLog::fault(Time now, const std::string& words) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
+#include "engine/number_words.hpp"
 #include "player/control/brush_words.hpp"
 #include "player/control/session_settings.hpp"
 #include "player/overlay/overlays.hpp"
@@ -69,12 +69,6 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"redo", WindowVerb::redo, Takes::nothing},
                                      {"save-materials", WindowVerb::save_materials, Takes::of_tool},
                                      {"quit", WindowVerb::quit, Takes::nothing}};
-
-std::string in_words(double number) {
-    char words[32];
-    std::snprintf(words, sizeof words, "%g", number);
-    return words;
-}
 
 }  // namespace
 
@@ -257,7 +251,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     if (!number || (is_whole && *number != std::floor(*number)) || *number < named->least ||
         *number > named->most)
         return usage_error("'" + words + "': " + name + " needs a " + (is_whole ? "whole " : "") +
-                           "number from " + in_words(named->least) + " to " + in_words(named->most));
+                           formatted("number from %g to %g", named->least, named->most));
     command.number = *number;
     return command;
 }

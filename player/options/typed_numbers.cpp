@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 
+#include "engine/number_words.hpp"
+
 namespace touchable {
 namespace {
-
-std::string in_digits(double number) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", number);
-    return text;
-}
 
 /// One comma, with digits on both sides.
 bool has_decimal_comma(std::string_view text) {
@@ -78,9 +73,9 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
     const bool has_least = least != std::numeric_limits<double>::lowest(),
                has_most = most != std::numeric_limits<double>::max();
     if (has_least && has_most)
-        message += ", " + in_digits(least) + " to " + in_digits(most);
+        message += formatted(", %g to %g", least, most);
     else if (has_least)
-        message += ", " + in_digits(least) + " or more";
+        message += formatted(", %g or more", least);
     if (has_decimal_comma(text)) message += ", with a decimal point in place of the comma";
     return usage_error(std::move(message));
 }

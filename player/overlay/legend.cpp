@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
+#include "engine/number_words.hpp"
 #include "player/overlay/panel.hpp"
 #include "player/view/finger_marks.hpp"
 
@@ -61,10 +61,9 @@ void finger_dots(cairo_t* c, double x, double y, int fingers) {
 void draw_panel(cairo_t* c, const Legend& legend, double bottom) {
     const int fingers = static_cast<int>(std::min<std::size_t>(legend.fingers, fingers_at_most));
     const double newtons = scale_newtons(legend.pixels_per_newton, longest_arrow);
-    char force[64];
-    std::snprintf(force, sizeof force, "force on the finger; this long: %g N", newtons);
-    const char* texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)", force,
-                           "its way while it touched, 0.5 s at most"};
+    const std::string force = formatted("force on the finger; this long: %g N", newtons);
+    const char* texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)",
+                           force.c_str(), "its way while it touched, 0.5 s at most"};
     double widest = first_dot + dot_distance * fingers - icon_width;
     for (const char* text : texts) widest = std::max(widest, panel::text_width(c, text));
     const double height = 5 * panel::row_height + 2 * panel::padding, top = bottom - panel::margin - height;

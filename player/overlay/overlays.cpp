@@ -4,10 +4,10 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 
+#include "engine/number_words.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "player/overlay/overlay_normals.hpp"
 #include "player/view/surface_unproject.hpp"
@@ -132,9 +132,7 @@ std::string OverlayScale::title() const {
 std::string OverlayScale::everywhere() const {
     if (!classes.empty() || range.greatest > range.least) return "";
     const auto words = [this](double value) {
-        char number[32];
-        std::snprintf(number, sizeof number, "%.4g", value);
-        return number + (unit.empty() ? "" : " " + unit);
+        return formatted("%.4g", value) + (unit.empty() ? "" : " " + unit);
     };
     return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
            (at_holes ? "; " + words(*at_holes) + " at holes" : "");

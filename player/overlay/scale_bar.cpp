@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "engine/number_words.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "player/overlay/panel.hpp"
 
@@ -21,9 +21,7 @@ void colour_ink(cairo_t* c, PackedColour colour) {
 /// With as many decimals as a distance from one mark to the next needs.
 std::string number(double value, double step) {
     const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 9);
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*f", decimals, value == 0 ? 0.0 : value);
-    return text;
+    return formatted("%.*f", decimals, value == 0 ? 0.0 : value);
 }
 
 std::vector<ScaleMark> marks_at(const ValueRange& range, double step) {
@@ -101,10 +99,8 @@ struct PlacedMark {
 std::vector<PlacedMark> placed_marks(cairo_t* c, const OverlayScale& scale) {
     std::vector<PlacedMark> placed;
     for (const double level : scale.levels) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.3g", level);
         const auto steps = static_cast<double>(scale.levels.size() - 1);
-        placed.push_back({bar_width * static_cast<double>(placed.size()) / steps, text});
+        placed.push_back({bar_width * static_cast<double>(placed.size()) / steps, formatted("%.3g", level)});
     }
     if (!placed.empty()) return placed;
     const auto place_of = [&](double value) {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <string>
 
+#include "engine/number_words.hpp"
 #include "player/overlay/colour_ramp.hpp"
 #include "player/panel/panel_rows.hpp"
 
@@ -18,16 +18,9 @@ constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoDecoration | ImGuiW
                                           ImGuiWindowFlags_NoSavedSettings |
                                           ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 
-template <class... Values>
-std::string short_text(const char* format, Values... values) {
-    char words[160];
-    std::snprintf(words, sizeof words, format, values...);
-    return words;
-}
-
 /// `beyond`: what lies there has the same colour.
 std::string end_of_scale(double value, const char* beyond) {
-    return beyond + short_text("%.4g", value);
+    return beyond + formatted("%.4g", value);
 }
 
 }  // namespace
@@ -60,7 +53,7 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     // What is in a box tells its size a picture later: where that is known before, it is said.
     const ImGuiStyle& style = ImGui::GetStyle();
     const std::string limit_words =
-        (facts.kiosk ? facts.kiosk->texts.limit : "limit") + short_text(" %.3g N", facts.limit_newtons);
+        (facts.kiosk ? facts.kiosk->texts.limit : "limit") + formatted(" %.3g N", facts.limit_newtons);
     const float wide = std::max(ImGui::CalcTextSize(limit_words.c_str()).x, fingers * (bar + gap) - gap);
     begin_box("force",
               {.x = m,
@@ -71,7 +64,7 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     double most = 0;
     for (const double force : facts.forces) most = std::max(most, force);
     if (facts.force_on || facts.kiosk)  // which says it large, in its own words
-        ImGui::TextUnformatted(short_text("%.1f N", most).c_str());
+        ImGui::TextUnformatted(formatted("%.1f N", most).c_str());
     else
         ImGui::TextColored(ImVec4(0.95F, 0.65F, 0.35F, 1), "force off");
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -173,7 +166,7 @@ void draw_ramp(const OverlayScale& scale_of, float scale) {
     };
     ImGui::TextDisabled("%s", end_of_scale(scale_of.range.least, scale_of.is_less ? "< " : "").c_str());
     if (!scale_of.levels.empty())
-        draw_at(wide / 2, short_text("%.3g", scale_of.levels[scale_of.levels.size() / 2]), 0.5F);
+        draw_at(wide / 2, formatted("%.3g", scale_of.levels[scale_of.levels.size() / 2]), 0.5F);
     draw_at(wide, end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : ""), 1);
 }
 

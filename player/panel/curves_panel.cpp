@@ -3,8 +3,8 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "engine/number_words.hpp"
 #include "player/panel/panel_rows.hpp"
 #include "player/view/finger_marks.hpp"
 
@@ -48,13 +48,6 @@ void draw_curves(const char* label, std::initializer_list<DrawnCurve> curves, fl
     draw_value(words, at.x + wide, at.y + (tall - ImGui::GetFontSize()) / 2);
 }
 
-template <class... Values>
-std::array<char, 32> short_words(const char* format, Values... values) {
-    std::array<char, 32> words{};
-    std::snprintf(words.data(), words.size(), format, values...);
-    return words;
-}
-
 }  // namespace
 
 float Curve::greatest() const {
@@ -87,20 +80,20 @@ void CurvesPanel::draw(double most_newtons, float scale) {
                  {forces_[1], colour(1)},
                  {forces_[0], colour(0)}},
                 static_cast<float>(most_newtons), false,
-                short_words("%.1f N", static_cast<double>(newtons)).data(), scale);
+                formatted("%.1f N", static_cast<double>(newtons)).c_str(), scale);
     explain_row("Newtons on each finger, in its colour.");
     draw_curves("picture", {{picture_ms_, usual}}, std::max(50.0F, picture_ms_.greatest()), false,
-                short_words("%.0f ms", static_cast<double>(picture_ms_.newest())).data(), scale);
+                formatted("%.0f ms", static_cast<double>(picture_ms_.newest())).c_str(), scale);
     explain_row("How long a picture takes to draw. At 33 ms there are 30 a second.");
     draw_curves("tick", {{tick_us_, usual}}, std::max(50.0F, tick_us_.greatest()), false,
-                short_words("%.0f \xC2\xB5s", static_cast<double>(tick_us_.newest())).data(), scale);
+                formatted("%.0f \xC2\xB5s", static_cast<double>(tick_us_.newest())).c_str(), scale);
     explain_row(
         "How long a force takes to compute. There are 1000 a second: below 1000 \xC2\xB5s all is well.");
     draw_curves("late ticks", {{late_ticks_, bad}}, std::max(2.0F, late_ticks_.greatest()), true,
-                short_words("%lld", static_cast<long long>(all_late_)).data(), scale);
+                formatted("%lld", static_cast<long long>(all_late_)).c_str(), scale);
     explain_row("Forces that came a millisecond or more too late.");
     draw_curves("left out", {{dropped_frames_, bad}}, std::max(2.0F, dropped_frames_.greatest()), true,
-                short_words("%lld", static_cast<long long>(all_dropped_)).data(), scale);
+                formatted("%lld", static_cast<long long>(all_dropped_)).c_str(), scale);
     explain_row("Frames of the clip that this machine had no time for.");
 }
 

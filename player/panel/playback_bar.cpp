@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
+#include "engine/number_words.hpp"
 #include "player/panel/button_signs.hpp"
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/panel_rows.hpp"
@@ -16,9 +16,7 @@ namespace {
 
 std::string clock_words(double seconds) {
     const auto tenths = static_cast<long>(std::floor(std::max(seconds, 0.0) * 10 + 0.5));
-    char words[32];
-    std::snprintf(words, sizeof words, "%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
-    return words;
+    return formatted("%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
 }
 
 /// How wide words are with any digits in the place of theirs.
@@ -71,9 +69,7 @@ BarButton play_button(const PanelFacts& facts) {
 
 /// Right of the seek bar.
 std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool panel_shown, bool help_shown) {
-    char speed[32];
-    std::snprintf(speed, sizeof speed, "%g\xC3\x97##speed", facts.speed);
-    std::vector<BarButton> buttons{{.words = speed,
+    std::vector<BarButton> buttons{{.words = formatted("%g\xC3\x97##speed", facts.speed),
                                     .what = "how fast the clip plays ([ ])",
                                     .need = Need::speed,
                                     .command = {WindowVerb::speed, facts.speed >= 4 ? 0.25 : facts.speed * 2},

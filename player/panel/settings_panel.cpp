@@ -3,9 +3,9 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string_view>
 
+#include "engine/number_words.hpp"
 #include "player/panel/panel_rows.hpp"
 
 namespace touchable {
@@ -65,10 +65,8 @@ bool is_of_filters(const SessionSetting& setting) {
 }
 
 std::string shown_number(const SessionSetting& setting, float value) {
-    char words[32];
-    std::snprintf(words, sizeof words, setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
-                  static_cast<double>(value));
-    return words;
+    return formatted(setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
+                     static_cast<double>(value));
 }
 
 }  // namespace

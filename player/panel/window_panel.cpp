@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "engine/number_words.hpp"
 #include "player/control/pixel_words.hpp"
 #include "player/panel/corner_panels.hpp"
 #include "player/panel/empty_page.hpp"
@@ -152,7 +152,6 @@ void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector
 }
 
 void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
-    char words[32] = "none";
     draw_label("device", scale);
     ImGui::TextUnformatted(hand.device.c_str());
     explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
@@ -162,12 +161,13 @@ void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
                                                                      : "off: it is away");
     explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
     draw_label("position", scale);
-    if (std::isfinite(hand.age_s)) std::snprintf(words, sizeof words, "%.1f ms old", 1000 * hand.age_s);
-    ImGui::TextUnformatted(words);
+    if (std::isfinite(hand.age_s))
+        ImGui::Text("%.1f ms old", 1000 * hand.age_s);
+    else
+        ImGui::TextUnformatted("none");
     explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
     draw_label("scale", scale);
-    std::snprintf(words, sizeof words, "1 m is %.3g m", hand.scene_per_metre);
-    ImGui::TextUnformatted(words);
+    ImGui::Text("1 m is %.3g m", hand.scene_per_metre);
     explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
 }
 
@@ -194,21 +194,19 @@ void WindowPanel::draw_view(float scale, std::vector<WindowCommand>& asked) {
 
 /// What the finger and the clip do now.
 void WindowPanel::draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    char words[32];
     if (facts.hand)
         draw_hand(*facts.hand, scale);
     else
         draw_pointer(facts, scale, asked);
     draw_label("speed", scale);
     auto speed = static_cast<float>(facts.speed);
-    std::snprintf(words, sizeof words, "%.2f\xC3\x97", facts.speed);
-    if (draw_slider("##rate", speed, 0.1F, 4, words, scale, ImGuiSliderFlags_Logarithmic))
+    if (draw_slider("##rate", speed, 0.1F, 4, formatted("%.2f\xC3\x97", facts.speed), scale,
+                    ImGuiSliderFlags_Logarithmic))
         asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
     explain_row("How fast the clip plays. Fingers keep their own time.");
     draw_label("volume", scale);
     auto volume = static_cast<float>(facts.volume);
-    std::snprintf(words, sizeof words, "%d %%", facts.volume);
-    if (draw_slider("##volume", volume, 0, 100, words, scale))
+    if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
         asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
     explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
     draw_label("colours", scale);

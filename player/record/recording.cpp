@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 
 #include "engine/given_file.hpp"
+#include "engine/number_words.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "haptics_cpu/force_hash.hpp"
 
@@ -382,8 +382,7 @@ Result<void> RecordingFile::keep_whole_ticks(const Error& why) {
             const auto kept_ns = end_with(part, std::min(parts_[part].ticks, (size - needed) / tick_bytes()));
             if (!kept_ns.ok()) return kept_ns.error();
             if (!*kept_ns) break;
-            char seconds[32];
-            std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(**kept_ns) * 1e-9);
+            const std::string seconds = formatted("%.3f", static_cast<double>(**kept_ns) * 1e-9);
             const std::string of_part = part > 0 ? " of part " + std::to_string(part + 1) : std::string();
             return input_error(why.message + "; it is kept, and replays, up to " + seconds + " s" + of_part);
         }

@@ -1,7 +1,6 @@
 #include "player/session/builder_pick.hpp"
 
-#include <cstdio>
-
+#include "engine/number_words.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -31,12 +30,6 @@ constexpr double gpu_from_ms = 200;
 
 constexpr double ticks_per_second = 1000;
 
-std::string in_words(const char* format, double first, double second = 0) {
-    char words[160];
-    std::snprintf(words, sizeof words, format, first, second);
-    return words;
-}
-
 /// A filter whose answer at a pixel takes many others, too long for a tick; none: "".
 std::string filter_that_reaches_far(const Scene& scene) {
     if (terrace_filter(scene)) return "removing terraces";
@@ -52,10 +45,10 @@ BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
     const double lazy_ms = lazy_ms_per_second(load);
     if (whole_ms - lazy_ms < least_gain_ms)
         return {"cpu",
-                in_words("about %.1f ms of CPU time a second; only where fingers are it would be %.1f ms",
-                         whole_ms, lazy_ms)};
-    return {"lazy",
-            in_words("about %.1f ms of CPU time a second; whole frames would be %.1f ms", lazy_ms, whole_ms)};
+                formatted("about %.1f ms of CPU time a second; only where fingers are it would be %.1f ms",
+                          whole_ms, lazy_ms)};
+    return {"lazy", formatted("about %.1f ms of CPU time a second; whole frames would be %.1f ms", lazy_ms,
+                              whole_ms)};
 }
 
 }  // namespace
@@ -86,7 +79,7 @@ BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has
     const bool worth_a_gpu = pick.name == "cpu" && load.moves && whole_ms >= gpu_from_ms;
     if (worth_a_gpu && has_gpu())
         return {"vulkan",
-                in_words("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
+                formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
     return pick;
 }
 

@@ -1,15 +1,14 @@
 #include "player/session/filter_words.hpp"
 
-#include <cstdio>
 #include <vector>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 namespace {
 
 std::string number(double value, const char* unit) {
-    char words[48];
-    std::snprintf(words, sizeof words, "%.3g%s", value, unit);
-    return words;
+    return formatted("%.3g%s", value, unit);
 }
 
 std::string mm(double length, double metres_per_unit) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <optional>
 #include <sstream>
 
 #include "engine/given_file.hpp"
+#include "engine/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -59,12 +59,6 @@ std::optional<std::string> read_words(const std::vector<std::string>& words, Pla
         return std::nullopt;
     }
     return in_quotes(verb) + " is no command; it must be " + all_words;
-}
-
-std::string to_text(double value) {
-    std::array<char, 32> text;
-    std::snprintf(text.data(), text.size(), "%.9g", value);
-    return text.data();
 }
 
 }  // namespace
@@ -132,13 +126,13 @@ std::string in_words(const std::vector<PlaybackCommand>& commands) {
         for (const Spelling& spelling : spellings) {
             if (spelling.verb != command.verb) continue;
             if (!text.empty()) text += ", ";
-            text += to_text(static_cast<double>(command.tick) / thousandths);
+            text += formatted("%.9g", static_cast<double>(command.tick) / thousandths);
             text += ' ';
             text += spelling.word;
             for (int k = 0; k < spelling.numbers; ++k) {
                 const std::int64_t number = k == 0 ? command.first : command.second;
                 text += ' ';
-                text += to_text(static_cast<double>(number) / spelling.per_unit);
+                text += formatted("%.9g", static_cast<double>(number) / spelling.per_unit);
             }
         }
     return text;

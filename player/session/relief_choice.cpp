@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <iomanip>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/number_words.hpp"
 #include "engine/surface/code_picture.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/clip_workspace.hpp"
@@ -49,18 +48,17 @@ Result<InTheHand> in_the_hand(ClipReader& clip) {
 /// What a finger gets of it: no detail is finer than two pixels.
 std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
     const double mm = hand.pixel * hand.metres_per_unit * 1000;
-    std::ostringstream words;
-    words << std::setprecision(3) << "relief: a pixel is " << mm
-          << " mm of the hand at the median depth; at 100 mm/s a finger feels its finest details, of two "
-             "pixels, "
-          << 50 / mm << " times a second";
+    std::string words = formatted(
+        "relief: a pixel is %.3g mm of the hand at the median depth; at 100 mm/s a finger feels its finest "
+        "details, of two pixels, %.3g times a second",
+        mm, 50 / mm);
     const auto colour = std::find_if(clip.tracks().begin(), clip.tracks().end(),
                                      [](const TrackInfo& track) { return track.role == "colour"; });
     const Scene& scene = clip.scene();
     if (colour != clip.tracks().end() && (colour->width != scene.width || colour->height != scene.height))
-        words << "; colour of " << colour->width << "x" << colour->height << " is felt in depth's "
-              << scene.width << "x" << scene.height << " pixels";
-    return words.str();
+        words += formatted("; colour of %dx%d is felt in depth's %dx%d pixels", colour->width, colour->height,
+                           scene.width, scene.height);
+    return words;
 }
 
 }  // namespace
@@ -86,11 +84,9 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
     const double metres_per_unit = choice.is_of_world ? clip->scene().metres_per_unit : hand->metres_per_unit;
     const double max_height = choice.height_mm / 1000 / metres_per_unit;
     std::vector<std::string> notes;
-    std::ostringstream height;
-    height << std::setprecision(3) << "relief: " << max_height * hand->metres_per_unit * 1000
-           << " mm of the hand are " << max_height * clip->scene().metres_per_unit * 1000
-           << " mm of what was recorded";
-    notes.push_back(height.str());
+    notes.push_back(formatted("relief: %.3g mm of the hand are %.3g mm of what was recorded",
+                              max_height * hand->metres_per_unit * 1000,
+                              max_height * clip->scene().metres_per_unit * 1000));
     if (hand->pixel > 0) notes.push_back(finest_in_words(*hand, *clip));
     const auto& bands = choice.settings.bands;
     const auto known = memory ? memory->range(bands) : std::nullopt;

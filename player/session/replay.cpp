@@ -1,9 +1,9 @@
 #include "player/session/replay.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 
+#include "engine/number_words.hpp"
 #include "haptics_cpu/force_rules.hpp"
 #include "player/run/planes_hash.hpp"
 #include "player/session/recorded_facts.hpp"
@@ -17,10 +17,7 @@ bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
-    char text[128];
-    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z,
-                  guard);
-    return text;
+    return formatted("(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z, guard);
 }
 
 /// A live session reads ahead of its hand as far as its builder gets, so that its replay reads fewer frames:
@@ -38,9 +35,8 @@ bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
 }
 
 std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, double blend) {
-    char share[32];
-    std::snprintf(share, sizeof share, " at %.17g", blend);
-    std::string words = "between frames " + std::to_string(prev) + " and " + std::to_string(next) + share;
+    std::string words = formatted("between frames %lld and %lld at %.17g", static_cast<long long>(prev),
+                                  static_cast<long long>(next), blend);
     if (epoch > 0) words += " of epoch " + std::to_string(epoch);
     return words;
 }

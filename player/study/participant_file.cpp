@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "engine/new_file.hpp"
+#include "engine/number_words.hpp"
 #include "player/control/durable_append.hpp"
 
 namespace touchable {
@@ -60,9 +60,7 @@ ParticipantFile::~ParticipantFile() {
 }
 
 fs::path ParticipantFile::named(const char* ending) const {
-    char digits[24];
-    std::snprintf(digits, sizeof digits, "%03zu", number_);
-    return folder_ / (std::string(stem) + digits + ending);
+    return folder_ / (std::string(stem) + formatted("%03zu", number_) + ending);
 }
 
 Error ParticipantFile::failed(int why) const {

@@ -1,11 +1,11 @@
 #include "player/study/study_run.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <system_error>
 #include <utility>
 
 #include "engine/new_file.hpp"
+#include "engine/number_words.hpp"
 #include "player/control/universal_time.hpp"
 
 namespace touchable {
@@ -14,13 +14,6 @@ namespace {
 constexpr const char* header =
     "study,participant,language,hand,time,condition,place,step,question,answer,seconds,contact_s,touches,"
     "mean_force_n,max_force_n\n";
-
-template <class... Values>
-std::string in_words(const char* format, Values... values) {
-    char words[64];
-    std::snprintf(words, sizeof words, format, values...);
-    return words;
-}
 
 /// A device's name, in a table.
 std::string as_field(std::string words) {
@@ -106,7 +99,7 @@ void StudyRun::go_on(double now_s, Time time) {
     }
     add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
     if (at_ + 1 == screens_.size()) {
-        results_.add(row(in_words(",,end,,finished,%.2f,,,,", now_s - came_s_), time));
+        results_.add(row(formatted(",,end,,finished,%.2f,,,,", now_s - came_s_), time));
         return finish(ParticipantFile::End::finished, now_s);
     }
     ++at_;
@@ -161,12 +154,12 @@ void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
     std::string touched = ",,,";
     if (now.is_touch()) {
         const TouchMeasures m = meter_->measures();
-        touched = in_words("%.3f,%d,%.4f,%.4f", m.contact_s, m.touches, m.mean_newtons, m.most_newtons);
+        touched = formatted("%.3f,%d,%.4f,%.4f", m.contact_s, m.touches, m.mean_newtons, m.most_newtons);
     }
     const std::string question = now.question ? now.question->id : std::string();
     std::string rest = condition;
     for (const std::string& field :
-         {now.step->id, question, answer, in_words("%.2f", now_s - began_s_), touched}) {
+         {now.step->id, question, answer, formatted("%.2f", now_s - began_s_), touched}) {
         rest += ',';
         rest += field;
     }
@@ -177,7 +170,7 @@ void StudyRun::leave(double now_s, Time time) {
     if (!screen()) return;
     const bool is_done = at_ + 1 == screens_.size() && screen()->step->kind == StudyStep::Kind::text;
     add_row(now_s, time, "");
-    results_.add(row(in_words(",,end,,%s,%.2f,,,,", is_done ? "finished" : "left", now_s - came_s_), time));
+    results_.add(row(formatted(",,end,,%s,%.2f,,,,", is_done ? "finished" : "left", now_s - came_s_), time));
     finish(is_done ? ParticipantFile::End::finished : ParticipantFile::End::left, now_s);
 }
 
@@ -199,7 +192,7 @@ Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds lo
     if (is_beginning_ && results_.wait(longest)) begin_if_answered(now_s);
     if (screen()) {
         add_row(now_s, time, "");
-        results_.add(row(in_words(",,end,,ended,%.2f,,,,", now_s - came_s_), time));
+        results_.add(row(formatted(",,end,,ended,%.2f,,,,", now_s - came_s_), time));
         screens_.clear();
     }
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());

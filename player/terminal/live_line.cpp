@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <string>
+
+#include "engine/number_words.hpp"
 
 namespace touchable {
 
@@ -29,11 +30,9 @@ void LiveLine::show(const LiveStatus& status) {
     const char* const what = !status.is_camera  ? "frames late"
                              : status.has_ended ? "frames felt, and no more come"
                                                 : "frames felt";
-    char text[128];
-    std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
-                  static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
-                  static_cast<long long>(status.frames), what, newtons_);
-    std::string words = text;
+    std::string words = formatted("live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
+                                  static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
+                                  static_cast<long long>(status.frames), what, newtons_);
     if (device_) words += "; " + device_();
     if (is_stale_) words += "; no new frame comes: the surface is not felt until one does";
     if (is_kept_back_) words += "; lift the finger off the surface: then it is felt";

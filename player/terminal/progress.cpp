@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/number_words.hpp"
+
 namespace touchable {
 
 StatusLine::StatusLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -49,11 +51,9 @@ Result<void> TickProgress::take(const TouchTick& tick) {
 std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds) {
     if (done <= 0 || seconds < 1) return "";
     const double per_second = static_cast<double>(done) / seconds;
-    char words[80];
-    std::snprintf(words, sizeof words, per_second < 10 ? ", %.1f/s" : ", %.0f/s", per_second);
-    if (total <= done) return words;
+    const std::string in_words = formatted(per_second < 10 ? ", %.1f/s" : ", %.0f/s", per_second);
+    if (total <= done) return in_words;
     const std::int64_t left = std::llround(std::ceil(static_cast<double>(total - done) / per_second));
-    const std::string in_words = words;
     if (left < 100) return in_words + ", " + std::to_string(left) + " s left";
     if (left < 6000) return in_words + ", " + std::to_string((left + 59) / 60) + " min left";
     return in_words + ", " + std::to_string((left + 3599) / 3600) + " h left";

@@ -4,13 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <set>
 #include <string_view>
 #include <vector>
 
+#include "engine/number_words.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -127,9 +127,7 @@ std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoin
             if (key.value == &zoom) viewpoint.zoom = zoom;
             return std::nullopt;
         }
-        char range[64];
-        std::snprintf(range, sizeof range, " must be a number from %g to %g", key.least, key.most);
-        return std::string(key.key) + range;
+        return std::string(key.key) + formatted(" must be a number from %g to %g", key.least, key.most);
     }
     return std::string("'").append(word).append("' is none of az=, el=, zoom=, fov=");
 }

@@ -2,22 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "engine/number_words.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "player/control/pixel_words.hpp"
 #include "player/view/surface_pick.hpp"
 
 namespace touchable {
 namespace {
-
-template <class... Values>
-std::string words_of(const char* format, Values... values) {
-    char words[200];
-    std::snprintf(words, sizeof words, format, values...);
-    return words;
-}
 
 /// What is under the pointer, to be read at a glance.
 PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, const HeightField& field,
@@ -29,7 +22,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     const Scene& scene = clip.scene();
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
-    PlaceFacts place{{words_of("pixel %d, %d", x, y)}};
+    PlaceFacts place{{formatted("pixel %d, %d", x, y)}};
     std::vector<std::string>& lines = place.lines;
     if (moment.stored && !moment.stored->depth.empty())
         lines[0] += ", " + stored_in_words(moment.stored->depth, scene, x, y);
@@ -37,7 +30,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
         const bool is_range = scene.depth.semantics == DepthSemantics::range;
         lines.push_back("z " + metres_in_words(values.z, scene) +
                         (is_range ? ", ray " + metres_in_words(values.depth, scene) : "") +
-                        (values.height_mm != 0 ? words_of(", height %.2f mm", values.height_mm) : ""));
+                        (values.height_mm != 0 ? formatted(", height %.2f mm", values.height_mm) : ""));
     }
     if (!met->drawn) {
         lines.insert(lines.end(), {values.valid ? "an edge:" : "no depth here:", "nothing to touch"});
@@ -45,9 +38,9 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     }
     place.pixel = {x, y};
     if (!values.valid) return place;
-    lines.push_back(words_of("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
-    lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
-                             values.properties.dynamic_friction));
+    lines.push_back(formatted("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
+    lines.push_back(formatted("friction %.2f, sliding %.2f", values.properties.static_friction,
+                              values.properties.dynamic_friction));
     return place;
 }
 
@@ -56,17 +49,17 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
                                       const WatchedMoment& moment) {
     const WatchedFigures figures = clip.session().figures();
     const auto frame = static_cast<long long>(moment.held.pair.prev.number);
-    return {clip.frames() > 0 ? words_of("frame %lld of %lld", frame, static_cast<long long>(clip.frames()))
-                              : words_of("frame %lld", frame),
-            words_of("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
-                     static_cast<long long>(figures.feed.dropped)),
-            words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
-            words_of("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
-                     static_cast<long long>(figures.ticks.ticks)),
-            words_of("surface drawn at %dx%d", picture.drawn_width(), picture.drawn_height()) +
+    return {clip.frames() > 0 ? formatted("frame %lld of %lld", frame, static_cast<long long>(clip.frames()))
+                              : formatted("frame %lld", frame),
+            formatted("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
+                      static_cast<long long>(figures.feed.dropped)),
+            formatted("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
+            formatted("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
+                      static_cast<long long>(figures.ticks.ticks)),
+            formatted("surface drawn at %dx%d", picture.drawn_width(), picture.drawn_height()) +
                 (picture.drawn_step() == 1 ? std::string()
-                                           : words_of(", every %d%s vertex", picture.drawn_step(),
-                                                      picture.drawn_step() == 2 ? "nd" : "th")),
+                                           : formatted(", every %d%s vertex", picture.drawn_step(),
+                                                       picture.drawn_step() == 2 ? "nd" : "th")),
             "surface by the " + figures.feed.builder + " builder" +
                 (clip.builder_why().empty() ? "" : ": " + clip.builder_why()),
             "picture by the " + std::string(picture.graphics().painter()) + " painter on " +

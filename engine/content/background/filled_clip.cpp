@@ -1,9 +1,7 @@
 #include "engine/content/background/filled_clip.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +10,7 @@
 #include "engine/clip/reader_around.hpp"
 #include "engine/content/background/camera_rest.hpp"
 #include "engine/content/background/hole_filling.hpp"
+#include "engine/number_words.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -175,9 +174,7 @@ Result<void> FilledReader::measure() {
 }
 
 std::string percent_of(double share) {
-    std::array<char, 32> words{};
-    std::snprintf(words.data(), words.size(), "%.3g %%", 100 * share);
-    return words.data();
+    return formatted("%.3g %%", 100 * share);
 }
 
 std::string FilledReader::in_words() const {

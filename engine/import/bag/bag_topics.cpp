@@ -1,8 +1,6 @@
 #include "engine/import/bag/bag_topics.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -17,13 +15,6 @@ constexpr std::size_t most_topics = 200;  // of pictures, of which the first is 
 
 bool is_of(const BagConnection& connection, const RosType& type) {
     return connection.type == type.name && connection.md5 == type.md5;
-}
-
-/// The decimal number that somebody meant: a float's 0.001 is 0.001 and not 0.0010000000475.
-double decimal_of(float value) {
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-    return parsed_number({digits.data(), end}).value_or(value);
 }
 
 /// The first message of a topic; nothing where it has none of that type.

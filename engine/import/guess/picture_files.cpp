@@ -1,7 +1,6 @@
 #include "engine/import/guess/picture_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <numeric>
@@ -367,14 +366,6 @@ struct FilesBeside {
     const PictureNumbers& numbers;
 };
 
-/// All its digits: one picture's may be of any size.
-std::string whole_number(double key) {
-    std::array<char, 320> digits{};
-    const auto end =
-        std::to_chars(digits.data(), digits.data() + digits.size(), key, std::chars_format::fixed, 0);
-    return {digits.data(), end.ptr};
-}
-
 /// Says which of depth's numbers no file of another plane has; nothing where they are times.
 std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
     for (const PictureFiles* row : {&found, &depth})
@@ -382,7 +373,7 @@ std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::
     std::string numbers;
     for (const double key : depth.keys)
         if (!std::binary_search(found.keys.begin(), found.keys.end(), key))
-            numbers += (numbers.empty() ? "" : ", ") + whole_number(key);
+            numbers += (numbers.empty() ? "" : ", ") + formatted("%.0f", key);
     if (numbers.empty()) return "";
     return std::string(what) +
            ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
