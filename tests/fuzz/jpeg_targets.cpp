@@ -1,13 +1,14 @@
 // What stands in a JPEG beside its picture: segments, EXIF, XMP, a depth map.
 #include <cmath>
-#include <cstdint>
 
+#include "engine/ffmpeg/base64.hpp"
 #include "engine/import/photo/dynamic_depth.hpp"
 #include "engine/import/photo/exif.hpp"
 #include "engine/import/photo/jpeg_depth.hpp"
 #include "engine/import/photo/jpeg_segments.hpp"
 #include "engine/import/photo/xmp.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
 
 namespace touchable::fuzz {
 namespace {
@@ -42,19 +43,6 @@ bool parse_exif_facts(std::string_view bytes) {
     return facts.orientation > 1 || facts.film_focal_length > 0;
 }
 
-std::string base64_of(std::string_view bytes) {
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t at = 0; at < bytes.size(); at += 3) {
-        std::uint32_t three = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8 | (at + k < bytes.size() ? static_cast<unsigned char>(bytes[at + k]) : 0U);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += at + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63U] : '=';
-    }
-    return text;
-}
-
 bool parse_xmp_packet(std::string_view bytes) {
     const auto entries = parse_xmp_entries(bytes);
     if (entries) {
@@ -63,7 +51,7 @@ bool parse_xmp_packet(std::string_view bytes) {
         (void)dynamic_depth_camera(properties);
     }
     (void)decode_base64(bytes);
-    require(decode_base64(base64_of(bytes)) == bytes, "bytes in base64 come back others");
+    require(decode_base64(test::encode_base64(bytes)) == bytes, "bytes in base64 come back others");
     return entries.has_value();
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/ffmpeg/base64.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 
@@ -44,11 +45,24 @@ TEST(Xmp, PropertiesAreAttributesOrElements) {
 }
 
 TEST(Xmp, BrokenTagsAreRefused) {
-    for (const char* text : {"<", "<a", "<a b", "<a b=", "<a b=c>", "<a b=\"c>", "<a b=\"c\"", "<a ='c'>",
-                             "<!-- a", "<? a", "</a", "< a>", "<a <b>>", "<a \"b\">"})
+    for (const char* text :
+         {"<", "<a", "<a b", "<a b=", "<a b=c>", "<a b=\"c>", "<a b=\"c\"", "<a ='c'>", "<!-- a", "<? a",
+          "</a", "< a>", "<a <b>>", "<a \"b\">", "<a>", "<a></b>", "<a><b></a></b>"})
         EXPECT_FALSE(parse_xmp(text)) << text;
     EXPECT_TRUE(parse_xmp("")->empty());
     EXPECT_TRUE(parse_xmp("no tag at all")->empty());
+}
+
+TEST(Xmp, TakesElementsOfAnyDepth) {
+    constexpr std::size_t depth = 200'000;  // far more than a stack has room for
+    std::string text;
+    for (std::size_t k = 0; k < depth; ++k) text += "<a>";
+    text += "1";
+    for (std::size_t k = 0; k < depth; ++k) text += "</a>";
+    const auto entries = parse_xmp_entries(text);
+    ASSERT_TRUE(entries);
+    EXPECT_EQ(entries->size(), depth + 1);
+    EXPECT_EQ(entries->back().value, "1");
 }
 
 std::string packet(const std::string& attributes) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/ffmpeg/base64.hpp"
 #include "engine/import/photo/depth_photo.hpp"
 #include "engine/import/photo/dynamic_depth.hpp"
 #include "engine/import/photo/exif.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <pugixml.hpp>
 #include <utility>
 #include <vector>
 
@@ -61,92 +62,32 @@ Result<std::string> joined(const std::vector<Piece>& pieces, const std::string& 
                        std::to_string(pieces.front().whole) + " as it says");
 }
 
-/// Walks over the tags of an XML text.
-class TagReader {
-public:
-    explicit TagReader(std::string_view text) : rest_(text) {}
-
-    /// False where the text is not well-formed.
-    bool read(XmpEntries& entries) {
-        while (skip_past("<")) {
-            const bool declares = rest_.starts_with("!") || rest_.starts_with("?") || rest_.starts_with("/");
-            const bool whole = rest_.starts_with("!--") ? skip_past("-->")
-                               : declares               ? skip_past(">")
-                                                        : read_tag(entries);
-            if (!whole) return false;
-        }
+/// Lists each element with its attributes, and its text where it holds nothing else.
+struct EntryLister : pugi::xml_tree_walker {
+    XmpEntries entries;
+    bool for_each(pugi::xml_node& node) override {
+        if (node.type() != pugi::node_element) return true;
+        entries.push_back({node.name(), std::nullopt});
+        for (const pugi::xml_attribute& attribute : node.attributes())
+            entries.push_back({attribute.name(), attribute.value()});
+        const pugi::xml_node text = node.first_child();
+        if (text.type() == pugi::node_pcdata && !text.next_sibling())
+            entries.push_back({node.name(), text.value()});
         return true;
     }
-
-private:
-    static constexpr std::string_view space = " \t\r\n";
-
-    bool skip_past(std::string_view mark) {
-        const auto at = rest_.find(mark);
-        if (at == std::string_view::npos) return false;
-        rest_.remove_prefix(at + mark.size());
-        return true;
-    }
-    void skip_space() { rest_.remove_prefix(std::min(rest_.find_first_not_of(space), rest_.size())); }
-    std::string_view take_until(std::string_view marks) {
-        const auto end = std::min(rest_.find_first_of(marks), rest_.size());
-        const auto taken = rest_.substr(0, end);
-        rest_.remove_prefix(end);
-        return taken;
-    }
-    bool read_tag(XmpEntries& entries);
-    bool read_attribute(XmpEntries& entries);
-
-    std::string_view rest_;
 };
-
-bool TagReader::read_tag(XmpEntries& entries) {
-    const std::string_view name = take_until(" \t\r\n/>");
-    if (name.empty()) return false;
-    entries.push_back({std::string(name), std::nullopt});
-    while (true) {
-        skip_space();
-        if (rest_.starts_with("/>")) return true;
-        if (rest_.starts_with(">")) break;
-        if (!read_attribute(entries)) return false;
-    }
-    rest_.remove_prefix(1);
-    const auto end = std::min(rest_.find('<'), rest_.size());
-    const std::string closing = "</" + std::string(name) + ">";
-    if (rest_.substr(end).starts_with(closing))
-        entries.push_back({std::string(name), std::string(rest_.substr(0, end))});
-    return true;
-}
-
-bool TagReader::read_attribute(XmpEntries& entries) {
-    const std::string_view name = take_until(" \t\r\n=/><\"'");
-    skip_space();
-    if (name.empty() || !rest_.starts_with("=")) return false;
-    rest_.remove_prefix(1);
-    skip_space();
-    if (!rest_.starts_with("\"") && !rest_.starts_with("'")) return false;
-    const std::string_view quote = rest_.substr(0, 1);
-    rest_.remove_prefix(1);
-    const std::string_view value = take_until(quote);
-    if (rest_.empty()) return false;
-    rest_.remove_prefix(1);
-    entries.push_back({std::string(name), std::string(value)});
-    return true;
-}
-
-int base64_digit(char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
 
 }  // namespace
 
 std::optional<XmpEntries> parse_xmp_entries(std::string_view packet) {
-    XmpEntries entries;
-    if (!TagReader(packet).read(entries)) return std::nullopt;
-    return entries;
+    // Minimal: values are kept as written. A fragment: a packet may be empty.
+    pugi::xml_document document;
+    constexpr unsigned as_written = pugi::parse_minimal | pugi::parse_fragment;
+    if (!document.load_buffer(packet.data(), packet.size(), as_written, pugi::encoding_utf8))
+        return std::nullopt;
+    EntryLister lister;
+    document.traverse(lister);
+    return std::move(lister.entries);
 }
 
 XmpProperties properties_of(const XmpEntries& entries) {
@@ -186,25 +127,6 @@ Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& wh
     const auto entries = read_jpeg_xmp_entries(jpeg, where);
     if (!entries) return entries.error();
     return properties_of(*entries);
-}
-
-std::optional<std::string> decode_base64(std::string_view text) {
-    std::string bytes;
-    bytes.reserve(text.size() / 4 * 3);
-    std::uint32_t bits = 0;
-    int digits = 0, padding = 0;
-    for (const char c : text) {
-        if (c == ' ' || c == '\t' || c == '\r' || c == '\n') continue;
-        const int digit = c == '=' ? 0 : base64_digit(c);
-        if (c == '=') ++padding;
-        if (digit < 0 || (padding > 0 && c != '=')) return std::nullopt;
-        bits = bits << 6 | static_cast<std::uint32_t>(digit);
-        if (++digits % 4 != 0) continue;
-        for (int shift = 16; shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift & 255);
-    }
-    if (digits % 4 != 0 || padding > 2) return std::nullopt;
-    bytes.resize(bytes.size() - static_cast<std::size_t>(padding));
-    return bytes;
 }
 
 }  // namespace touchable

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,12 +31,9 @@ Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& wh
 /// The same in order, the extended packet first.
 Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where);
 
-/// Properties of one packet: attributes, and elements that hold nothing but text. Nothing where it is not
-/// well-formed.
+/// Properties of one packet: attributes, and elements that hold nothing but text (an empty one has no
+/// value). Nothing where it is not well-formed.
 std::optional<XmpProperties> parse_xmp(std::string_view packet);
 std::optional<XmpEntries> parse_xmp_entries(std::string_view packet);
-
-/// RFC 4648, with white space between characters, padded. Nothing where it is anything else.
-std::optional<std::string> decode_base64(std::string_view text);
 
 }  // namespace touchable

@@ -1,12 +1,13 @@
 #include "engine/import/touch_maps/linked_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
 
+#include "engine/ffmpeg/base64.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/printable.hpp"
 
@@ -25,59 +26,24 @@ std::string scheme_of(std::string_view url) {
     return scheme;
 }
 
-int hex_digit(char c) {
-    constexpr std::string_view digits = "0123456789abcdef";
-    const auto found = digits.find(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
-    return found == std::string_view::npos ? -1 : static_cast<int>(found);
-}
-
 /// "my map.png" of "my%20map.png".
 std::string without_percents(std::string_view url) {
     std::string text;
     for (std::size_t k = 0; k < url.size(); ++k) {
-        const int high = url[k] == '%' && k + 2 < url.size() ? hex_digit(url[k + 1]) : -1;
-        const int low = high >= 0 ? hex_digit(url[k + 2]) : -1;
-        text += low >= 0 ? static_cast<char>(16 * high + low) : url[k];
-        if (low >= 0) k += 2;
+        unsigned char byte = 0;
+        const char* const digits = url.data() + k + 1;
+        const bool is_coded = url[k] == '%' && k + 2 < url.size() &&
+                              std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+        text += is_coded ? static_cast<char>(byte) : url[k];
+        if (is_coded) k += 2;
     }
     return text;
-}
-
-constexpr std::array<int, 256> base64_values = [] {
-    std::array<int, 256> values{};
-    values.fill(-1);
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t k = 0; k < digits.size(); ++k)
-        values[static_cast<unsigned char>(digits[k])] = static_cast<int>(k);
-    return values;
-}();
-
-/// Blanks count for nothing; nothing of what is no base64.
-std::optional<std::string> decoded_base64(std::string_view text) {
-    std::string bytes;
-    bytes.reserve(text.size() / 4 * 3);
-    unsigned gathered = 0;
-    int digits = 0, ends = 0;
-    for (const char c : text) {
-        if (c == ' ' || c == '\t' || c == '\n' || c == '\r') continue;
-        if (c == '=') {
-            ++ends;
-            continue;
-        }
-        const int value = base64_values[static_cast<unsigned char>(c)];
-        if (value < 0 || ends > 0) return std::nullopt;
-        gathered = (gathered << 6U | static_cast<unsigned>(value)) & 0xFFFFFFU;
-        if (++digits % 4 != 1)
-            bytes += static_cast<char>(gathered >> (6U - 2U * ((digits - 1U) % 4U)) & 0xFFU);
-    }
-    const bool whole = digits % 4 != 1 && (ends == 0 || (ends <= 2 && (digits + ends) % 4 == 0));
-    return whole ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
 Result<LinkedFile> data_of(std::string_view url, const std::filesystem::path& holder) {
     const std::size_t comma = url.find(',');
     const bool is_base64 = comma != std::string_view::npos && url.substr(0, comma).ends_with(";base64");
-    auto bytes = is_base64 ? decoded_base64(url.substr(comma + 1)) : std::nullopt;
+    auto bytes = is_base64 ? decode_base64(url.substr(comma + 1), Base64Padding::optional) : std::nullopt;
     if (!bytes)
         return input_error(holder.string() + ": " + in_quotes(url.substr(0, 40)) +
                            " is damaged: must be data:TYPE;base64, and base64");
