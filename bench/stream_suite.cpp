@@ -56,15 +56,9 @@ std::vector<BenchCase> stream_cases(bool quick) {
             return measure_stream({transport, large}, *clips, figures);
         });
     }
-    // What repairs nothing gives nothing beyond that.
-    for (const Network& network : networks())
-        if (network.faults.loss <= 0.01 && network.faults.delay_ms == 0)
-            add("udp-640x480" + network.name, [=](Figures& figures) {
-                return measure_stream({"udp", small, network.faults}, *clips, figures);
-            });
     // Touch far away: what delay and loss cost the hand.
     const LiveClip far{.scene = "globe", .width = 640, .height = 480, .frames = quick ? 120 : 225};
-    for (const char* const transport : {"tcp", "http", "srt", "ts", "udp"})
+    for (const char* const transport : {"tcp", "http", "srt", "ts"})
         for (const int loss : {0, 1, 5})
             for (const int delay : {0, 100, 200}) {
                 const test::NetworkFaults faults{.loss = loss / 100.0, .delay_ms = 1.0 * delay};

@@ -9,7 +9,7 @@ from plots.files import read_figures, save
 from style import BadInput, colour
 
 CASE = re.compile(r"far-(?P<transport>[a-z]+)-loss-(?P<loss>\d+)-delay-(?P<delay>\d+)")
-NAMES = {"tcp": "TCP", "http": "HTTP", "srt": "SRT", "ts": "MPEG-TS by SRT", "udp": "MPEG-TS by UDP"}
+NAMES = {"tcp": "TCP", "http": "HTTP", "srt": "SRT", "ts": "MPEG-TS by SRT"}
 NEEDED = ("undelayed_n", "off_n", "far_off_n")
 
 

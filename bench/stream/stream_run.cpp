@@ -125,16 +125,13 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
     const int port = test::unused_port();
     if (port == 0) return Error{ErrorKind::check, "no port of this machine is free"};
-    // By UDP the sender sends to the relay; by all others the receiver connects to it.
-    const bool sends = stream.transport == "udp";
-    const bool has_datagrams = sends || scheme_of(stream) == "srt";
+    const bool has_datagrams = scheme_of(stream) == "srt";
     const auto relay = test::Relay::open(has_datagrams ? test::Relay::Kind::udp : test::Relay::Kind::tcp,
                                          port, stream.faults);
     if (!relay.ok()) return relay.error();
-    auto served = serve(stream, sends ? (*relay)->port() : port, clips);
+    auto served = serve(stream, port, clips);
     if (!served.ok()) return served.error();
-    const auto setup =
-        touch_live("stream:" + address(stream, sends ? port : (*relay)->port()), ticks_of(stream.clip));
+    const auto setup = touch_live("stream:" + address(stream, (*relay)->port()), ticks_of(stream.clip));
     if (!setup.ok() && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
         figures.push_back({"whole", 0, ""});
         figures.push_back({"without_touch_pct", 100, "%"});  // no frameset came whole in time

@@ -11,7 +11,7 @@ namespace touchable {
 /// A clip that `touchable serve` sends over a network of this machine, and five fingers that touch what
 /// comes, in this process.
 struct StreamCase {
-    std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS by SRT), "udp" (MPEG-TS)
+    std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS by SRT)
     LiveClip clip;
     test::NetworkFaults faults{};
     bool is_far = false;  ///< forces are compared with those of no delay (DelayedTouch)

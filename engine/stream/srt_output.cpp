@@ -1,3 +1,5 @@
+#include "engine/stream/srt_output.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <functional>
@@ -5,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/printable.hpp"
 #include "engine/start_thread.hpp"
 #include "engine/stream/sender_time.hpp"
 #include "engine/stream/srt_listener.hpp"
-#include "engine/stream/stream_output.hpp"
 #include "engine/unless_stopped.hpp"
 
 namespace touchable {
@@ -16,12 +18,12 @@ namespace {
 
 constexpr std::int64_t longest_call_ns = 3'000'000'000, ns_per_millisecond = 1'000'000;
 
-class SrtOutput final : public StreamOutput {
+class SrtSender final : public SrtOutput {
 public:
-    SrtOutput(const StreamUrl& url, SrtSettings settings, const StreamRing& ring, StreamAudience& audience)
-        : StreamOutput(url), settings_(std::move(settings)), ring_(ring), audience_(audience) {}
-    ~SrtOutput() override {
-        SrtOutput::end();
+    SrtSender(const StreamUrl& url, SrtSettings settings, const StreamRing& ring, StreamAudience& audience)
+        : SrtOutput(url), settings_(std::move(settings)), ring_(ring), audience_(audience) {}
+    ~SrtSender() override {
+        SrtSender::end();
         if (thread_.joinable()) thread_.join();
         door_.close();  // before what it asks is gone
     }
@@ -66,7 +68,7 @@ private:
     std::thread thread_;
 };
 
-Result<void> SrtOutput::open_door() {
+Result<void> SrtSender::open_door() {
     const auto address = own_address(url_);
     if (!address) return usage_error("right would be an address of this machine in numbers");
     auto door = SrtSocket::create(settings_, SrtSocket::Direction::sends);
@@ -75,7 +77,7 @@ Result<void> SrtOutput::open_door() {
     return door_.listen(*address, may_come_);
 }
 
-void SrtOutput::serve() {
+void SrtSender::serve() {
     constexpr std::chrono::milliseconds turn_of_listeners{5}, turn_of_none{20};
     auto newest = ring_.join();
     while (!stop_) {
@@ -91,7 +93,7 @@ void SrtOutput::serve() {
     is_over_ = true;
 }
 
-void SrtOutput::turn(std::int64_t now_ns) {
+void SrtSender::turn(std::int64_t now_ns) {
     if (settings_.listens)
         take_callers(now_ns);
     else
@@ -111,7 +113,7 @@ void SrtOutput::turn(std::int64_t now_ns) {
     if (const auto line = srt_log_line(now_ns)) audience_.remark(*line);
 }
 
-void SrtOutput::take_callers(std::int64_t now_ns) {
+void SrtSender::take_callers(std::int64_t now_ns) {
     while (auto caller = door_.accept()) {
         if (!audience_.has_room()) {
             ++refused_;
@@ -124,7 +126,7 @@ void SrtOutput::take_callers(std::int64_t now_ns) {
 }
 
 /// One line every 10 s at most, however many call.
-void SrtOutput::say_refusals(std::int64_t now_ns) {
+void SrtSender::say_refusals(std::int64_t now_ns) {
     constexpr std::int64_t silence_ns = 10'000'000'000;
     if (refused_ == 0 || now_ns < next_refusal_said_ns_) return;
     next_refusal_said_ns_ = now_ns + silence_ns;
@@ -135,7 +137,7 @@ void SrtOutput::say_refusals(std::int64_t now_ns) {
                      " listeners, which is as many as there may be");
 }
 
-void SrtOutput::go_on_calling(std::int64_t now_ns) {
+void SrtSender::go_on_calling(std::int64_t now_ns) {
     if (!listeners_.empty() || ring_.is_ended()) return;
     if (!calling_.is_open()) {
         if (now_ns >= next_call_ns_) begin_call(now_ns);
@@ -153,7 +155,7 @@ void SrtOutput::go_on_calling(std::int64_t now_ns) {
     }
 }
 
-void SrtOutput::begin_call(std::int64_t now_ns) {
+void SrtSender::begin_call(std::int64_t now_ns) {
     // A name server may take its time.
     const auto address =
         unless_stopped([url = url_] { return look_up(url); }, [this] { return stop_.load(); });
@@ -168,29 +170,44 @@ void SrtOutput::begin_call(std::int64_t now_ns) {
 }
 
 /// That nobody answers is said once, until somebody does.
-void SrtOutput::call_failed(const std::string& why, std::int64_t now_ns) {
+void SrtSender::call_failed(const std::string& why, std::int64_t now_ns) {
     calling_.close();
     call_later(now_ns);
     if (stop_ || ring_.is_ended() || std::exchange(is_said_, true)) return;
     audience_.remark(url_.name() + ": nobody answers (" + why + "); tried again until somebody does");
 }
 
-void SrtOutput::call_later(std::int64_t now_ns) {
+void SrtSender::call_later(std::int64_t now_ns) {
     next_call_ns_ = now_ns + wait_before_call_ns(++calls_in_vain_);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<StreamOutput>> make_srt_output(const StreamUrl& url, const StreamRing& ring,
-                                                      StreamAudience& audience) {
+std::int64_t wait_before_call_ns(int calls_in_vain) {
+    constexpr std::int64_t shortest_ns = 500'000'000;
+    constexpr int most_doublings = 4;
+    return shortest_ns << std::clamp(calls_in_vain - 1, 0, most_doublings);
+}
+
+Result<std::unique_ptr<SrtOutput>> SrtOutput::create(const StreamUrl& url, const StreamRing& ring,
+                                                     StreamAudience& audience) {
+    const auto refused = [&](const std::string& right) {
+        return usage_error(in_quotes(url.name()) + " cannot be sent to: " + right);
+    };
+    const auto failed = [&](const Error& error) {
+        return error.kind == ErrorKind::usage ? refused(error.message)
+                                              : input_error(url.name() + ": " + error.message);
+    };
+    if (url.transport != StreamTransport::srt) return refused("right would be srt://");
+    if (url.port == 0) return refused("it needs a port from 1 to 65535");
     auto settings = read_srt_settings(url);
-    if (!settings) return settings.error();
+    if (!settings) return failed(settings.error());
     settings->listens = !settings->says_mode || settings->listens;
-    if (!settings->listens && url.host.empty()) return usage_error("it names no host to call");
-    auto output = std::make_unique<SrtOutput>(url, std::move(*settings), ring, audience);
-    if (output->calls()) return std::unique_ptr<StreamOutput>(std::move(output));
-    if (auto opened = output->open_door(); !opened) return opened.error();
-    return std::unique_ptr<StreamOutput>(std::move(output));
+    if (!settings->listens && url.host.empty()) return refused("it names no host to call");
+    auto output = std::make_unique<SrtSender>(url, std::move(*settings), ring, audience);
+    if (!output->calls())
+        if (auto opened = output->open_door(); !opened) return failed(opened.error());
+    return std::unique_ptr<SrtOutput>(std::move(output));
 }
 
 }  // namespace touchable

@@ -13,10 +13,10 @@ std::string listeners(int count) {
 
 }  // namespace
 
-void StreamAudience::came(const std::string& name, const char* does) {
+void StreamAudience::came(const std::string& name) {
     const std::lock_guard lock(mutex_);
     ++all_;
-    say_(name + " " + does + "; " + listeners(there_ + 1));
+    say_(name + " listens; " + listeners(there_ + 1));
     ++there_;
 }
 

@@ -33,7 +33,7 @@ public:
     /// `say` is told in one line who comes and goes, by one thread at a time.
     explicit StreamAudience(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
 
-    void came(const std::string& name, const char* does = "listens");
+    void came(const std::string& name);
     void went(ListenerFigures figures);
     /// That the link of one of them is too narrow for the colour.
     void goes_without_colour(const std::string& name);

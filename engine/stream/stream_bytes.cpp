@@ -45,15 +45,12 @@ struct NetworkOptions {
         if (url.transport == StreamTransport::udp) {
             set("overrun_nonfatal", "1");
             set("buffer_size", "4194304");
-            for (const char* const key : {"localaddr", "ttl"}) take(url, key, key);
+            if (const std::string own = url.value("localaddr"); !own.empty()) set("localaddr", own);
         }
     }
     ~NetworkOptions() { av_dict_free(&all); }
     NetworkOptions(const NetworkOptions&) = delete;
     NetworkOptions& operator=(const NetworkOptions&) = delete;
-    void take(const StreamUrl& url, const char* key, const char* name) {
-        if (const std::string value = url.value(key); !value.empty()) set(name, value);
-    }
     void set(const char* name, const std::string& value) { av_dict_set(&all, name, value.c_str(), 0); }
 };
 

@@ -21,7 +21,7 @@ constexpr std::array schemes{
     Scheme{"http://", StreamTransport::http, "*"},  // they are the server's
     Scheme{"https://", StreamTransport::http, "*"},
     Scheme{"srt://", StreamTransport::srt, " mode latency passphrase pbkeylen streamid "},
-    Scheme{"udp://", StreamTransport::udp, " localaddr ttl "},
+    Scheme{"udp://", StreamTransport::udp, " localaddr "},
     Scheme{"pipe:", StreamTransport::pipe, ""},
 };
 

@@ -67,9 +67,9 @@ Result<void> check_url(const StreamUrl& url) {
         return usage_error(
             in_quotes(url.name()) +
             ": right would be a name of plain letters and digits behind the port, such as /clip.mkv");
-    if (url.transport == StreamTransport::pipe)
+    if (url.transport == StreamTransport::pipe || url.transport == StreamTransport::udp)
         return usage_error(in_quotes(url.name()) +
-                           ": right would be tcp://, http://, srt:// or udp://, and an address to send at");
+                           ": right would be tcp://, http:// or srt://, and an address to send at");
     return {};
 }
 
@@ -111,7 +111,7 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
         options.urls.push_back(std::move(*url));
     }
     if (options.mpegts && !has_srt)
-        return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska, udp:// MPEG-TS");
+        return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska");
     const bool waits_for_nobody = options.loop || options.clip.is_camera() || options.urls.empty();
     options.listeners = typed.listeners.value_or(waits_for_nobody ? 0 : 1);
     if (typed.seconds) options.longest_ns = std::llround(*typed.seconds * 1e9);
@@ -124,10 +124,11 @@ void add_serve_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("serve", "send a clip, or a camera, to whoever listens");
     auto typed = std::make_shared<ServeTyped>();
     add_clip_options(*sub, typed->clip);
-    sub->add_option("URL", typed->urls,
-                    "where it is sent: tcp://HOST:PORT, http://HOST:PORT/NAME or srt://HOST:PORT, at which several "
-                    "may listen (HOST is this machine's; port 0 of tcp and http: any that is free); srt:// with "
-                    "?mode=caller calls; udp://HOST:PORT");
+    sub->add_option(
+        "URL", typed->urls,
+        "where it is sent: tcp://HOST:PORT, http://HOST:PORT/NAME or srt://HOST:PORT, at which several "
+        "may listen (HOST is this machine's; port 0 of tcp and http: any that is free); srt:// with "
+        "?mode=caller calls");
     sub->add_option("--camera", typed->camera,
                     "sent in place of CLIP: v4l2:/dev/videoN[,key=value,...], pipe:CMD, tcp://HOST:PORT or "
                     "replay:PATH[,key=value,...] (docs/camera.md)");

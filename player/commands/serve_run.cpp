@@ -21,7 +21,7 @@
 #include "engine/stream/hls_text.hpp"
 #include "engine/stream/matroska_stream.hpp"
 #include "engine/stream/mpegts_stream.hpp"
-#include "engine/stream/stream_output.hpp"
+#include "engine/stream/srt_output.hpp"
 #include "engine/stream/stream_sender.hpp"
 #include "engine/stream/stream_server.hpp"
 #include "player/options/outputs.hpp"
@@ -110,7 +110,7 @@ private:
     std::unique_ptr<HlsWriter> hls_;
     StreamRing nobody_;  // listens to what goes into a folder
     std::unique_ptr<StreamServer> server_;
-    std::vector<std::unique_ptr<StreamOutput>> outputs_;
+    std::vector<std::unique_ptr<SrtOutput>> outputs_;
     SteadySenderTime time_;
     std::unique_ptr<StreamSender> sender_;
     std::thread thread_;
@@ -157,8 +157,7 @@ std::optional<SoundPart> Serving::sound() {
 Result<void> Serving::open_forms() {
     bool has_matroska = false, has_mpegts = false;
     for (const StreamUrl& url : options_.urls) {
-        const bool is_srt = url.transport == StreamTransport::srt;
-        const bool is_mpegts = url.transport == StreamTransport::udp || (is_srt && options_.mpegts);
+        const bool is_mpegts = options_.mpegts && url.transport == StreamTransport::srt;
         (is_mpegts ? has_mpegts : has_matroska) = true;
     }
     const SceneDescription described = clip_->described();
@@ -183,13 +182,11 @@ Result<void> Serving::open_forms() {
 Result<void> Serving::open_places() {
     std::vector<StreamUrl> listened;
     for (const StreamUrl& url : options_.urls) {
-        const bool is_srt = url.transport == StreamTransport::srt;
-        if (!is_srt && url.transport != StreamTransport::udp) {
+        if (url.transport != StreamTransport::srt) {
             listened.push_back(url);
             continue;
         }
-        const bool is_mpegts = !is_srt || options_.mpegts;
-        auto output = StreamOutput::create(url, (is_mpegts ? mpegts_ : matroska_)->ring, audience_);
+        auto output = SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_);
         if (!output.ok()) return output.error();
         outputs_.push_back(std::move(*output));
     }

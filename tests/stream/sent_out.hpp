@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "engine/stream/stream_output.hpp"
+#include "engine/stream/srt_output.hpp"
 
 namespace touchable::test {
 
-/// A stream of bytes that goes out by a StreamOutput.
+/// A stream of bytes that goes out by an SrtOutput.
 struct SentOut {
     static std::span<const std::uint8_t> header() {
         static constexpr std::array<std::uint8_t, 6> letters{'H', 'E', 'A', 'D', 'E', 'R'};
@@ -52,8 +52,8 @@ struct SentOut {
     void wait_until_said(const std::string& what) {
         while (!has_said(what)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    std::unique_ptr<StreamOutput> open(const std::string& url) {
-        auto output = StreamOutput::create(*read_stream_url(url), ring, audience);
+    std::unique_ptr<SrtOutput> open(const std::string& url) {
+        auto output = SrtOutput::create(*read_stream_url(url), ring, audience);
         EXPECT_TRUE(output.ok());
         EXPECT_TRUE((*output)->start().ok());
         return std::move(*output);

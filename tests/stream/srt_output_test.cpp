@@ -159,7 +159,7 @@ TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
     });
     ring.begin(SentOut::header());
     auto output =
-        std::move(*StreamOutput::create(*read_stream_url(place_of(port) + "?mode=caller"), ring, audience));
+        std::move(*SrtOutput::create(*read_stream_url(place_of(port) + "?mode=caller"), ring, audience));
     ASSERT_TRUE(output->start().ok());
     constexpr int most_connections = 20;
     for (std::int64_t n = 0; audience.all() < (is_said ? 2 : most_connections); ++n) {
@@ -333,6 +333,14 @@ TEST(SrtOutput, EndsThoughNobodyCalled) {
     EXPECT_TRUE(asked.lines.empty());
 }
 
+TEST(SrtOutput, WaitsTwiceAsLongEachTime) {
+    constexpr std::int64_t second = 1'000'000'000;
+    EXPECT_EQ(wait_before_call_ns(1), second / 2);
+    EXPECT_EQ(wait_before_call_ns(2), second);
+    EXPECT_EQ(wait_before_call_ns(5), 8 * second);
+    EXPECT_EQ(wait_before_call_ns(1000), 8 * second);
+}
+
 TEST(SrtOutput, RefusesPortThatIsTaken) {
     SentOut sent;
     const int port = unused_port();
@@ -345,7 +353,7 @@ TEST(SrtOutput, RefusesPortThatIsTaken) {
     ASSERT_EQ(::bind(taken, reinterpret_cast<const sockaddr*>(&at), length), 0);
     ASSERT_EQ(::getsockname(taken, reinterpret_cast<sockaddr*>(&at), &length), 0);
     const auto refused =
-        StreamOutput::create(*read_stream_url(place_of(ntohs(at.sin_port))), sent.ring, sent.audience);
+        SrtOutput::create(*read_stream_url(place_of(ntohs(at.sin_port))), sent.ring, sent.audience);
     ::close(taken);
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().kind, ErrorKind::input);
@@ -355,8 +363,8 @@ TEST(SrtOutput, RefusesSettings) {
     SentOut sent;
     for (const char* const query :
          {"?latency=-1", "?latency=60001", "?latency=1s", "?mode=both", "?pbkeylen=17"}) {
-        const auto refused = StreamOutput::create(
-            *read_stream_url("srt://127.0.0.1:7000" + std::string(query)), sent.ring, sent.audience);
+        const auto refused = SrtOutput::create(*read_stream_url("srt://127.0.0.1:7000" + std::string(query)),
+                                               sent.ring, sent.audience);
         ASSERT_FALSE(refused.ok()) << query;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage) << query;
     }
