@@ -16,6 +16,10 @@ struct StiffnessFinding {
     double most_force = 0;  ///< N, that was exerted at most
 };
 
+/// Why it is here: the largest stiffness that stays quiet depends on the delays of this computer and on this
+/// very device, so no table of limits has it. A person with a new device gets a safe --max-stiffness before a
+/// hand is on the handle.
+///
 /// Climbs in steps of a factor of sqrt(2), from soft to the device's own limit, with 1.5 N or half of the
 /// device's longest force at most; force ends at the first sign of growth, and with the search however it
 /// ends. `tries` is told of each stiffness (N/m). Refuses (ErrorKind::usage) a device that exerts no force;
