@@ -11,6 +11,7 @@
 
 extern "C" {
 #include <libavutil/crc.h>
+#include <libavutil/intreadwrite.h>
 }
 
 namespace touchable {
@@ -94,24 +95,18 @@ Result<FramePtr> indexed_input(const PlaneView& image, const std::vector<std::ui
     return frame;
 }
 
-std::string big_endian_word(std::uint32_t word) {
-    std::string bytes;
-    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(word >> shift & 255);
-    return bytes;
-}
-
 /// FFmpeg writes 256 colours whatever there are: those beyond the first `count` go.
 Result<std::string> with_short_palette(std::string png, std::size_t count) {
     constexpr std::size_t whole = 3 * 256;
     const std::size_t name = png.find("PLTE");
     if (name == std::string::npos || name < 4 || png.size() < name + 8 + whole)
         return Error{ErrorKind::internal, "PNG encoder: it wrote no palette of 256 colours"};
-    const std::string chunk = png.substr(name, 4 + 3 * count);
+    std::string chunk = png.substr(name - 4, 4 + 4 + 3 * count + 4);  // length, name, colours, checksum
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(chunk.data());
+    AV_WB32(bytes, static_cast<std::uint32_t>(3 * count));
     const AVCRC* const table = av_crc_get_table(AV_CRC_32_IEEE_LE);
-    const std::uint32_t crc =
-        ~av_crc(table, ~std::uint32_t{0}, reinterpret_cast<const std::uint8_t*>(chunk.data()), chunk.size());
-    png.replace(name - 4, 4 + 4 + whole + 4,
-                big_endian_word(static_cast<std::uint32_t>(3 * count)) + chunk + big_endian_word(crc));
+    AV_WB32(bytes + 8 + 3 * count, ~av_crc(table, ~std::uint32_t{0}, bytes + 4, 4 + 3 * count));
+    png.replace(name - 4, 4 + 4 + whole + 4, chunk);
     return png;
 }
 
