@@ -5,7 +5,8 @@
 
 #include "bench/loop/stability.hpp"
 #include "bench/suite.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -30,10 +31,9 @@ Result<void> measure(const TouchSurface& surface, const LoopCase& c, std::size_t
     for (std::size_t k = 0; k < pressed; ++k) {
         const int x = static_cast<int>(places[k].across * c.touch.width);
         const int y = static_cast<int>(places[k].down * c.touch.height);
-        const auto boundary = stability_boundary(surface, c, pressed_place(surface, x, y));
-        if (!boundary.ok()) return boundary.error();
-        least = std::min(least, *boundary);
-        largest = std::max(largest, *boundary);
+        TRY_ASSIGN(const auto boundary, stability_boundary(surface, c, pressed_place(surface, x, y)));
+        least = std::min(least, boundary);
+        largest = std::max(largest, boundary);
     }
     const auto add = [&](const char* metric, double newtons_per_metre) {
         figures.push_back({metric, newtons_per_metre / 1000, "N/mm"});
@@ -96,9 +96,8 @@ private:
         const std::size_t pressed = quick_ ? 1 : std::size(places);
         cases_.push_back(
             {name_of(c), [shelf = shelf_, c, pressed](Figures& figures) -> Result<void> {
-                 const auto surface = shelf->take(c.touch);
-                 if (!surface.ok()) return surface.error();
-                 auto measured = measure(**surface, c, pressed, figures);
+                 TRY_ASSIGN(const auto surface, shelf->take(c.touch));
+                 auto measured = measure(*surface, c, pressed, figures);
                  if (measured.ok()) return measured;
                  return Error{measured.error().kind, name_of(c) + ": " + measured.error().message};
              }});

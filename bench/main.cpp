@@ -13,6 +13,7 @@
 #include "bench/measured_commit.hpp"
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
+#include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
 
 namespace touchable {
@@ -81,12 +82,10 @@ Result<std::vector<BenchCase>> choose_cases(const BenchSuite& suite, const Optio
 }
 
 Result<void> run(const Options& options) {
-    const auto suite = find_suite(options.suite);
-    if (!suite.ok()) return suite.error();
-    const auto cases = choose_cases(**suite, options);
-    if (!cases.ok()) return cases.error();
+    TRY_ASSIGN(const auto suite, find_suite(options.suite));
+    TRY_ASSIGN(const auto cases, choose_cases(*suite, options));
     if (options.list) {
-        for (const BenchCase& c : *cases) std::cout << c.name << '\n';
+        for (const BenchCase& c : cases) std::cout << c.name << '\n';
         return {};
     }
     if (options.json)
@@ -94,9 +93,9 @@ Result<void> run(const Options& options) {
 
     const double load_at_start = load_average();
     std::vector<CaseFigures> done;
-    for (std::size_t k = 0; k < cases->size(); ++k) {
-        const BenchCase& c = (*cases)[k];
-        std::cerr << "[" << k + 1 << "/" << cases->size() << "] " << c.name << std::endl;
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+        const BenchCase& c = cases[k];
+        std::cerr << "[" << k + 1 << "/" << cases.size() << "] " << c.name << std::endl;
         done.push_back({c.name, {}});
         if (auto measured = c.measure(done.back().figures); !measured.ok()) return measured;
     }
@@ -107,7 +106,7 @@ Result<void> run(const Options& options) {
     done.insert(done.begin(), machine);
     if (options.json)
         if (auto written = write_report(*options.json, options.suite, done); !written.ok()) return written;
-    return (*suite)->conclude ? (*suite)->conclude(done) : Result<void>();
+    return suite->conclude ? suite->conclude(done) : Result<void>();
 }
 
 void print_overview() {

@@ -9,6 +9,7 @@
 #include "bench/media/force_loss.hpp"
 #include "bench/media/plane_sequence.hpp"
 #include "bench/suite.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -24,9 +25,8 @@ public:
         if (name_ == source.name) return &entry_;
         name_.clear();
         entry_ = {};  // before there is more
-        auto made = source.make();
-        if (!made.ok()) return made.error();
-        entry_.frames = std::move(*made);
+        TRY_ASSIGN(auto made, source.make());
+        entry_.frames = std::move(made);
         name_ = source.name;
         return &entry_;
     }
@@ -51,9 +51,8 @@ public:
         if (name_ == source.name) return &clip_;
         name_.clear();
         clip_ = {};  // before there is more
-        auto made = source.make();
-        if (!made.ok()) return made.error();
-        clip_ = std::move(*made);
+        TRY_ASSIGN(auto made, source.make());
+        clip_ = std::move(made);
         name_ = source.name;
         return &clip_;
     }
@@ -72,9 +71,8 @@ void add_force_cases(std::vector<BenchCase>& cases) {
                 const std::string name =
                     "force-" + source.name + "-" + std::string(role_name(role)) + "-" + choice.name;
                 cases.push_back({name, [=](Figures& figures) -> Result<void> {
-                                     const auto clip = shelf->take(source);
-                                     if (!clip.ok()) return clip.error();
-                                     return measure_force_loss(**clip, role, choice, figures);
+                                     TRY_ASSIGN(const auto clip, shelf->take(source));
+                                     return measure_force_loss(*clip, role, choice, figures);
                                  }});
             }
 }
@@ -90,12 +88,10 @@ PlaneView form_of(PlaneRole role, const PictureSource& source) {
 
 Result<void> measure_plane(const PictureSource& source, PlaneRole role, std::size_t choice, bool quick,
                            PictureShelf& shelf, Figures& figures) {
-    const auto entry = shelf.take(source);
-    if (!entry.ok()) return entry.error();
-    const std::vector<PlaneView> planes = planes_of((*entry)->frames, role);
-    const auto ffv1 = PictureShelf::ffv1_bytes(**entry, role, planes);
-    if (!ffv1.ok()) return ffv1.error();
-    return measure_codec(codec_choices(role, planes.front())[choice], planes, *ffv1, quick ? 2 : 5, figures);
+    TRY_ASSIGN(const auto entry, shelf.take(source));
+    const std::vector<PlaneView> planes = planes_of(entry->frames, role);
+    TRY_ASSIGN(const auto ffv1, PictureShelf::ffv1_bytes(*entry, role, planes));
+    return measure_codec(codec_choices(role, planes.front())[choice], planes, ffv1, quick ? 2 : 5, figures);
 }
 
 std::optional<double> value_of(const CaseFigures& c, const char* metric) {

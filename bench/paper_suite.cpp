@@ -6,7 +6,8 @@
 #include "bench/paper/scratch_run.hpp"
 #include "bench/paper/sweep_run.hpp"
 #include "bench/suite.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -20,9 +21,8 @@ class ClipShelf {
 public:
     Result<std::shared_ptr<const PaperClip>> globe() {
         if (name_ == "globe") return clip_;
-        auto made = make_globe_clip();
-        if (!made.ok()) return made.error();
-        return keep("globe", *made);
+        TRY_ASSIGN(auto made, make_globe_clip());
+        return keep("globe", made);
     }
     std::shared_ptr<const PaperClip> chest(double noise_levels, int frames) {
         const std::string name = "chest " + std::to_string(noise_levels) + " " + std::to_string(frames);
@@ -102,9 +102,8 @@ private:
             }
             add(name_of(run.setup), [shelf = shelf_, run, globe](Figures& figures) -> Result<void> {
                 if (!globe) return measure_sweep(shelf->chest(1, chest_frames), run, figures);
-                auto clip = shelf->globe();
-                if (!clip.ok()) return clip.error();
-                return measure_sweep(*clip, run, figures);
+                TRY_ASSIGN(auto clip, shelf->globe());
+                return measure_sweep(clip, run, figures);
             });
         }
     }

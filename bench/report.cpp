@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "engine/new_file.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/number_words.hpp"
 
 namespace touchable {
 namespace {

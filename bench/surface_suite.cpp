@@ -15,6 +15,7 @@
 #include "bench/surface/start_up.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "bench/surface/temporal_race.hpp"
+#include "engine/base/try.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -29,9 +30,9 @@ Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int r
         return make_cpu_builder(picture.scene);
     };
     const auto vulkan = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
-        auto made = make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts()));
-        if (!made.ok()) return made.error();
-        return std::unique_ptr<SurfaceBuilder>(std::move(*made));
+        TRY_ASSIGN(auto made,
+                   make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts())));
+        return std::unique_ptr<SurfaceBuilder>(std::move(made));
     };
     if (auto raced = race_changed(picture.raw, "", cpu, rounds, figures); !raced.ok())
         return wrong(c, raced.error().message);
@@ -47,20 +48,19 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     const std::string what = std::to_string(side);
     SurfacePlan plan = plan_for(kernels->device()->facts());
     plan.break_even = 0;  // whole frames, though they are the same again and again
-    auto vulkan = make_vulkan_builder(picture.scene, kernels, plan);
-    if (!vulkan.ok()) return vulkan.error();
+    TRY_ASSIGN(auto vulkan, make_vulkan_builder(picture.scene, kernels, plan));
     SurfaceFrame frame;
     const std::int64_t begin = monotonic_ns();
-    if (auto built = (*vulkan)->build(kept(picture.raw), frame); !built.ok()) return built;
+    if (auto built = vulkan->build(kept(picture.raw), frame); !built.ok()) return built;
     const double first_ms = static_cast<double>(monotonic_ns() - begin) * 1e-6;
     OpenCvPipeline opencv(picture.scene, picture.raw);
-    if (auto raced = race_for_codes(picture.scene, picture.raw, **vulkan, opencv, frames, figures);
+    if (auto raced = race_for_codes(picture.scene, picture.raw, *vulkan, opencv, frames, figures);
         !raced.ok())
         return wrong(c, raced.error().message);
     figures.push_back({"codes" + what + "_first_ms", first_ms, "ms"});
     if (side == 0) return {};
-    if (auto raced = race_for_the_eye(c, picture, **vulkan, kernels->device(), opencv,
-                                      std::max(frames / 2, 3), figures);
+    if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 3),
+                                      figures);
         !raced.ok())
         return raced;
     if (c.width == 720)
@@ -69,7 +69,7 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     if (side == 5) return {};
     if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced.ok())
         return raced;
-    return measure_drawing(c, picture, **vulkan, std::max(frames / 10, 1), kernels->device(), figures);
+    return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
 /// Bytes moved a second by the kernels of a median of 3x3, against those of a copy.
@@ -78,11 +78,10 @@ Result<void> measure_bandwidth(const SurfaceCase& c, const std::shared_ptr<GpuDe
     const auto kernels = std::ranges::find(figures, "codes3_kernels_ms", &Figure::metric);
     if (kernels == figures.end()) return Error{ErrorKind::internal, "the kernels' time is not known"};
     const double megabytes = least_bytes(c) * 1e-6, gb_s = megabytes / kernels->value;
-    const auto copy = copy_bandwidth(device);
-    if (!copy.ok()) return copy.error();
+    TRY_ASSIGN(const auto copy, copy_bandwidth(device));
     figures.push_back({"codes3_mb", megabytes, "MB"});
-    figures.push_back({"copy_gb_s", *copy, "GB/s"});
-    figures.push_back({"bandwidth_pct", 100 * gb_s / *copy, "%"});
+    figures.push_back({"copy_gb_s", copy, "GB/s"});
+    figures.push_back({"bandwidth_pct", 100 * gb_s / copy, "%"});
     return {};
 }
 
@@ -124,9 +123,8 @@ class Shelf {
 public:
     Result<Kernels> take() {
         if (!kernels_) {
-            auto device = GpuDevice::open();
-            if (!device.ok()) return device.error();
-            kernels_ = std::make_shared<SurfaceKernels>(*device);
+            TRY_ASSIGN(auto device, GpuDevice::open());
+            kernels_ = std::make_shared<SurfaceKernels>(device);
         }
         return kernels_;
     }
@@ -151,9 +149,8 @@ std::vector<BenchCase> surface_cases(bool quick) {
                                  {3840, 2160, 16}}) {
         if (quick && c.width > 1920 && c.bits == 8) continue;
         cases.push_back({name_of(c), [c, quick, shelf](Figures& figures) -> Result<void> {
-                             auto kernels = shelf->take();
-                             if (!kernels.ok()) return kernels.error();
-                             return measure(c, quick, *kernels, figures);
+                             TRY_ASSIGN(auto kernels, shelf->take());
+                             return measure(c, quick, kernels, figures);
                          }});
     }
     for (BenchCase& c : drawing_cases(quick, [shelf] { return shelf->take(); }))

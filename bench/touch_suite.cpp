@@ -13,6 +13,7 @@
 #include "bench/touch/proven_run.hpp"
 #include "bench/touch/steadiness_run.hpp"
 #include "bench/touch/timing_run.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -59,9 +60,8 @@ private:
     void add(const Run& run, Measure measure) {
         cases_.push_back(
             {name_of(run.setup), [shelf = shelf_, run, measure](Figures& figures) -> Result<void> {
-                 const auto surface = shelf->take(run.setup);
-                 if (!surface.ok()) return surface.error();
-                 auto measured = measure(**surface, run, figures);
+                 TRY_ASSIGN(const auto surface, shelf->take(run.setup));
+                 auto measured = measure(*surface, run, figures);
                  if (measured.ok()) return measured;
                  return Error{measured.error().kind, name_of(run.setup) + ": " + measured.error().message};
              }});

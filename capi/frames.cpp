@@ -7,7 +7,8 @@
 #include <string>
 
 #include "capi/status.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 #include "engine/surface/raw_check.hpp"
 
 namespace touchable::capi {
@@ -79,7 +80,7 @@ std::optional<std::uint16_t> code_of_no_surface(const DepthCoding& coding) {
 }
 
 /// Depths above 0 that the scene has no code for. A renderer's background is no depth: 1e9 and beyond, and
-/// 65504, the largest half, where no depth is farther (engine/import has the same rule for files).
+/// 65504, the largest half, where no depth is farther (engine/formats has the same rule for files).
 class LostDepths {
 public:
     void add(float metres) {
@@ -150,7 +151,7 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
                 there ? scene.depth.code(static_cast<double>(metres) / scene.metres_per_unit) : *none;
         }
     lost = outside.count();
-    if (auto enough = check_lost(outside, kept, plane, scene, deepest); !enough) return enough.error();
+    TRY(check_lost(outside, kept, plane, scene, deepest));
     return PlaneView{reinterpret_cast<const std::uint8_t*>(codes.data()),
                      std::ptrdiff_t{2} * plane.width,
                      plane.width,
@@ -184,7 +185,7 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
     for (std::size_t k = 0; k < std::size(planes); ++k) {
         const auto& [from, to, role] = planes[k];
         if (!from.data) continue;
-        if (auto sound = check_plane(from, role); !sound) return sound.error();
+        TRY(check_plane(from, role));
         // Before any of it is read: there may be less of it than it says.
         if (from.width != scene.width || from.height != scene.height)
             return plane_error(role.name, "is " + std::to_string(from.width) + "x" +
@@ -211,9 +212,8 @@ Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, Fram
     frame.depth = depth;
     if (depth.sample == TOUCH_F32)
         return plane_error("depth", "is of floats, which are metres already; right would be codes");
-    auto raw = raw_frame(frame, scene, scratch);
-    if (!raw) return raw.error();
-    return raw->depth;
+    TRY_ASSIGN(auto raw, raw_frame(frame, scene, scratch));
+    return raw.depth;
 }
 
 touch_plane plane_for_program(const PlaneView& view) {

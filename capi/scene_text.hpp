@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene_description.hpp"
 
 namespace touchable::capi {

@@ -14,7 +14,7 @@
 
 #include "capi/handle_table.hpp"
 #include "capi/touchable.h"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable::capi {
 

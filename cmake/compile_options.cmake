@@ -3,13 +3,13 @@
 # A force is the same bits on every compiler and optimisation level (docs/architecture.md, decision 3):
 # no fused multiply-add where the source has a product and a sum.
 add_compile_options(-ffp-contract=off)
-# Rooms go into shared libraries too, which export their C functions alone (capi/).
+# Modules go into shared libraries too, which export their C functions alone (capi/).
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 add_compile_options(-Wall -Wextra -Wpedantic
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast> -Wfloat-conversion)
-# Where a room is one translation unit, a file's globals would be shadowed by another's locals.
+# Where a module is one translation unit, a file's globals would be shadowed by another's locals.
 if(NOT CMAKE_UNITY_BUILD)
   add_compile_options(-Wshadow)
 endif()
@@ -36,8 +36,8 @@ if(TOUCHABLE_SANITIZE)
   endif()
 endif()
 
-# Under Clang's sanitizers what many files include is compiled once for all rooms, and once for all that is not optimised: of a
-# small room it was a third of the time to compile, of a large one a tenth. The other builds read in each room what its files include.
+# Under Clang's sanitizers what many files include is compiled once for all modules, and once for all that is not optimised: of a
+# small module it was a third of the time to compile, of a large one a tenth. The other builds read in each module what its files include.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
   add_compile_options(-fPIC -pthread)  # as some have it, and all have to have, to read the same
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
@@ -59,30 +59,44 @@ function(touchable_reads target precompiled)
   endif()
 endfunction()
 
-# One room of the house: a static library `touchable_<name>`, reached by includes written from the root.
-function(touchable_room name)
-  add_library(touchable_${name} STATIC ${ARGN})
-  add_library(touchable::${name} ALIAS touchable_${name})
-  target_compile_features(touchable_${name} PUBLIC cxx_std_20)
-  target_include_directories(touchable_${name} PUBLIC
-      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/touchable>)
-  touchable_reads(touchable_${name} precompiled)
-endfunction()
-
-# touchable_unhurried(target): the target takes long to compile and little time to run, such as a room that reads words. Release
-# compiles it with -O1, sanitizers without optimisation. Not so the fuzzer, which runs what reads files all the time.
-function(touchable_unhurried target)
-  touchable_unhurried_by_sanitizers(${target})
-  if(NOT TOUCHABLE_SANITIZE AND CMAKE_BUILD_TYPE STREQUAL "Release")
+# touchable_optimise(target release|little). release: sanitizers compile it without optimisation, as its tests are short. little: and
+# Release with -O1, as it takes long to compile and little time to run, such as a module that reads words. The fuzzer, which runs
+# what reads files all the time, has -O1 of all.
+function(touchable_optimise target level)
+  if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
+    target_compile_options(${target} PRIVATE -O0)
+    touchable_reads(${target} unhurried_precompiled)
+  elseif(NOT TOUCHABLE_SANITIZE AND level STREQUAL "little" AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE -O1)
   endif()
 endfunction()
 
-# touchable_unhurried_by_sanitizers(target): the same under sanitizers only, for a room whose loops over pixels or samples have to
-# be fast in Release.
-function(touchable_unhurried_by_sanitizers target)
-  if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
+# One module: all .cpp files of the folder whose CMakeLists.txt calls this, as the static library `touchable_<name>`. Includes are
+# written from the root of the project.
+# touchable_module(name [HEADERS x.hpp...] [USES module...] [PUBLIC_LIBRARIES target...] [LIBRARIES target...]
+#                  [SOURCES x.cpp...] [WITHOUT x.cpp...] [OPTIMISED release|little])
+# HEADERS: what other modules may include; tests/modules holds them to that. USES: the modules that it includes from.
+# PUBLIC_LIBRARIES: whose headers its public headers include. SOURCES: these alone. WITHOUT: not these.
+# OPTIMISED: see touchable_optimise.
+function(touchable_module name)
+  cmake_parse_arguments(MODULE "" "OPTIMISED" "HEADERS;USES;PUBLIC_LIBRARIES;LIBRARIES;SOURCES;WITHOUT" ${ARGN})
+  if(NOT MODULE_SOURCES)
+    file(GLOB MODULE_SOURCES CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+    list(REMOVE_ITEM MODULE_SOURCES "" ${MODULE_WITHOUT})
+  endif()
+  set(target touchable_${name})
+  add_library(${target} STATIC ${MODULE_SOURCES})
+  add_library(touchable::${name} ALIAS ${target})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/touchable>)
+  list(TRANSFORM MODULE_USES PREPEND touchable_)
+  target_link_libraries(${target} PUBLIC ${MODULE_USES} ${MODULE_PUBLIC_LIBRARIES} PRIVATE ${MODULE_LIBRARIES})
+  touchable_reads(${target} precompiled)
+  if(TOUCHABLE_SANITIZE AND MODULE_OPTIMISED AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)
     touchable_reads(${target} unhurried_precompiled)
+  elseif(NOT TOUCHABLE_SANITIZE AND MODULE_OPTIMISED STREQUAL "little" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${target} PRIVATE -O1)
   endif()
 endfunction()

@@ -1,4 +1,4 @@
-# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's rooms in C++ (docs/linking.md), and
+# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's modules in C++ (docs/linking.md), and
 # where all parts are built the C libraries (cmake/libraries.cmake). These have targets of their own, which need nothing else.
 
 include(GNUInstallDirs)
@@ -7,17 +7,15 @@ include(CMakePackageConfigHelpers)
 add_library(touchable_solver INTERFACE)
 add_library(touchable::solver ALIAS touchable_solver)
 target_link_libraries(touchable_solver INTERFACE touchable_haptics)
-foreach(room IN ITEMS base scene frame haptics solver)
-  set_target_properties(touchable_${room} PROPERTIES EXPORT_NAME ${room})
+foreach(module IN ITEMS base scene haptics solver)
+  set_target_properties(touchable_${module} PROPERTIES EXPORT_NAME ${module})
 endforeach()
 # Headers have arithmetic that reaches a force, too (docs/architecture.md, decision 3).
 target_compile_options(touchable_base INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
-install(TARGETS touchable_base touchable_scene touchable_frame touchable_haptics touchable_solver EXPORT touchable_solver
+install(TARGETS touchable_base touchable_scene touchable_haptics touchable_solver EXPORT touchable_solver
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY engine/scene engine/frame DESTINATION include/touchable/engine FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY engine/base engine/scene DESTINATION include/touchable/engine FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY haptics_cpu DESTINATION include/touchable FILES_MATCHING PATTERN "*.hpp")
-file(GLOB touchable_base_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/engine/*.hpp)
-install(FILES ${touchable_base_headers} DESTINATION include/touchable/engine)
 install(FILES shaders/hue_code.h DESTINATION include/touchable/shaders)
 
 set(touchable_package ${CMAKE_INSTALL_LIBDIR}/cmake/touchable)

@@ -7,8 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "engine/given_file.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -48,11 +49,10 @@ const char* separator_name(char separator) {
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& file) {
-    auto text = read_given_file(file, file, "a CSV file", largest_file);
-    if (!text) return text.error();
+    TRY_ASSIGN(auto text, read_given_file(file, file, "a CSV file", largest_file));
     CsvTable table;
     table.file_ = file;
-    table.text_ = std::make_shared<const std::string>(std::move(*text));
+    table.text_ = std::make_shared<const std::string>(std::move(text));
     if (const Result<void> done = table.find_lines(); !done) return done.error();
     table.choose_separator();
     if (const Result<void> done = table.check_fields(); !done) return done.error();
@@ -193,7 +193,7 @@ Result<std::vector<double>> CsvTable::numbers(std::size_t column, bool may_be_em
     std::vector<std::string_view> fields;
     const std::string name = has_header_ ? printable(first_[column]) : std::to_string(column + 1);
     for (std::size_t row = 0; row < rows(); ++row) {
-        if (const auto done = split(line(row + (has_header_ ? 1 : 0)), fields); !done) return done.error();
+        TRY(split(line(row + (has_header_ ? 1 : 0)), fields));
         const std::string_view field = fields[column];
         if (may_be_empty && field.empty()) {
             values.push_back(std::numeric_limits<double>::quiet_NaN());

@@ -13,8 +13,9 @@
 #include <utility>
 
 #include "device/steady_time.hpp"
-#include "engine/start_thread.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -165,9 +166,8 @@ Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
     const auto packet = held.ok() && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
     if (packet && !kept_) {
-        auto kept = SafetyWatchdog::keep(settings_.watchdog);
-        if (!kept.ok()) return kept.error();
-        kept_.emplace(std::move(*kept));
+        TRY_ASSIGN(auto kept, SafetyWatchdog::keep(settings_.watchdog));
+        kept_.emplace(std::move(kept));
     }
     if (packet) held = kept_->set_packet(*packet);
     if (!held.ok()) return held;
@@ -277,9 +277,8 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
 /// and so does what is asked and answered.
 Result<void> DrivenDevice::beat() {
     if (!kept_) return {};
-    const auto beat = kept_->beat();
-    if (!beat.ok()) return beat.error();
-    if (*beat) return {};
+    TRY_ASSIGN(const auto beat, kept_->beat());
+    if (beat) return {};
     exerts_since_ns_ = {};
     return driver_->forget_what_came();
 }

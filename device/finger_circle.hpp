@@ -2,7 +2,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 

@@ -1,6 +1,6 @@
 #include "device/goal_watch.hpp"
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 
 namespace touchable {
 

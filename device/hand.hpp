@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "device/surface_probe.hpp"
-#include "device/workspace.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 

@@ -10,7 +10,7 @@
 
 #include "device/device_driver.hpp"
 #include "device/surface_probe.hpp"
-#include "device/workspace.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

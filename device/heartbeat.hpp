@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "engine/boot_time.hpp"
+#include "engine/base/boot_time.hpp"
 
 namespace touchable {
 

@@ -13,6 +13,8 @@
 #include <new>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -179,7 +181,7 @@ bool SafetyWatchdog::Kept::was_made_unpowered() const {
 Result<bool> SafetyWatchdog::Kept::beat() {
     const std::int64_t now = boot_ns();
     if (!watch_.is_alive(watchdog_->hearts_.watchdog_beats, now)) watchdog_->stands_still_ = true;
-    if (auto lives = watchdog_->health(); !lives.ok()) return lives.error();
+    TRY(watchdog_->health());
     Heartbeat& heart = watchdog_->hearts_.devices[place_];
     heart.beat_ns = now;
     const std::uint32_t silences = heart.silences;

@@ -8,7 +8,7 @@
 
 #include "device/device_driver.hpp"
 #include "device/watchdog_process.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "engine/boot_time.hpp"
+#include "engine/base/boot_time.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "device/surface_probe.hpp"
-#include "device/workspace.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
 
 namespace touchable {
 

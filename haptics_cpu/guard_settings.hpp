@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "haptics_cpu/contact_stiffness.hpp"
 
 namespace touchable {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
 
 namespace touchable {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/boot_time.hpp"
-#include "engine/result.hpp"
+#include "engine/base/boot_time.hpp"
+#include "engine/base/result.hpp"
 #include "haptics_cpu/haptic_port.hpp"
 #include "haptics_cpu/realtime.hpp"
 #include "haptics_cpu/tick_log.hpp"

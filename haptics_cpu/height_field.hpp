@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

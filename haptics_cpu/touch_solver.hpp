@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/proxy.hpp"
 #include "haptics_cpu/slide.hpp"

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/surface_timeline.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 

@@ -9,9 +9,9 @@
 
 #include "bench/clocks.hpp"
 #include "capi/touchable.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 namespace {

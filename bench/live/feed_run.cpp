@@ -12,8 +12,8 @@
 #include "bench/media/codec_run.hpp"
 #include "bench/surface/race.hpp"
 #include "player/run/feed_threads.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 namespace {

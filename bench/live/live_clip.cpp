@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
-#include "engine/video/matroska_writer.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "player/run/interrupt.hpp"
 
 namespace touchable {
 namespace {

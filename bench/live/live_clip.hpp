@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

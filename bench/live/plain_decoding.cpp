@@ -6,10 +6,10 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/video/clip_tags.hpp"
-#include "engine/video/codecs.hpp"
-#include "engine/video/packet_decoder.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/codecs.hpp"
+#include "engine/clip/packet_decoder.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 namespace {

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

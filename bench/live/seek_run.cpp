@@ -2,8 +2,8 @@
 
 #include "bench/clocks.hpp"
 #include "engine/content/random.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/session/touch_figures.hpp"
-#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 

@@ -5,8 +5,8 @@
 
 #include "bench/touch/touch_surface.hpp"
 #include "device/held_handle.hpp"
-#include "device/workspace.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 

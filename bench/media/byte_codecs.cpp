@@ -6,8 +6,8 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/video/clip_tags.hpp"
-#include "engine/video/rank_zstd.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/rank_zstd.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/peak_memory.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bench/media/plane_codec.hpp"
 #include "bench/suite.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "player/session/standard_stroke.hpp"
 
 namespace touchable {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/frame/plane_view.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

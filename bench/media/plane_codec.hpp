@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/frame/plane_view.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

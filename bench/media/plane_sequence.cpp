@@ -8,7 +8,7 @@
 
 #include "engine/content/random.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/clip/plane_role.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

@@ -8,8 +8,8 @@
 #include "bench/clocks.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "device/workspace.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 namespace {

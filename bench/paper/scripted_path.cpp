@@ -1,6 +1,6 @@
 #include "bench/paper/scripted_path.hpp"
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "bench/suite.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

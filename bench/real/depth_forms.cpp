@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "bench/real/depth_map.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/import/bag_bytes.hpp"
 

@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/frame/surface_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/real/built_frames.hpp"
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

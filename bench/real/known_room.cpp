@@ -6,7 +6,7 @@
 #include "bench/real/built_frames.hpp"
 #include "bench/real/edges.hpp"
 #include "bench/real/resting.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 namespace {

@@ -8,7 +8,7 @@
 #include "bench/real/depth_forms.hpp"
 #include "bench/real/pressing.hpp"
 #include "bench/real/sensor_models.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 namespace {

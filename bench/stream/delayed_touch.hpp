@@ -7,7 +7,7 @@
 
 #include "bench/suite.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/stream/relay.hpp"
 

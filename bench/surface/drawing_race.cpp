@@ -9,11 +9,11 @@
 #include "bench/surface/race.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
-#include "player/overlay/scene_picture.hpp"
-#include "player/view/gpu_painters.hpp"
-#include "player/view/surface_drawing.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/draw/gpu_painters.hpp"
+#include "player/draw/scene_picture.hpp"
+#include "player/draw/surface_drawing.hpp"
 
 namespace touchable {
 namespace {

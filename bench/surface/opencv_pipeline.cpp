@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "shaders/cut_rule.h"
 
 #ifdef TOUCHABLE_HAS_OPENCV

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

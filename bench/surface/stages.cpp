@@ -5,8 +5,8 @@
 
 #include "bench/clocks.hpp"
 #include "bench/surface/race.hpp"
-#include "player/view/gpu_painters.hpp"
-#include "player/view/view_camera.hpp"
+#include "player/draw/gpu_painters.hpp"
+#include "player/draw/view_camera.hpp"
 
 namespace touchable {
 namespace {

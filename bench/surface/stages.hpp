@@ -4,8 +4,8 @@
 
 #include "bench/suite.hpp"
 #include "bench/surface/surface_case.hpp"
-#include "engine/surface_vulkan/surface_kernels.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 
 namespace touchable {
 

@@ -8,7 +8,7 @@
 #include "bench/clocks.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 
 namespace touchable {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/frame/surface_frame.hpp"
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
+#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

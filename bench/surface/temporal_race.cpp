@@ -7,7 +7,7 @@
 
 #include "bench/surface/race.hpp"
 #include "bench/surface/stages.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 
 namespace touchable {
 namespace {

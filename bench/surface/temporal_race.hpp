@@ -4,7 +4,7 @@
 
 #include "bench/suite.hpp"
 #include "bench/surface/surface_case.hpp"
-#include "engine/surface_vulkan/surface_kernels.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <complex>
 #include <cstddef>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

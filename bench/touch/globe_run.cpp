@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 
 #include "bench/touch/touch_run.hpp"
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/strokes.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {

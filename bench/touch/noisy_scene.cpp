@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

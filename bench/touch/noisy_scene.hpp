@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -9,8 +9,8 @@
 
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
+#include "engine/base/trigonometry.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "engine/trigonometry.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {

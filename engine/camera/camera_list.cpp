@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/base/printable.hpp"
 #include "engine/camera/node_facts.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/camera/node_facts.hpp"
 
 namespace touchable {
@@ -39,31 +40,28 @@ ColourBeside::ColourBeside(std::unique_ptr<V4l2Stream> stream, std::string node)
 Result<std::unique_ptr<ColourBeside>> ColourBeside::open(const std::shared_ptr<VideoSystem>& system,
                                                          const std::string& node, const StreamFormat& depth,
                                                          const std::optional<FrameRate>& rate) {
-    const auto facts = look_at_node(*system, node);
-    if (!facts) return facts.error();
-    const auto format = std::find_if(facts->formats.begin(), facts->formats.end(),
+    TRY_ASSIGN(const auto facts, look_at_node(*system, node));
+    const auto format = std::find_if(facts.formats.begin(), facts.formats.end(),
                                      [](const NodeFormat& each) { return is_colour_format(each.code); });
-    if (format == facts->formats.end()) {
+    if (format == facts.formats.end()) {
         std::string there;
-        for (const NodeFormat& each : facts->formats)
+        for (const NodeFormat& each : facts.formats)
             there += (there.empty() ? "" : ", ") + format_text(each.code);
         return input_error(node + ": gives no colour that can be shown (" +
                            (there.empty() ? "nothing" : there) +
                            "); colour= takes a node of RGB3, BGR3, YUYV, UYVY, NV12 or MJPG");
     }
-    auto stream = V4l2Stream::open(system, *facts, *format, wish_beside(*format, depth, rate));
-    if (!stream) return stream.error();
-    return std::unique_ptr<ColourBeside>(new ColourBeside(std::move(*stream), node));
+    TRY_ASSIGN(auto stream, V4l2Stream::open(system, facts, *format, wish_beside(*format, depth, rate)));
+    return std::unique_ptr<ColourBeside>(new ColourBeside(std::move(stream), node));
 }
 
 Result<void> ColourBeside::look() {
-    auto taken = stream_->take(V4l2Stream::Which::newest);
-    if (!taken) return taken.error();
-    if (!*taken) return {};
+    TRY_ASSIGN(auto taken, stream_->take(V4l2Stream::Which::newest));
+    if (!taken) return {};
     // A few: depth may come later than the colour of its moment.
     constexpr std::size_t most = 4;
     if (recent_.size() == most) recent_.erase(recent_.begin());
-    recent_.push_back(std::move(**taken));
+    recent_.push_back(std::move(*taken));
     return {};
 }
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/colour_converter.hpp"
 #include "engine/camera/v4l2_stream.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

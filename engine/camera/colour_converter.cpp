@@ -6,7 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/base/try.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/picture_decoder.hpp"
 
 namespace touchable {
@@ -47,22 +48,19 @@ Result<FramePtr> frame_around(const TakenPicture& picture, const StreamFormat& f
 
 Result<FramePtr> decoded(const TakenPicture& picture) {
     const auto* const bytes = reinterpret_cast<const char*>(picture.bytes->data());
-    auto made = decode_picture({bytes, picture.bytes->size()}, "its picture");
-    if (!made) return made.error();
-    return std::move(made->frame);
+    TRY_ASSIGN(auto made, decode_picture({bytes, picture.bytes->size()}, "its picture"));
+    return std::move(made.frame);
 }
 
 }  // namespace
 
 Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamFormat& format) {
     const bool coded = format.code == V4L2_PIX_FMT_MJPEG || format.code == V4L2_PIX_FMT_JPEG;
-    const auto frame = coded ? decoded(picture) : frame_around(picture, format);
-    if (!frame) return frame.error();
-    auto made = converter_.converted(**frame);
-    if (!made) return made.error();
-    const AVFrame& rgb = **made;
+    TRY_ASSIGN(const auto frame, coded ? decoded(picture) : frame_around(picture, format));
+    TRY_ASSIGN(auto made, converter_.converted(*frame));
+    const AVFrame& rgb = *made;
     const PlaneView view{rgb.data[0], rgb.linesize[0], rgb.width, rgb.height, 1, 3};
-    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*made))};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(made))};
 }
 
 }  // namespace touchable

@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/v4l2_stream.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/picture/rgb_converter.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

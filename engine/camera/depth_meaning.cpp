@@ -6,9 +6,10 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/import/guess/guessed_scene.hpp"
-#include "engine/import/guess/presets.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
+#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/presets.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -139,9 +140,8 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
 
 Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const PlaneView> first,
                                      const std::filesystem::path& scene_file) {
-    auto described = read_scene_file(scene_file);
-    if (!described) return described.error();
-    Scene& made = described->scene;
+    TRY_ASSIGN(auto described, read_scene_file(scene_file));
+    Scene& made = described.scene;
     made.folder.reset();
     made.video.reset();
     const std::string of_file = scene_file.string() + ": ";
@@ -149,7 +149,7 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
                            "metric, linear or inverse");
-    if (described->unstated.camera)
+    if (described.unstated.camera)
         return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
     if (made.width != first.front().width || made.height != first.front().height)
         return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
@@ -160,7 +160,7 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "camera.distortion and colour_camera are of recordings: of a camera that is "
                            "plugged in must be left out");
-    return settled(*described, {scene_file}, first, facts.node);
+    return settled(described, {scene_file}, first, facts.node);
 }
 
 }  // namespace touchable

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/node_facts.hpp"
-#include "engine/frame/plane_view.hpp"
-#include "engine/import/guess/source_description.hpp"
-#include "engine/result.hpp"
+#include "engine/formats/source_description.hpp"
+#include "engine/scene/plane_view.hpp"
 #include "engine/scene/scene_description.hpp"
 
 namespace touchable {

@@ -10,14 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/frameset_format.hpp"
 #include "engine/camera/live_bytes.hpp"
 #include "engine/clip/camera_run.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/clip/sender_clock.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -151,11 +152,10 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
     std::vector<TakenFrameset> taken;
     std::vector<PlaneView> views;
     for (int k = 0; k < first_framesets; ++k) {
-        auto frameset = wait_for_frameset();
-        if (!frameset) return frameset.error();
-        if (!*frameset) return input_error(run_.remarks().back());
-        views.push_back((*frameset)->frameset.depth());
-        taken.push_back(std::move(**frameset));
+        TRY_ASSIGN(auto frameset, wait_for_frameset());
+        if (!frameset) return input_error(run_.remarks().back());
+        views.push_back(frameset->frameset.depth());
+        taken.push_back(std::move(*frameset));
     }
     const FramesetHeader& sent = taken.front().frameset.header;
     if (!known.intrinsics && !known.fov && known.preset.empty())
@@ -164,14 +164,13 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
     NodeFacts facts;
     facts.node = name_;
     facts.card = "a sender of framesets";
-    auto meaning = scene_file ? meaning_in_file(facts, views, *scene_file)
-                              : meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known);
-    if (!meaning) return meaning.error();
-    scene_ = std::move(meaning->scene);
-    unstated_filters_ = meaning->unstated_filters;
+    TRY_ASSIGN(auto meaning, scene_file ? meaning_in_file(facts, views, *scene_file)
+                                        : meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known));
+    scene_ = std::move(meaning.scene);
+    unstated_filters_ = meaning.unstated_filters;
     scene_.interpolation = FrameInterpolation::hold;
     scene_.rate = rate_of(taken);
-    for (const auto& input : meaning->inputs) add_input(input);
+    for (const auto& input : meaning.inputs) add_input(input);
     notes_.push_back(name_ + " sends depth of " +
                      formatted("%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
                                sent.height, sent.metres_per_unit, sent.fx, sent.fy, per_second(scene_.rate)));
@@ -189,9 +188,9 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
 Result<void> FramesetCamera::open(const SourceDescription& known,
                                   const std::optional<std::filesystem::path>& scene_file) {
     if (run_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
-    auto source = choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command);
-    if (!source) return source.error();
-    source_ = std::move(*source);
+    TRY_ASSIGN(auto source,
+               choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command));
+    source_ = std::move(source);
     return look_first(known, scene_file);
 }
 
@@ -212,11 +211,10 @@ std::optional<RawFrame> FramesetCamera::frame_of(const TakenFrameset& taken) {
 
 Result<std::optional<RawFrame>> FramesetCamera::next() {
     while (true) {
-        const auto taken = wait_for_frameset();
-        if (!taken) return taken.error();
-        if (!*taken && !run_.has_begun()) return input_error(run_.remarks().back());
-        if (!*taken) return std::optional<RawFrame>();
-        if (auto frame = frame_of(**taken)) return frame;
+        TRY_ASSIGN(const auto taken, wait_for_frameset());
+        if (!taken && !run_.has_begun()) return input_error(run_.remarks().back());
+        if (!taken) return std::optional<RawFrame>();
+        if (auto frame = frame_of(*taken)) return frame;
     }
 }
 
@@ -243,8 +241,7 @@ Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const FramesetChoice& choice, const std::optional<SourceDescription>& known,
     const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<FramesetCamera>(choice);
-    if (auto opened = camera->open(known.value_or(SourceDescription()), scene_file); !opened)
-        return opened.error();
+    TRY(camera->open(known.value_or(SourceDescription()), scene_file));
     return std::unique_ptr<ClipReader>(std::move(camera));
 }
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/import/guess/source_description.hpp"
-#include "engine/result.hpp"
+#include "engine/formats/source_description.hpp"
 
 namespace touchable {
 

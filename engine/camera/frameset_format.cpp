@@ -10,7 +10,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -194,9 +195,8 @@ bool FramesetParser::find_header() {
 
 Result<std::optional<Frameset>> FramesetParser::next() {
     while (find_header()) {
-        const auto header = read_header(rest());
-        if (!header) return header.error();
-        const std::size_t length = header->payload_bytes();
+        TRY_ASSIGN(const auto header, read_header(rest()));
+        const std::size_t length = header.payload_bytes();
         if (rest().size() < frameset_header_bytes + length) break;
         if (!may_check(length)) continue;
         const auto payload = rest().subspan(frameset_header_bytes, length);
@@ -204,21 +204,21 @@ Result<std::optional<Frameset>> FramesetParser::next() {
             pass_over(magic.size());
             continue;
         }
-        if (first_ && !first_->means_the_same_as(*header))
-            return input_error("gives " + meaning_text(*header) + " where it gave " + meaning_text(*first_) +
+        if (first_ && !first_->means_the_same_as(header))
+            return input_error("gives " + meaning_text(header) + " where it gave " + meaning_text(*first_) +
                                "; a new run takes it as it is now");
         begin_ += frameset_header_bytes + length;
         strays_ = 0;
         is_lost_ = false;
-        if (first_ && header->number == last_number_) {
+        if (first_ && header.number == last_number_) {
             ++repeated_;
             continue;
         }
-        if (!first_) first_ = *header;
-        last_number_ = header->number;
-        Frameset whole{*header, std::make_shared<std::vector<std::uint8_t>>(payload.begin(), payload.end())};
+        if (!first_) first_ = header;
+        last_number_ = header.number;
+        Frameset whole{header, std::make_shared<std::vector<std::uint8_t>>(payload.begin(), payload.end())};
         if constexpr (std::endian::native == std::endian::big)
-            for (std::size_t k = 0; k < header->depth_bytes(); k += 2)
+            for (std::size_t k = 0; k < header.depth_bytes(); k += 2)
                 std::swap((*whole.payload)[k], (*whole.payload)[k + 1]);
         return std::optional(std::move(whole));
     }

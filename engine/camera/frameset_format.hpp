@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/frame/plane_view.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

@@ -16,8 +16,9 @@
 #include <thread>
 #include <utility>
 
-#include "engine/printable.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -227,17 +228,15 @@ Result<int> wait_for_connection(int socket) {
 }  // namespace
 
 Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
-    auto output = make_pipe();
-    if (!output) return output.error();
-    auto errors = make_pipe();
-    if (!errors) return errors.error();
+    TRY_ASSIGN(auto output, make_pipe());
+    TRY_ASSIGN(auto errors, make_pipe());
     constexpr int roomy = 1 << 20;
-    (void)::fcntl(output->in.get(), F_SETPIPE_SZ, roomy);  // otherwise what it is
+    (void)::fcntl(output.in.get(), F_SETPIPE_SZ, roomy);  // otherwise what it is
     ::posix_spawn_file_actions_t files;
     ::posix_spawn_file_actions_init(&files);
     ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&files, output->in.get(), STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files, errors->in.get(), STDERR_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files, output.in.get(), STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files, errors.in.get(), STDERR_FILENO);
     ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
     ::posix_spawnattr_t attributes;
     ::posix_spawnattr_init(&attributes);
@@ -257,7 +256,7 @@ Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
     if (failure != 0)
         return input_error("pipe:" + printable(command) + ": cannot be started: " + failure_text(failure));
     return std::unique_ptr<LiveBytes>(
-        std::make_unique<Command>(process, std::move(output->out), std::move(errors->out)));
+        std::make_unique<Command>(process, std::move(output.out), std::move(errors.out)));
 }
 
 Result<void> check_address(const std::string& address) {
@@ -266,19 +265,17 @@ Result<void> check_address(const std::string& address) {
 }
 
 Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
-    const auto read = read_address(address);
-    if (!read) return read.error();
-    Descriptor socket(::socket(read->bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    TRY_ASSIGN(const auto read, read_address(address));
+    Descriptor socket(::socket(read.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const auto no_connection = [&](int failure) {
         return input_error("tcp://" + address + ": no connection: " + failure_text(failure) +
                            "; does the sender listen there?");
     };
     if (socket.get() < 0) return no_connection(errno);
-    const auto* const to = reinterpret_cast<const ::sockaddr*>(&read->bytes);
-    if (::connect(socket.get(), to, read->length) != 0 && errno != EINPROGRESS) return no_connection(errno);
-    const auto failure = wait_for_connection(socket.get());
-    if (!failure) return failure.error();
-    if (*failure != 0) return no_connection(*failure);
+    const auto* const to = reinterpret_cast<const ::sockaddr*>(&read.bytes);
+    if (::connect(socket.get(), to, read.length) != 0 && errno != EINPROGRESS) return no_connection(errno);
+    TRY_ASSIGN(const auto failure, wait_for_connection(socket.get()));
+    if (failure != 0) return no_connection(failure);
     return std::unique_ptr<LiveBytes>(std::make_unique<Connection>(std::move(socket)));
 }
 

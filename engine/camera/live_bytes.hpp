@@ -10,7 +10,7 @@
 
 #include <poll.h>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

@@ -9,8 +9,9 @@
 #include <cstring>
 #include <numeric>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -191,10 +192,9 @@ std::string rate_text(const FrameRate& rate) {
 
 Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish) {
     if (format.modes.empty()) return NodeMode{wish.width, wish.height, {}};
-    auto mode = choose_size(format, wish);
-    if (!mode) return mode.error();
-    const auto rate = nearest_rate(*mode, wish.rate.value_or(usual_rate));
-    mode->rates = rate ? std::vector{*rate} : std::vector<FrameRate>();
+    TRY_ASSIGN(auto mode, choose_size(format, wish));
+    const auto rate = nearest_rate(mode, wish.rate.value_or(usual_rate));
+    mode.rates = rate ? std::vector{*rate} : std::vector<FrameRate>();
     return mode;
 }
 

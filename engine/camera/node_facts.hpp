@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/video_system.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

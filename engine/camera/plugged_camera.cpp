@@ -1,5 +1,6 @@
 #include "engine/camera/plugged_camera.hpp"
 
+#include "engine/base/try.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -20,9 +21,8 @@ Result<std::unique_ptr<ClipReader>> open_stream(const StreamChoice& choice,
             choice.url.name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
             {{Setting::intrinsics}, {Setting::depth_unit}, {Setting::preset}});
     if (!scene_file) return open_live_stream(choice);
-    const auto described = read_scene_file(*scene_file);
-    if (!described) return described.error();
-    auto reader = open_live_stream(choice, *described);
+    TRY_ASSIGN(const auto described, read_scene_file(*scene_file));
+    auto reader = open_live_stream(choice, described);
     if (reader) (*reader)->add_input(*scene_file);
     return reader;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/camera_run.hpp"
 
 namespace touchable {
@@ -49,11 +50,10 @@ Result<std::optional<RawFrame>> SharedCamera::Reader::next() {
         if (frame.ok() && *frame) (*frame)->number += further_;
         return frame;
     }
-    auto frame = shared_->newest();
-    if (!frame.ok()) return frame.error();
-    frame->number = next_number_++;
-    frame->time_ns = frame->number * ns_before_a_run;
-    return std::optional(std::move(*frame));
+    TRY_ASSIGN(auto frame, shared_->newest());
+    frame.number = next_number_++;
+    frame.time_ns = frame.number * ns_before_a_run;
+    return std::optional(std::move(frame));
 }
 
 Result<void> SharedCamera::Reader::seek(std::int64_t frame) {

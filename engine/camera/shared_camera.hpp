@@ -7,10 +7,10 @@
 #include <mutex>
 #include <optional>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/plugged_camera.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

@@ -9,11 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/camera_run.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/camera/colour_beside.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/v4l2_stream.hpp"
-#include "engine/printable.hpp"
+#include "engine/clip/camera_run.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -80,21 +81,17 @@ private:
 };
 
 Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& scene_file) {
-    auto facts = look_at_node(*system_, choice_.node);
-    if (!facts) return facts.error();
-    facts_ = std::move(*facts);
-    const auto format = depth_of_node(facts_);
-    if (!format) return format.error();
+    TRY_ASSIGN(auto facts, look_at_node(*system_, choice_.node));
+    facts_ = std::move(facts);
+    TRY_ASSIGN(const auto format, depth_of_node(facts_));
     ModeWish wish{choice_.width, choice_.height, choice_.rate};
     if (scene_file && wish.width == 0) {
-        const auto described = read_scene_file(*scene_file);
-        if (!described) return described.error();
-        wish.width = described->scene.width;
-        wish.height = described->scene.height;
+        TRY_ASSIGN(const auto described, read_scene_file(*scene_file));
+        wish.width = described.scene.width;
+        wish.height = described.scene.height;
     }
-    auto stream = V4l2Stream::open(system_, facts_, **format, wish);
-    if (!stream) return stream.error();
-    depth_ = std::move(*stream);
+    TRY_ASSIGN(auto stream, V4l2Stream::open(system_, facts_, *format, wish));
+    depth_ = std::move(stream);
     return {};
 }
 
@@ -104,20 +101,18 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
     std::vector<TakenPicture> pictures;
     std::vector<PlaneView> views;
     for (int k = 0; k < first_frames; ++k) {
-        auto picture = first_picture();
-        if (!picture) return picture.error();
-        views.push_back(depth_of(*picture));
-        pictures.push_back(std::move(*picture));
+        TRY_ASSIGN(auto picture, first_picture());
+        views.push_back(depth_of(picture));
+        pictures.push_back(std::move(picture));
     }
     const StreamFormat& format = depth_->format();
-    auto meaning = scene_file ? meaning_in_file(facts_, views, *scene_file)
-                              : meaning_of_depth(facts_, format.code, views, known);
-    if (!meaning) return meaning.error();
-    scene_ = std::move(meaning->scene);
-    unstated_filters_ = meaning->unstated_filters;
+    TRY_ASSIGN(auto meaning, scene_file ? meaning_in_file(facts_, views, *scene_file)
+                                        : meaning_of_depth(facts_, format.code, views, known));
+    scene_ = std::move(meaning.scene);
+    unstated_filters_ = meaning.unstated_filters;
     scene_.interpolation = FrameInterpolation::hold;
     scene_.rate = depth_->rate().value_or(FrameRate{30, 1});
-    for (const auto& input : meaning->inputs) add_input(input);
+    for (const auto& input : meaning.inputs) add_input(input);
     const bool sized = choice_.width > 0 || scene_file;
     notes_.push_back(printable(facts_.card) + ": " + format_text(format.code) + ", " +
                      std::to_string(format.width) + "x" + std::to_string(format.height) + " at " +
@@ -135,12 +130,10 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
 
 Result<void> V4l2Camera::open_colour() {
     if (choice_.colour.empty()) return {};
-    auto colour = ColourBeside::open(system_, choice_.colour, depth_->format(), depth_->rate());
-    if (!colour) return colour.error();
-    colour_ = std::move(*colour);
+    TRY_ASSIGN(auto colour, ColourBeside::open(system_, choice_.colour, depth_->format(), depth_->rate()));
+    colour_ = std::move(colour);
     const auto until = steady_clock::now() + patience;
-    while (colour_ && !colour_->nearest(0, scene_) && steady_clock::now() < until)
-        if (auto taken = first_picture(); !taken) return taken.error();
+    while (colour_ && !colour_->nearest(0, scene_) && steady_clock::now() < until) TRY(first_picture());
     if (!colour_ || !colour_->nearest(0, scene_))
         return input_error(choice_.colour + ": gave no picture of colour in " +
                            std::to_string(patience.count()) + " s; leave colour= out");
@@ -162,10 +155,9 @@ Result<void> V4l2Camera::open(const SourceDescription& known,
 
 /// One that has to come, before a run.
 Result<TakenPicture> V4l2Camera::first_picture() {
-    auto picture = wait_for_picture();
-    if (!picture) return picture.error();
-    if (!*picture) return input_error(remarks().back());
-    return std::move(**picture);
+    TRY_ASSIGN(auto picture, wait_for_picture());
+    if (!picture) return input_error(remarks().back());
+    return std::move(*picture);
 }
 
 /// The oldest before the run, the newest in it; nothing once the camera is gone.
@@ -173,7 +165,7 @@ Result<std::optional<TakenPicture>> V4l2Camera::wait_for_picture() {
     const auto until = steady_clock::now() + patience;
     while (!run_.is_gone()) {
         if (auto end = run_.told_to_end()) return *end;
-        if (auto looked = look_at_colour(); !looked) return looked.error();
+        TRY(look_at_colour());
         auto taken = depth_->take(run_.has_begun() ? V4l2Stream::Which::newest : V4l2Stream::Which::oldest);
         damaged_ = depth_->damaged();
         if (!taken) {
@@ -252,11 +244,10 @@ std::optional<RawFrame> V4l2Camera::frame_of(TakenPicture picture) {
 
 Result<std::optional<RawFrame>> V4l2Camera::next() {
     while (true) {
-        auto picture = wait_for_picture();
-        if (!picture) return picture.error();
-        if (!*picture && !run_.has_begun()) return input_error(remarks().back());
-        if (!*picture) return std::optional<RawFrame>();
-        if (auto frame = frame_of(std::move(**picture))) return frame;
+        TRY_ASSIGN(auto picture, wait_for_picture());
+        if (!picture && !run_.has_begun()) return input_error(remarks().back());
+        if (!picture) return std::optional<RawFrame>();
+        if (auto frame = frame_of(std::move(*picture))) return frame;
     }
 }
 
@@ -282,8 +273,7 @@ Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice,
                                                      const std::optional<SourceDescription>& known,
                                                      const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<V4l2Camera>(choice);
-    if (auto opened = camera->open(known.value_or(SourceDescription()), scene_file); !opened)
-        return opened.error();
+    TRY(camera->open(known.value_or(SourceDescription()), scene_file));
     return std::unique_ptr<ClipReader>(std::move(camera));
 }
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/video_system.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/import/guess/source_description.hpp"
-#include "engine/result.hpp"
+#include "engine/formats/source_description.hpp"
 
 namespace touchable {
 

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -69,7 +71,7 @@ Result<std::unique_ptr<V4l2Stream>> V4l2Stream::open(std::shared_ptr<VideoSystem
     std::unique_ptr<V4l2Stream> stream(new V4l2Stream(std::move(system), facts.node));
     stream->descriptor_ = stream->system_->open(facts.node.c_str());
     if (stream->descriptor_ < 0) return stream->trouble(errno);
-    if (auto begun = stream->begin(format.code, *mode); !begun) return begun.error();
+    TRY(stream->begin(format.code, *mode));
     return stream;
 }
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/node_facts.hpp"
 #include "engine/camera/video_system.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/stop_request.hpp"
 
 namespace touchable {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/wake.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/clip/reader_around.hpp"
 
@@ -78,8 +79,7 @@ public:
     }
 
     Result<std::optional<RawFrame>> next() override {
-        if (at_ < 0)
-            if (auto begun = seek(0); !begun) return begun.error();
+        if (at_ < 0) TRY(seek(0));
         const std::int64_t wanted = part_.first + number_ * part_.every;
         if (part_.last && wanted > *part_.last) return std::optional<RawFrame>();
         while (true) {
@@ -131,9 +131,8 @@ Result<void> check_crop(const PixelBox& box, const Scene& scene) {
 
 Result<std::unique_ptr<ClipReader>> part_of_clip(std::unique_ptr<ClipReader> clip, const ClipPart& part) {
     if (part.is_whole()) return clip;
-    if (auto there = check_frames(part, clip->frame_count()); !there) return there.error();
-    if (part.crop)
-        if (auto fits = check_crop(*part.crop, clip->scene()); !fits) return fits.error();
+    TRY(check_frames(part, clip->frame_count()));
+    if (part.crop) TRY(check_crop(*part.crop, clip->scene()));
     if (auto valid = validate(scene_of_part(clip->scene(), part)); !valid)
         return usage_error("that part of the clip: " + valid.error().message);
     return std::unique_ptr<ClipReader>(std::make_unique<PartReader>(std::move(clip), part));

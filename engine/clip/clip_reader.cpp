@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 std::vector<Remark> remarks_of(const ClipReader& clip) {
@@ -26,9 +28,8 @@ Result<void> ClipReader::seek(std::int64_t frame) {
     if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
     if (auto back = rewind(); !back.ok()) return back;
     for (std::int64_t number = 0; number < frame; ++number) {
-        const auto passed = next();
-        if (!passed.ok()) return passed.error();
-        if (!*passed)
+        TRY_ASSIGN(const auto passed, next());
+        if (!passed)
             return usage_error("the clip has no frame " + std::to_string(frame) + ": its last is " +
                                std::to_string(number - 1));
     }

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/stream_figures.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene_description.hpp"
 
 namespace touchable {

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/clip/prefetch.hpp"
 #include "engine/clip/reader_around.hpp"
-#include "engine/number_words.hpp"
 #include "engine/scene/scene_description.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -94,9 +95,8 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
     const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
     SceneDescription open(scene);
     open.unstated.far = true;
-    auto settled = touchable::settle(open, {.far = depth * margin});
-    if (!settled) return settled.error();
-    scene = std::move(*settled);
+    TRY_ASSIGN(auto settled, touchable::settle(open, {.far = depth * margin}));
+    scene = std::move(settled);
     // Some of the strays are within the margin.
     std::int64_t lost = 0;
     for (int code = deepest + 1; code < 65536; ++code)
@@ -116,13 +116,12 @@ Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> c
     Scene scene = clip->scene();
     FarPlaneEstimator estimator(scene.depth);
     Prefetch ahead(std::move(clip));
-    if (auto looked = look_at_clip(ahead, estimator); !looked) return looked.error();
+    TRY(look_at_clip(ahead, estimator));
     auto note = estimator.settle(scene);
     if (!note) return error_at(file.string(), note.error());
-    auto at_its_beginning = ahead.finish();
-    if (!at_its_beginning) return at_its_beginning.error();
+    TRY_ASSIGN(auto at_its_beginning, ahead.finish());
     return std::unique_ptr<ClipReader>(
-        std::make_unique<ClipWithFarPlane>(std::move(*at_its_beginning), std::move(scene), std::move(*note)));
+        std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene), std::move(*note)));
 }
 
 }  // namespace touchable

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

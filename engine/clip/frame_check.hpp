@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
+#include "engine/scene/stored_code.hpp"
 
 namespace touchable {
 namespace {
@@ -212,8 +213,8 @@ Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& sc
 }
 
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where) {
-    if (auto checked = check_plane(role, plane.view, scene, where); !checked) return checked.error();
-    if (auto checked = check_bits(role, plane.bits, scene, where); !checked) return checked.error();
+    TRY(check_plane(role, plane.view, scene, where));
+    TRY(check_bits(role, plane.bits, scene, where));
     const PlaneView& view = plane.view;
     const bool own_camera = role == PlaneRole::colour && scene.colour_camera;
     const int width = own_camera ? scene.colour_camera->width : scene.width,

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/base/result.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

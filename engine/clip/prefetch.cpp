@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/reader_around.hpp"
 
 namespace touchable {
@@ -67,18 +68,17 @@ Result<std::optional<RawFrame>> Prefetch::next() {
 
 Result<std::optional<RawFrame>> Prefetch::at(std::int64_t frame) {
     has_moved_ = true;
-    if (auto there = clip_->seek(frame); !there) return there.error();
+    TRY(clip_->seek(frame));
     return clip_->next();
 }
 
 Result<std::unique_ptr<ClipReader>> Prefetch::finish() {
     const bool kept = bytes_ <= most_bytes && !is_damaged_;
     if (!kept) {
-        if (auto back = clip_->rewind(); !back) return back.error();
+        TRY(clip_->rewind());
         return std::move(clip_);
     }
-    if (has_moved_)
-        if (auto back = clip_->seek(number_); !back) return back.error();
+    if (has_moved_) TRY(clip_->seek(number_));
     return with_prefetched_frames(std::move(clip_), std::move(frames_));
 }
 

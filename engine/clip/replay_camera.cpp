@@ -8,7 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/base/try.hpp"
 #include "engine/clip/reader_around.hpp"
 
 namespace touchable {
@@ -104,7 +105,7 @@ Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
     if (const auto count = frame_count()) {
         if (number >= *count) return std::optional<RawFrame>();
         if (const std::int64_t nearer = access_point(number); nearer > position_) {
-            if (auto there = inner().seek(nearer); !there.ok()) return there.error();
+            TRY(inner().seek(nearer));
             position_ = nearer;
         }
     }
@@ -143,7 +144,7 @@ Result<std::optional<RawFrame>> ReplayCamera::next() {
         return wait_for(delivery).error();
     auto frame = read(delivery.number);
     if (!frame.ok() || !*frame) return frame;
-    if (auto waited = wait_for(delivery); !waited.ok()) return waited.error();
+    TRY(wait_for(delivery));
     last_ = delivery;
     return frame;
 }

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/reader_around.hpp"
 
 namespace touchable {
@@ -63,9 +64,8 @@ Result<void> StillPlanesReader::lay(StillPlane still) {
     const TrackInfo& stored = still.info;
     if (stored.width != scene_.width || stored.height != scene_.height)
         notes_.push_back(resampling_note(still.role, stored.width, stored.height, scene_));
-    auto fitted = fit_plane(still.role, std::move(still.plane), scene_, file);
-    if (!fitted) return fitted.error();
-    still.plane = std::move(*fitted);
+    TRY_ASSIGN(auto fitted, fit_plane(still.role, std::move(still.plane), scene_, file));
+    still.plane = std::move(fitted);
     for (auto& input : still.files) add_input(std::move(input));
     planes_.push_back(std::move(still));
     return {};
@@ -75,9 +75,9 @@ Result<std::optional<RawFrame>> StillPlanesReader::next() {
     auto frame = ReaderAround::next();
     if (!frame || !*frame) return frame;
     for (const StillPlane& still : planes_) {
-        auto plane = still.at ? still.at((*frame)->number, (*frame)->time_ns) : Result<Plane>(still.plane);
-        if (!plane) return plane.error();
-        add_plane(**frame, still.role, std::move(*plane));
+        TRY_ASSIGN(auto plane,
+                   still.at ? still.at((*frame)->number, (*frame)->time_ns) : Result<Plane>(still.plane));
+        add_plane(**frame, still.role, std::move(plane));
     }
     return frame;
 }
@@ -90,8 +90,7 @@ Result<std::unique_ptr<ClipReader>> with_still_planes(std::unique_ptr<ClipReader
     if (auto valid = validate(scene); !valid)
         return input_error(planes.front().files.front().string() + ": " + valid.error().message);
     auto reader = std::make_unique<StillPlanesReader>(std::move(clip), scene);
-    for (StillPlane& plane : planes)
-        if (auto laid = reader->lay(std::move(plane)); !laid) return laid.error();
+    for (StillPlane& plane : planes) TRY(reader->lay(std::move(plane)));
     return std::unique_ptr<ClipReader>(std::move(reader));
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

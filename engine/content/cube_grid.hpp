@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 

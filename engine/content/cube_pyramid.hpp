@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/row_bands.hpp"
 #include "engine/content/cube_grid.hpp"
-#include "engine/row_bands.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "engine/base/row_bands.hpp"
 #include "engine/content/cube_grid.hpp"
-#include "engine/row_bands.hpp"
 
 namespace touchable {
 

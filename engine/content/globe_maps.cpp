@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/number_words.hpp"
-#include "engine/trigonometry.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

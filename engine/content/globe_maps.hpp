@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "engine/frame/plane_view.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

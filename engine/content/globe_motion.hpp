@@ -3,8 +3,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 

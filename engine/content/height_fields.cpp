@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/families.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {

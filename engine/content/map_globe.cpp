@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/globe_motion.hpp"
 #include "engine/content/globe_touch.hpp"
@@ -223,12 +224,11 @@ MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOpti
         return usage_error("scene 'globe': mountains of " + std::to_string(options.maps->relief) +
                            " radii would reach before the near plane");
     RowBands rows(threads_for_pixels(options.threads, 1 << 20));  // maps are large
-    auto ground = map_ground(*options.maps, nearest / (scene.camera.fx * sphere.radius), rows);
-    if (!ground.ok()) return ground.error();
-    if ((*ground)->largest_height > 0)
-        scene.height_coding = {(*ground)->largest_height * sphere.radius, HeightUnits::world, 255};
+    TRY_ASSIGN(auto ground, map_ground(*options.maps, nearest / (scene.camera.fx * sphere.radius), rows));
+    if (ground->largest_height > 0)
+        scene.height_coding = {ground->largest_height * sphere.radius, HeightUnits::world, 255};
     return std::unique_ptr<AnalyticScene>(
-        std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(*ground)));
+        std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(ground)));
 }
 
 }  // namespace touchable

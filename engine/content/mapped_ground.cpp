@@ -7,9 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/stop_request.hpp"
+#include "engine/base/trigonometry.hpp"
+#include "engine/base/try.hpp"
 #include "engine/content/valley_floor.hpp"
-#include "engine/stop_request.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
@@ -239,7 +240,7 @@ double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, in
 }  // namespace
 
 Result<std::unique_ptr<const MappedGround>> map_ground(const GlobeMaps& maps, double finest, RowBands& rows) {
-    if (auto checked = check_globe_maps(maps); !checked.ok()) return checked.error();
+    TRY(check_globe_maps(maps));
     const MapReader reader(maps);
     DisplacedSphere shape = shape_of(maps, reader, rows);
     if (stop_requested()) return interrupted_error();

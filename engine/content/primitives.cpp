@@ -4,8 +4,8 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/families.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {

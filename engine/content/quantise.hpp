@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "engine/base/row_bands.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/row_bands.hpp"
 
 namespace touchable {
 

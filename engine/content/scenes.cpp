@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "engine/base/try.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/quantise.hpp"
 
@@ -138,10 +139,10 @@ Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const S
     const auto family = std::find_if(families.begin(), families.end(),
                                      [&](const Family& candidate) { return candidate.name == name; });
     if (family == families.end()) return unknown(name);
-    if (auto checked = check(name, options); !checked) return checked.error();
+    TRY(check(name, options));
     auto made = family->make(name, options);
     if (!made) return made;
-    if (auto valid = validate((*made)->scene()); !valid) return valid.error();
+    TRY(validate((*made)->scene()));
     (*made)->threads_ = options.threads;
     return made;
 }

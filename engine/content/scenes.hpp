@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/frame/surface_frame.hpp"
-#include "engine/result.hpp"
-#include "engine/row_bands.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/row_bands.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

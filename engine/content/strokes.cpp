@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/families.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/row_bands.hpp"
+#include "engine/base/row_bands.hpp"
 
 namespace touchable {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/gpu/memory_type.hpp"
 
 namespace touchable {
@@ -102,22 +103,20 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
 
 Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory) {
-    auto state = make_state(device, std::move(name), bytes);
-    if (!state.ok()) return state.error();
-    VulkanDevice& gpu = *(*state)->vulkan;
+    TRY_ASSIGN(auto state, make_state(device, std::move(name), bytes));
+    VulkanDevice& gpu = *state->vulkan;
     VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(gpu.device, (*state)->buffer, &needs);
+    vkGetBufferMemoryRequirements(gpu.device, state->buffer, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, memory);
-    if (!type) return refusal(gpu, (*state)->name, bytes, "no memory the CPU can see");
-    if (auto bound = bind(**state, *type, needs.size); !bound.ok()) return bound.error();
+    if (!type) return refusal(gpu, state->name, bytes, "no memory the CPU can see");
+    TRY(bind(*state, *type, needs.size));
 
     if (memory != GpuMemory::device) {
-        const VkResult result =
-            vkMapMemory(gpu.device, (*state)->memory, 0, VK_WHOLE_SIZE, 0, &(*state)->mapped);
-        if (result != VK_SUCCESS) return refusal(gpu, (*state)->name, bytes, "vkMapMemory", result);
+        const VkResult result = vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped);
+        if (result != VK_SUCCESS) return refusal(gpu, state->name, bytes, "vkMapMemory", result);
     }
     GpuBuffer buffer;
-    buffer.state_ = std::move(*state);
+    buffer.state_ = std::move(state);
     return buffer;
 }
 

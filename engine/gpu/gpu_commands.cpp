@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/gpu/gpu_recording.hpp"
 
 namespace touchable {
@@ -101,12 +102,11 @@ std::vector<GpuTime> GpuSubmission::times() const {
 
 Result<GpuCommands> GpuCommands::begin(std::shared_ptr<GpuDevice> device, const std::string& label,
                                        GpuTiming timing) {
-    auto recording = device->take_recording();
-    if (!recording.ok()) return recording.error();
-    if (auto begun = (*recording)->begin(timing); !begun.ok()) return begun.error();
+    TRY_ASSIGN(auto recording, device->take_recording());
+    TRY(recording->begin(timing));
     device->vulkan()->name_object(VK_OBJECT_TYPE_COMMAND_BUFFER,
-                                  reinterpret_cast<std::uint64_t>((*recording)->commands), label);
-    return GpuCommands(std::move(device), std::move(*recording));
+                                  reinterpret_cast<std::uint64_t>(recording->commands), label);
+    return GpuCommands(std::move(device), std::move(recording));
 }
 
 GpuCommands::GpuCommands(std::shared_ptr<GpuDevice> device, std::unique_ptr<GpuRecording> recording)
@@ -242,21 +242,19 @@ void GpuCommands::keep(std::shared_ptr<const void> resource) {
 
 Result<GpuSubmission> GpuCommands::submit() && {
     if (fault_) return *fault_;
-    if (auto ended = recording_->end(); !ended.ok()) return ended.error();
+    TRY(recording_->end());
     std::shared_ptr<const std::vector<GpuTime>> times = recording_->times;
-    const auto value = device_->submit(std::move(recording_));
-    if (!value.ok()) return value.error();
+    TRY_ASSIGN(const auto value, device_->submit(std::move(recording_)));
     *submitted_ = true;
-    return GpuSubmission(device_, *value, std::move(times));
+    return GpuSubmission(device_, value, std::move(times));
 }
 
 Result<void> GpuCommands::run() && {
     const std::shared_ptr<GpuDevice> device = device_;
     std::uint64_t value = 0;
     {
-        const auto submission = std::move(*this).submit();
-        if (!submission.ok()) return submission.error();
-        value = submission->value();
+        TRY_ASSIGN(const auto submission, std::move(*this).submit());
+        value = submission.value();
     }
     return device->wait(value);
 }

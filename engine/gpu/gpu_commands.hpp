@@ -13,10 +13,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_buffer.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/gpu/gpu_program.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

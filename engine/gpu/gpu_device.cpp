@@ -4,6 +4,7 @@
 #include <list>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/gpu/gpu_features.hpp"
 #include "engine/gpu/gpu_recording.hpp"
 #include "engine/gpu/vulkan_instance.hpp"
@@ -126,38 +127,31 @@ Error lost_error(const VulkanDevice& gpu) {
 }  // namespace
 
 Result<std::vector<GpuFacts>> list_gpus() {
-    auto instance = VulkanInstance::create(false);
-    if (!instance.ok()) return instance.error();
-    if (!*instance) return std::vector<GpuFacts>();
-    auto devices = (*instance)->devices();
-    if (!devices.ok()) return devices.error();
-    return all_facts(*devices);
+    TRY_ASSIGN(auto instance, VulkanInstance::create(false));
+    if (!instance) return std::vector<GpuFacts>();
+    TRY_ASSIGN(auto devices, instance->devices());
+    return all_facts(devices);
 }
 
 Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     free_finished_remains();
     auto vulkan = std::make_shared<VulkanDevice>();
-    auto instance = VulkanInstance::create(options.validation, options.window_extensions);
-    if (!instance.ok()) return instance.error();
+    TRY_ASSIGN(auto instance, VulkanInstance::create(options.validation, options.window_extensions));
     std::vector<VkPhysicalDevice> devices;
-    if (*instance) {
-        auto found = (*instance)->devices();
-        if (!found.ok()) return found.error();
-        devices = std::move(*found);
+    if (instance) {
+        TRY_ASSIGN(auto found, instance->devices());
+        devices = std::move(found);
     }
     const std::vector<GpuFacts> facts = all_facts(devices);
-    const auto chosen = choose_gpu(facts, options.request);
-    if (!chosen.ok()) return chosen.error();
+    TRY_ASSIGN(const auto chosen, choose_gpu(facts, options.request));
 
-    vulkan->instance = std::move(*instance);
-    vulkan->physical = devices[*chosen];
-    vulkan->facts = facts[*chosen];
+    vulkan->instance = std::move(instance);
+    vulkan->physical = devices[chosen];
+    vulkan->facts = facts[chosen];
     vulkan->queue_family = static_cast<std::uint32_t>(queue_family_of(vulkan->physical));
-    if (auto created = create_device(*vulkan, !options.window_extensions.empty()); !created.ok())
-        return created.error();
-    const auto timeline = create_timeline(*vulkan);
-    if (!timeline.ok()) return timeline.error();
-    return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), *timeline));
+    TRY(create_device(*vulkan, !options.window_extensions.empty()));
+    TRY_ASSIGN(const auto timeline, create_timeline(*vulkan));
+    return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), timeline));
 }
 
 GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)

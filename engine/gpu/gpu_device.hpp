@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_facts.hpp"
 #include "engine/gpu/vulkan_device.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 
@@ -50,8 +50,9 @@ struct GpuFacts {
     bool draws_triangles = false;  ///< its queue also does graphics
     bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
     bool float64 = false;          ///< doubles in kernels
-    std::uint64_t import_alignment = 0;  ///< of host memory that it could import, which nobody asks for; 0: it cannot
-    std::vector<std::string> missing;    ///< what this engine needs and it lacks, in words; empty: usable
+    std::uint64_t import_alignment =
+        0;  ///< of host memory that it could import, which nobody asks for; 0: it cannot
+    std::vector<std::string> missing;  ///< what this engine needs and it lacks, in words; empty: usable
 
     bool usable() const { return missing.empty(); }
 };

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/vulkan_device.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_facts.hpp"
 #include "engine/gpu/vulkan_instance.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/scene_tree.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -5,10 +5,11 @@
 #include <set>
 #include <utility>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/bit_stream.hpp"
 #include "engine/mpeg4/node_types.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -62,15 +63,13 @@ Result<SceneTree> SceneDecoder::decode() {
     bits_.get(6);
     has_names_ = scene_.has_names = bits_.flag();
     while (bits_.flag()) {
-        auto made = prototype();
-        if (!made) return made.error();
-        scene_.prototypes.push_back(std::move(*made));
+        TRY_ASSIGN(auto made, prototype());
+        scene_.prototypes.push_back(std::move(made));
         if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
-    auto root = node(NodeSlot::top, 0);
-    if (!root) return root.error();
-    if (!*root) return wrong("the scene is NULL: must be a node");
-    scene_.root = std::move(*root);
+    TRY_ASSIGN(auto root, node(NodeSlot::top, 0));
+    if (!root) return wrong("the scene is NULL: must be a node");
+    scene_.root = std::move(root);
     if (bits_.flag()) return wrong("a ROUTE: a touchable clip's scene has no behaviour");
     if (bits_.is_over()) return wrong("");
     return std::move(scene_);
@@ -103,18 +102,16 @@ Result<Prototype> SceneDecoder::prototype() {
         return wrong("a second PROTO of number " + std::to_string(id));
     Prototype made{.name = "Proto" + std::to_string(id)};
     if (has_names_) {
-        auto text = name("PROTO");
-        if (!text) return text.error();
-        made.name = std::move(*text);
+        TRY_ASSIGN(auto text, name("PROTO"));
+        made.name = std::move(text);
     }
-    if (auto read = prototype_fields(made); !read) return read.error();
+    TRY(prototype_fields(made));
     if (!has_names_) name_by_fields(made);
     if (prototype_named(scene_.prototypes, made.name))
         return wrong("PROTO " + in_quotes(made.name) + ": must have a name of its own");
     if (bits_.flag()) {
-        auto urls = values({FieldType::url, true}, NodeSlot::world, 1);
-        if (!urls) return urls.error();
-        for (FieldValue& each : *urls) made.elsewhere.push_back(std::get<Url>(std::move(each)));
+        TRY_ASSIGN(auto urls, values({FieldType::url, true}, NodeSlot::world, 1));
+        for (FieldValue& each : urls) made.elsewhere.push_back(std::get<Url>(std::move(each)));
         if (made.elsewhere.empty())
             return wrong("EXTERNPROTO " + printable(made.name) + ": must say where it is");
         for (FieldSpec& spec : made.fields) spec.initial.clear();
@@ -123,10 +120,9 @@ Result<Prototype> SceneDecoder::prototype() {
             return wrong("PROTO " + printable(made.name) + ": has a PROTO in its body, which is not read");
         inside_ = &made;
         do {
-            auto part = node(NodeSlot::world, 1);
-            if (!part) return part.error();
-            if (!*part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
-            made.body.push_back(std::move(*part));
+            TRY_ASSIGN(auto part, node(NodeSlot::world, 1));
+            if (!part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
+            made.body.push_back(std::move(part));
         } while (bits_.flag());
         inside_ = nullptr;
         if (bits_.flag()) return wrong("PROTO " + printable(made.name) + ": has a ROUTE, which is not read");
@@ -149,18 +145,16 @@ Result<void> SceneDecoder::prototype_fields(Prototype& made) {
             return wrong("PROTO " + printable(made.name) + ": has a field of type " + std::to_string(number) +
                          ", which is not read");
         if (has_names_) {
-            auto text = name("field");
-            if (!text) return text.error();
-            spec.name = std::move(*text);
+            TRY_ASSIGN(auto text, name("field"));
+            spec.name = std::move(text);
         }
         if (field_named(made.fields, spec.name))
             return wrong("PROTO " + printable(made.name) + ": has " + spec.name + " twice");
         if (!spec.has_value())
             return wrong("PROTO " + printable(made.name) + ": has an event, " + printable(spec.name) +
                          ": a touchable clip's scene has no behaviour");
-        auto initial = values(spec.kind, NodeSlot::world, 1);
-        if (!initial) return initial.error();
-        spec.initial = std::move(*initial);
+        TRY_ASSIGN(auto initial, values(spec.kind, NodeSlot::world, 1));
+        spec.initial = std::move(initial);
         made.fields.push_back(std::move(spec));
         if (made.fields.size() > most_fields)
             return wrong("PROTO " + printable(made.name) + ": has more than 64 fields");
@@ -182,20 +176,18 @@ Result<NodePtr> SceneDecoder::node(NodeSlot slot, int depth) {
         if (depth + known->second->levels - 1 > deepest_node) return too_deep();
         return known->second;
     }
-    auto of_type = type(slot);
-    if (!of_type) return of_type.error();
-    auto made = std::make_shared<Node>(Node{.type = std::move(*of_type)});
+    TRY_ASSIGN(auto of_type, type(slot));
+    auto made = std::make_shared<Node>(Node{.type = std::move(of_type)});
     std::optional<std::uint64_t> id;
     if (bits_.flag()) {
         id = bits_.get(config_.node_id_bits);
         made->name = "N" + std::to_string(*id + 1);
         if (has_names_) {
-            auto text = name("node");
-            if (!text) return text.error();
-            made->name = std::move(*text);
+            TRY_ASSIGN(auto text, name("node"));
+            made->name = std::move(text);
         }
     }
-    if (auto read = fields(*made, depth); !read) return read.error();
+    TRY(fields(*made, depth));
     if (bits_.is_over()) return wrong("");
     made->levels = levels_of(*made);
     if (!id) return NodePtr(std::move(made));
@@ -235,9 +227,8 @@ Result<void> SceneDecoder::fields(Node& node, int depth) {
     for (const FieldSpec& spec : specs) {
         if (!inside_ && !spec.has_value()) continue;
         if (!bits_.flag()) continue;
-        auto read = field(spec, inside_ && bits_.flag(), depth);
-        if (!read) return read.error();
-        node.fields.push_back(std::move(*read));
+        TRY_ASSIGN(auto read, field(spec, inside_ && bits_.flag(), depth));
+        node.fields.push_back(std::move(read));
     }
     return {};
 }
@@ -256,9 +247,8 @@ Result<void> SceneDecoder::field_list(Node& node, std::span<const FieldSpec> spe
         const FieldSpec& spec = is_outer ? specs[number] : *with_values[number];
         if (node.field(spec.name))
             return wrong(printable(node.type) + ": has " + printable(spec.name) + " twice");
-        auto read = field(spec, is_outer, depth);
-        if (!read) return read.error();
-        node.fields.push_back(std::move(*read));
+        TRY_ASSIGN(auto read, field(spec, is_outer, depth));
+        node.fields.push_back(std::move(read));
     }
     const auto place = [specs](const Field& each) {
         return std::find_if(specs.begin(), specs.end(),
@@ -272,9 +262,8 @@ Result<void> SceneDecoder::field_list(Node& node, std::span<const FieldSpec> spe
 Result<Field> SceneDecoder::field(const FieldSpec& spec, bool is_outer, int depth) {
     Field made{spec.name};
     if (!is_outer) {
-        auto read = values(spec.kind, spec.slot, depth + 1);
-        if (!read) return read.error();
-        made.values = std::move(*read);
+        TRY_ASSIGN(auto read, values(spec.kind, spec.slot, depth + 1));
+        made.values = std::move(read);
         return made;
     }
     const auto& outer = inside_->fields;
@@ -289,26 +278,23 @@ Result<Field> SceneDecoder::field(const FieldSpec& spec, bool is_outer, int dept
 Result<std::vector<FieldValue>> SceneDecoder::values(FieldKind kind, NodeSlot slot, int depth) {
     std::vector<FieldValue> all;
     const auto add = [&]() -> Result<void> {
-        auto each = value(kind.type, slot, depth);
-        if (!each) return each.error();
+        TRY_ASSIGN(auto each, value(kind.type, slot, depth));
         if (bits_.is_over()) return wrong("");
-        all.push_back(std::move(*each));
+        all.push_back(std::move(each));
         return {};
     };
     if (!kind.is_list) {
-        if (auto added = add(); !added) return added.error();
+        TRY(add());
         return all;
     }
     if (bits_.flag()) return wrong("a list in a way of the future");
     if (bits_.flag()) {
-        while (!bits_.flag())
-            if (auto added = add(); !added) return added.error();
+        while (!bits_.flag()) TRY(add());
         return all;
     }
     const auto count = bits_.get(static_cast<int>(bits_.get(5)));
     if (count > bits_.left()) return wrong("a list of " + std::to_string(count) + " values: must be there");
-    for (std::uint64_t k = 0; k < count; ++k)
-        if (auto added = add(); !added) return added.error();
+    for (std::uint64_t k = 0; k < count; ++k) TRY(add());
     return all;
 }
 
@@ -324,9 +310,8 @@ Result<FieldValue> SceneDecoder::value(FieldType type, NodeSlot slot, int depth)
             return FieldValue(seconds);
         }
         case FieldType::real: {
-            const auto read = real();
-            if (!read) return read.error();
-            return FieldValue(*read);
+            TRY_ASSIGN(const auto read, real());
+            return FieldValue(read);
         }
         case FieldType::vec2:
             return reals<2>();
@@ -336,14 +321,12 @@ Result<FieldValue> SceneDecoder::value(FieldType type, NodeSlot slot, int depth)
         case FieldType::rotation:
             return reals<4>();
         case FieldType::string: {
-            auto text = string();
-            if (!text) return text.error();
-            return FieldValue(std::move(*text));
+            TRY_ASSIGN(auto text, string());
+            return FieldValue(std::move(text));
         }
         case FieldType::node: {
-            auto made = node(slot, depth);
-            if (!made) return made.error();
-            return FieldValue(std::move(*made));
+            TRY_ASSIGN(auto made, node(slot, depth));
+            return FieldValue(std::move(made));
         }
         case FieldType::url:
             break;
@@ -354,9 +337,8 @@ Result<FieldValue> SceneDecoder::value(FieldType type, NodeSlot slot, int depth)
         if (made.object == 0) return wrong("an object descriptor of number 0: must be 1 to 1023");
         return FieldValue(std::move(made));
     }
-    auto text = string();
-    if (!text) return text.error();
-    auto url = url_of(std::move(*text));
+    TRY_ASSIGN(auto text, string());
+    auto url = url_of(std::move(text));
     if (!url) return wrong("the number of an object descriptor in a URL: must be 1 to 1023");
     return FieldValue(std::move(*url));
 }
@@ -371,9 +353,8 @@ template <std::size_t n>
 Result<FieldValue> SceneDecoder::reals() {
     std::array<float, n> all{};
     for (float& each : all) {
-        const auto read = real();
-        if (!read) return read.error();
-        each = *read;
+        TRY_ASSIGN(const auto read, real());
+        each = read;
     }
     return FieldValue(all);
 }

@@ -6,10 +6,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/bit_stream.hpp"
 #include "engine/mpeg4/node_types.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -119,10 +120,9 @@ Result<std::vector<std::uint8_t>> SceneEncoder::encode() {
     bits_.put(scene_replace, 2);
     bits_.put(0, 6);
     bits_.put(1, 1);  // with names
-    for (const Prototype& each : scene_.prototypes)
-        if (auto put = prototype(each); !put) return put.error();
+    for (const Prototype& each : scene_.prototypes) TRY(prototype(each));
     bits_.put(0, 1);
-    if (auto put = node(scene_.root, NodeSlot::top); !put) return put.error();
+    TRY(node(scene_.root, NodeSlot::top));
     bits_.put(0, 1);  // no routes
     bits_.put(0, 1);  // no command follows
     return bits_.take();

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -21,23 +22,20 @@ bool is_box_of_boxes(std::string_view type) {
 Result<Bytes> heads_between(ByteSource& file, std::uint64_t at, std::uint64_t end, int depth) {
     Bytes heads;
     while (at + 8 <= end) {
-        const auto box = box_at(file, at, end);
-        if (!box) return box.error();
-        if (!*box)
-            return input_error("a box at byte " + std::to_string(at) + " is longer than what it is in");
-        const std::uint64_t size = (*box)->end - (*box)->content;
-        at = (*box)->end;
-        const bool opens = size > longest_table && depth < most_nested && is_box_of_boxes((*box)->type);
+        TRY_ASSIGN(const auto box, box_at(file, at, end));
+        if (!box) return input_error("a box at byte " + std::to_string(at) + " is longer than what it is in");
+        const std::uint64_t size = box->end - box->content;
+        at = box->end;
+        const bool opens = size > longest_table && depth < most_nested && is_box_of_boxes(box->type);
         if (!opens && size > longest_table) continue;
-        const std::uint64_t version_bytes = opens && (*box)->type == "meta" ? 4 : 0;
-        auto content = bytes_at(file, (*box)->content, opens ? version_bytes : size);
-        if (!content) return content.error();
+        const std::uint64_t version_bytes = opens && box->type == "meta" ? 4 : 0;
+        TRY_ASSIGN(auto content, bytes_at(file, box->content, opens ? version_bytes : size));
         if (opens) {
-            const auto inner = heads_between(file, (*box)->content + version_bytes, (*box)->end, depth + 1);
-            if (!inner) return inner.error();
-            put_bytes(*content, *inner);
+            TRY_ASSIGN(const auto inner,
+                       heads_between(file, box->content + version_bytes, box->end, depth + 1));
+            put_bytes(content, inner);
         }
-        put_box(heads, (*box)->type, *content);
+        put_box(heads, box->type, content);
         if (heads.size() > most_head_bytes)
             return input_error("its movie box has more than 16 MiB beside its tables");
     }
@@ -102,12 +100,11 @@ Bytes with_content(BytesView bytes, std::span<const std::string_view> path, Byte
 
 Result<std::optional<BoxPlace>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end) {
     const std::uint64_t left = end - at;
-    const auto head = bytes_at(file, at, std::min<std::uint64_t>(16, left));
-    if (!head) return head.error();
-    const std::uint64_t stated = number_at(*head, 0, 4), before = stated == 1 ? 16 : 8;
-    const std::uint64_t size = stated == 0 ? left : stated == 1 ? number_at(*head, 8, 8) : stated;
+    TRY_ASSIGN(const auto head, bytes_at(file, at, std::min<std::uint64_t>(16, left)));
+    const std::uint64_t stated = number_at(head, 0, 4), before = stated == 1 ? 16 : 8;
+    const std::uint64_t size = stated == 0 ? left : stated == 1 ? number_at(head, 8, 8) : stated;
     if (left < before) return std::optional<BoxPlace>();
-    std::string type(reinterpret_cast<const char*>(head->data()) + 4, 4);
+    std::string type(reinterpret_cast<const char*>(head.data()) + 4, 4);
     if (size < before)
         return input_error("box " + in_quotes(type) + " at byte " + std::to_string(at) + " has " +
                            std::to_string(size) + " bytes: must be " + std::to_string(before) + " at least");
@@ -130,16 +127,14 @@ Result<Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count) 
         return input_error("is cut short: " + std::to_string(count) + " bytes at " + std::to_string(at) +
                            " are not there");
     Bytes bytes(count);
-    if (auto read = file.read(at, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
-        return read.error();
+    TRY(file.read(at, reinterpret_cast<char*>(bytes.data()), bytes.size()));
     return bytes;
 }
 
 Result<Bytes> movie_head_of(ByteSource& file) {
-    const auto movie = first_box(file, "moov", 0, file.size());
-    if (!movie) return movie.error();
-    if (!*movie) return Bytes();
-    return heads_between(file, (*movie)->content, (*movie)->end, 0);
+    TRY_ASSIGN(const auto movie, first_box(file, "moov", 0, file.size()));
+    if (!movie) return Bytes();
+    return heads_between(file, movie->content, movie->end, 0);
 }
 
 std::uint64_t number_at(BytesView bytes, std::size_t at, int count) {

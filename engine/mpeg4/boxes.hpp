@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/byte_source.hpp"
-#include "engine/result.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -4,9 +4,10 @@
 #include <array>
 #include <utility>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/node_types.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -36,10 +37,9 @@ public:
     }
     /// The node of a field; nothing where there is none.
     Result<std::optional<NodeView>> node(const char* name) const {
-        auto found = value<NodePtr>(name);
-        if (!found) return found.error();
-        if (!*found) return std::optional<NodeView>();
-        return std::optional(NodeView(scene_, **found));
+        TRY_ASSIGN(auto found, value<NodePtr>(name));
+        if (!found) return std::optional<NodeView>();
+        return std::optional(NodeView(scene_, *found));
     }
     Result<double> number(const char* name) const {
         const auto found = value<float>(name);
@@ -58,10 +58,9 @@ private:
 };
 
 Result<std::optional<PlaneTexture>> NodeView::texture(const char* name) const {
-    const auto found = node(name);
-    if (!found) return found.error();
-    if (!*found) return std::optional<PlaneTexture>();
-    const NodeView& there = **found;
+    TRY_ASSIGN(const auto found, node(name));
+    if (!found) return std::optional<PlaneTexture>();
+    const NodeView& there = *found;
     if (!there.is("ImageTexture") && !there.is("MovieTexture"))
         return wrong(std::string(name) + " is a " + printable(there.node_.type) +
                      ": must be an ImageTexture or a MovieTexture");
@@ -135,14 +134,12 @@ Result<void> read_depth(const NodeView& depth, ClipNodes& made) {
                                        {"pixelWidth", &made.pixel_width},
                                        {"nearPlane", &made.near},
                                        {"farPlane", &made.far}}) {
-        const auto number = depth.number(name);
-        if (!number) return number.error();
-        *member = *number;
+        TRY_ASSIGN(const auto number, depth.number(name));
+        *member = number;
     }
-    const auto texture = depth.texture("texture");
-    if (!texture) return texture.error();
-    if (!*texture) return depth.wrong("must have a texture, which is its pictures");
-    made.depth = **texture;
+    TRY_ASSIGN(const auto texture, depth.texture("texture"));
+    if (!texture) return depth.wrong("must have a texture, which is its pictures");
+    made.depth = *texture;
     return {};
 }
 
@@ -152,18 +149,15 @@ Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
     for (const auto& [name, member] : {std::pair{"stiffnessRange", &made.ranges.stiffness},
                                        {"staticFrictionRange", &made.ranges.static_friction},
                                        {"dynamicFrictionRange", &made.ranges.dynamic_friction}}) {
-        const auto range = surface.range(name);
-        if (!range) return range.error();
-        *member = *range;
+        TRY_ASSIGN(const auto range, surface.range(name));
+        *member = range;
     }
-    const auto height = surface.number("maxHeight");
-    if (!height) return height.error();
-    made.max_height = *height;
+    TRY_ASSIGN(const auto height, surface.number("maxHeight"));
+    made.max_height = height;
     for (const auto& [name, member] :
          {std::pair{"hapticTexture", &made.haptic}, {"heightTexture", &made.height}}) {
-        auto texture = surface.texture(name);
-        if (!texture) return texture.error();
-        *member = std::move(*texture);
+        TRY_ASSIGN(auto texture, surface.texture(name));
+        *member = std::move(texture);
     }
     return {};
 }
@@ -180,19 +174,16 @@ Result<void> read_shape(const NodeView& shape, ClipNodes& made) {
     if (!appearance) return appearance.error();
     if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
     if (auto read = read_depth(**geometry, made); !read) return read;
-    auto surface = haptic_surface_of(**geometry);
-    if (!surface) return surface.error();
+    TRY_ASSIGN(auto surface, haptic_surface_of(**geometry));
     if (*appearance) {
-        auto colour = (*appearance)->texture("texture");
-        if (!colour) return colour.error();
-        made.colour = std::move(*colour);
-        auto papers = haptic_surface_of(**appearance);
-        if (!papers) return papers.error();
-        if (*surface && *papers)
+        TRY_ASSIGN(auto colour, (*appearance)->texture("texture"));
+        made.colour = std::move(colour);
+        TRY_ASSIGN(auto papers, haptic_surface_of(**appearance));
+        if (surface && papers)
             return shape.wrong("has a hapticSurface in its geometry and in its appearance: must be one");
-        if (*papers) surface->emplace(**papers);
+        if (papers) surface.emplace(*papers);
     }
-    return *surface ? read_surface(**surface, made) : Result<void>();
+    return surface ? read_surface(*surface, made) : Result<void>();
 }
 
 /// MPEG-4's own node, of version 5.
@@ -255,13 +246,12 @@ std::vector<Prototype> clip_prototypes(int width, int height) {
 }
 
 Result<ClipNodes> nodes_in(const SceneTree& scene) {
-    const auto shape = only_shape(scene);
-    if (!shape) return shape.error();
-    if (shape->is("DepthImage")) return from_depth_image(*shape);
-    if (!shape->is("Shape")) return shape->wrong("must be a Shape");
+    TRY_ASSIGN(const auto shape, only_shape(scene));
+    if (shape.is("DepthImage")) return from_depth_image(shape);
+    if (!shape.is("Shape")) return shape.wrong("must be a Shape");
     ClipNodes made;
     made.scene_file = scene_file_in(scene);
-    if (auto read = read_shape(*shape, made); !read) return read.error();
+    TRY(read_shape(shape, made));
     return made;
 }
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/scene_tree.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable::mpeg4 {

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/trigonometry.hpp"
+#include "engine/base/try.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -115,13 +116,12 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene, StreamsBeside strea
 }
 
 Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int height, int bits) {
-    const auto camera = camera_of(nodes, width, height);
-    if (!camera) return camera.error();
+    TRY_ASSIGN(const auto camera, camera_of(nodes, width, height));
     SceneDescription described;
     Scene& scene = described.scene;
     scene.width = width;
     scene.height = height;
-    scene.camera = *camera;
+    scene.camera = camera;
     scene.depth.near = nodes.near;
     scene.depth.far = nodes.far;
     scene.depth.code_max = static_cast<std::uint16_t>((1U << bits) - 1);
@@ -130,7 +130,7 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
     scene.haptic = nodes.ranges;
     scene.height_coding = {nodes.max_height, HeightUnits::levels, 255};
     described.unstated = {.rate = true, .filters = all_unstated};
-    if (auto valid = validate(described); !valid) return valid.error();
+    TRY(validate(described));
     return described;
 }
 
@@ -171,30 +171,28 @@ Result<SceneDescription> described_by_pictures(const ClipNodes& nodes, int width
     if (!described) return described;
     described->scene.folder.reset();  // the nodes name the pictures
     described->scene.video.reset();
-    const auto is_other = take_nodes(nodes, described->scene);
-    if (!is_other) return is_other.error();
-    if (!*is_other) return described;
+    TRY_ASSIGN(const auto is_other, take_nodes(nodes, described->scene));
+    if (!is_other) return described;
     notes.push_back("its nodes say another camera, other planes or ranges than " + node +
                     ": the nodes stand");
-    if (auto valid = validate(*described); !valid) return valid.error();
+    TRY(validate(*described));
     return described;
 }
 
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
-    const auto camera = camera_of(nodes, scene.width, scene.height);
-    if (!camera) return camera.error();
+    TRY_ASSIGN(const auto camera, camera_of(nodes, scene.width, scene.height));
     const ClipNodes before = nodes_from(scene);
     ClipNodes now = nodes;
     if (nodes.focal_length == 0) {  // a DepthImage, which says nothing of touch
         now.ranges = before.ranges;
         now.max_height = before.max_height;
     }
-    const auto said = numbers_of(now, *camera), known = numbers_of(before, scene.camera);
+    const auto said = numbers_of(now, camera), known = numbers_of(before, scene.camera);
     bool is_other = false;
     for (std::size_t k = 0; k < said.size(); ++k) is_other = is_other || !is_same(said[k], known[k]);
     if (!is_other) return false;
-    scene.camera.fy *= camera->fx / scene.camera.fx;
-    scene.camera.fx = camera->fx;
+    scene.camera.fy *= camera.fx / scene.camera.fx;
+    scene.camera.fx = camera.fx;
     scene.depth.near = now.near;
     scene.depth.far = now.far;
     derive_valid_range(scene.depth);

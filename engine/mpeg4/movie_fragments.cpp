@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/sample_tables.hpp"
 
 namespace touchable::mpeg4 {
@@ -83,19 +84,16 @@ PictureTrack* Gatherer::track_of(std::uint64_t id) {
 
 /// False where it speaks of no fragments.
 Result<bool> Gatherer::read_movie(const BoxPlace& moov) {
-    const auto place = first_box(file_, "mvex", moov.content, moov.end);
-    if (!place) return place.error();
-    if (!*place) return false;
+    TRY_ASSIGN(const auto place, first_box(file_, "mvex", moov.content, moov.end));
+    if (!place) return false;
     if (moov.end - moov.content > most_box_bytes) return input_error("its movie box has more than 64 MiB");
-    auto bytes = bytes_at(file_, moov.content, moov.end - moov.content);
-    if (!bytes) return bytes.error();
-    moov_ = std::move(*bytes);
-    const auto parts = boxes_in(moov_);
-    if (!parts) return parts.error();
+    TRY_ASSIGN(auto bytes, bytes_at(file_, moov.content, moov.end - moov.content));
+    moov_ = std::move(bytes);
+    TRY_ASSIGN(const auto parts, boxes_in(moov_));
     const BytesView header = content_at(moov_, {"mvhd"});
     if (header.size() < 32) return input_error("its movie box has no header (mvhd)");
     timescale_ = static_cast<std::uint32_t>(number_at(header, header[0] == 1 ? 20 : 12, 4));
-    for (const Box& part : *parts) {
+    for (const Box& part : parts) {
         if (part.type != "trak") continue;
         const BytesView head = content_at(part.content, {"tkhd"}),
                         media = content_at(part.content, {"mdia", "mdhd"});
@@ -106,15 +104,14 @@ Result<bool> Gatherer::read_movie(const BoxPlace& moov) {
         track.timescale = static_cast<std::uint32_t>(number_at(media, media[0] == 1 ? 20 : 12, 4));
         track.has_pictures = is_picture_handler(part.content) && track.timescale > 0;
         if (!track.has_pictures) continue;
-        auto own = samples_in(content_at(part.content, {"mdia", "minf", "stbl"}), most_samples_ - samples_);
-        if (!own) return own.error();
-        track.all = std::move(*own);
+        TRY_ASSIGN(auto own,
+                   samples_in(content_at(part.content, {"mdia", "minf", "stbl"}), most_samples_ - samples_));
+        track.all = std::move(own);
         samples_ += track.all.samples.size();
         for (const Sample& sample : track.all.samples) track.end += sample.duration;
     }
-    const auto defaults = boxes_in(content_at(moov_, {"mvex"}));
-    if (!defaults) return defaults.error();
-    for (const Box& each : *defaults) {
+    TRY_ASSIGN(const auto defaults, boxes_in(content_at(moov_, {"mvex"})));
+    for (const Box& each : defaults) {
         PictureTrack* const track = each.type == "trex" ? track_of(number_at(each.content, 4, 4)) : nullptr;
         const auto number = [&each](std::size_t at) {
             return static_cast<std::uint32_t>(number_at(each.content, at, 4));
@@ -165,9 +162,8 @@ Result<bool> Gatherer::read_run(BytesView trun, const SampleDefaults& defaults, 
 /// say otherwise.
 Result<bool> Gatherer::read_runs(BytesView traf, const BoxPlace& moof, std::uint64_t& data_end,
                                  std::vector<FragmentRun>& runs) {
-    const auto parts = boxes_in(traf);
-    if (!parts) return parts.error();
-    const Box* const head = box_named(*parts, "tfhd");
+    TRY_ASSIGN(const auto parts, boxes_in(traf));
+    const Box* const head = box_named(parts, "tfhd");
     if (!head || head->content.size() < 8) return input_error("a fragment of a track has no header (tfhd)");
     PictureTrack* const track = track_of(number_at(head->content, 4, 4));
     if (!track)
@@ -188,10 +184,10 @@ Result<bool> Gatherer::read_runs(BytesView traf, const BoxPlace& moof, std::uint
                                        {0x20U, &SampleDefaults::flags}})
         defaults.*member = static_cast<std::uint32_t>(take(flag, 4, defaults.*member));
     std::optional<std::uint64_t> time;
-    if (const Box* const decoded = box_named(*parts, "tfdt"); decoded && decoded->content.size() >= 8)
+    if (const Box* const decoded = box_named(parts, "tfdt"); decoded && decoded->content.size() >= 8)
         time = number_at(decoded->content, 4, decoded->content[0] == 1 ? 8 : 4);
     data_end = base;
-    for (const Box& part : *parts) {
+    for (const Box& part : parts) {
         if (part.type != "trun") continue;
         FragmentRun run{.track = track->has_pictures ? track : nullptr,
                         .time = std::exchange(time, std::nullopt)};
@@ -227,19 +223,16 @@ Result<void> Gatherer::append(FragmentRun& run) {
 
 Result<bool> Gatherer::add_fragment(const BoxPlace& moof) {
     if (moof.end - moof.content > most_box_bytes) return input_error("has more than 64 MiB");
-    const auto bytes = bytes_at(file_, moof.content, moof.end - moof.content);
-    if (!bytes) return bytes.error();
-    const auto parts = boxes_in(*bytes);
-    if (!parts) return parts.error();
+    TRY_ASSIGN(const auto bytes, bytes_at(file_, moof.content, moof.end - moof.content));
+    TRY_ASSIGN(const auto parts, boxes_in(bytes));
     std::uint64_t data_end = moof.at;
     std::vector<FragmentRun> runs;
-    for (const Box& part : *parts) {
+    for (const Box& part : parts) {
         if (part.type != "traf") continue;
         const auto whole = read_runs(part.content, moof, data_end, runs);
         if (!whole || !*whole) return whole;
     }
-    for (FragmentRun& run : runs)
-        if (auto added = append(run); !added) return added.error();
+    for (FragmentRun& run : runs) TRY(append(run));
     return true;
 }
 
@@ -261,7 +254,8 @@ Result<void> Gatherer::align() {
     };
     std::optional<Moment> common;
     for (const PictureTrack& track : tracks_)
-        if (track.has_pictures && !track.all.samples.empty() && (!common || begin_of(track) < *common)) common = begin_of(track);
+        if (track.has_pictures && !track.all.samples.empty() && (!common || begin_of(track) < *common))
+            common = begin_of(track);
     for (PictureTrack& track : tracks_) {
         if (!track.has_pictures || track.all.samples.empty()) continue;
         const bool is_too_late = track.begin > latest || common->seconds > latest / track.timescale;
@@ -375,25 +369,23 @@ Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file) {
     gathered.size = file.size();
     bool has_movie = false;
     for (std::uint64_t at = 0; at < file.size();) {
-        const auto box = box_at(file, at, file.size());
-        if (!box) return box.error();
-        gathered.is_cut = !box->has_value();
+        TRY_ASSIGN(const auto box, box_at(file, at, file.size()));
+        gathered.is_cut = !box.has_value();
         if (gathered.is_cut) break;
-        at = (*box)->end;
-        if ((*box)->type == "moov" && !has_movie) {
-            const auto is_fragmented = gatherer.read_movie(**box);
-            if (!is_fragmented) return is_fragmented.error();
-            if (!*is_fragmented) return std::optional<GatheredMovie>();
+        at = box->end;
+        if (box->type == "moov" && !has_movie) {
+            TRY_ASSIGN(const auto is_fragmented, gatherer.read_movie(*box));
+            if (!is_fragmented) return std::optional<GatheredMovie>();
             has_movie = true;
         }
-        if ((*box)->type != "moof" || !has_movie) continue;
-        const auto whole = gatherer.add_fragment(**box);
-        if (!whole) return error_at("its fragment at byte " + std::to_string((*box)->at), whole.error());
+        if (box->type != "moof" || !has_movie) continue;
+        const auto whole = gatherer.add_fragment(*box);
+        if (!whole) return error_at("its fragment at byte " + std::to_string(box->at), whole.error());
         gathered.is_cut = !*whole;
         if (gathered.is_cut) break;
     }
     if (!has_movie) return std::optional<GatheredMovie>();
-    if (auto aligned = gatherer.align(); !aligned) return aligned.error();
+    TRY(gatherer.align());
     gathered.head = gatherer.head();
     return std::optional(std::move(gathered));
 }

@@ -3,9 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "engine/byte_source.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/boxes.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "engine/base/try.hpp"
+
 namespace touchable::mpeg4 {
 namespace {
 
@@ -35,15 +37,14 @@ Error contradiction(std::string_view type, std::size_t samples) {
 /// What a table of runs says of each sample: of so many in a row the same number.
 template <class Put>
 Result<void> each_in_runs(BytesView stbl, std::string_view type, std::size_t samples, Put put) {
-    const auto runs = table_in(stbl, type, 2);
-    if (!runs) return runs.error();
+    TRY_ASSIGN(const auto runs, table_in(stbl, type, 2));
     std::size_t next = 0;
-    for (std::size_t k = 0; k < runs->count; ++k) {
-        const std::uint64_t length = runs->at(k);
+    for (std::size_t k = 0; k < runs.count; ++k) {
+        const std::uint64_t length = runs.at(k);
         if (length > samples - next) return contradiction(type, samples);
-        for (std::uint64_t n = 0; n < length; ++n) put(next++, static_cast<std::uint32_t>(runs->at(k, 1)));
+        for (std::uint64_t n = 0; n < length; ++n) put(next++, static_cast<std::uint32_t>(runs.at(k, 1)));
     }
-    return runs->count == 0 || next == samples ? Result<void>() : contradiction(type, samples);
+    return runs.count == 0 || next == samples ? Result<void>() : contradiction(type, samples);
 }
 
 Result<void> read_sizes(BytesView stbl, std::size_t most, std::vector<Sample>& to) {
@@ -60,12 +61,11 @@ Result<void> read_sizes(BytesView stbl, std::size_t most, std::vector<Sample>& t
 }
 
 Result<void> read_keys(BytesView stbl, std::vector<Sample>& to) {
-    const auto keys = table_in(stbl, "stss", 1);
-    if (!keys) return keys.error();
-    if (keys->bytes.empty()) return {};  // all are
+    TRY_ASSIGN(const auto keys, table_in(stbl, "stss", 1));
+    if (keys.bytes.empty()) return {};  // all are
     for (Sample& sample : to) sample.is_key = false;
-    for (std::size_t k = 0; k < keys->count; ++k) {
-        const std::uint64_t number = keys->at(k);
+    for (std::size_t k = 0; k < keys.count; ++k) {
+        const std::uint64_t number = keys.at(k);
         if (number < 1 || number > to.size()) return contradiction("stss", to.size());
         to[number - 1].is_key = true;
     }
@@ -130,17 +130,14 @@ List runs_of(const std::vector<Sample>& samples, Number number) {
 Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
     TrackSamples track;
     std::vector<Sample>& samples = track.samples;
-    if (auto read = read_sizes(stbl, most, samples); !read) return read.error();
-    const auto durations =
-        each_in_runs(stbl, "stts", samples.size(),
-                     [&](std::size_t k, std::uint32_t number) { samples[k].duration = number; });
-    if (!durations) return durations.error();
-    const auto later = each_in_runs(stbl, "ctts", samples.size(), [&](std::size_t k, std::uint32_t number) {
+    TRY(read_sizes(stbl, most, samples));
+    TRY(each_in_runs(stbl, "stts", samples.size(),
+                     [&](std::size_t k, std::uint32_t number) { samples[k].duration = number; }));
+    TRY(each_in_runs(stbl, "ctts", samples.size(), [&](std::size_t k, std::uint32_t number) {
         samples[k].shown_later = static_cast<std::int32_t>(number);
-    });
-    if (!later) return later.error();
-    if (auto read = read_keys(stbl, samples); !read) return read.error();
-    if (auto read = read_chunks(stbl, track); !read) return read.error();
+    }));
+    TRY(read_keys(stbl, samples));
+    TRY(read_chunks(stbl, track));
     return track;
 }
 

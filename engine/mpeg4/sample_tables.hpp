@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/boxes.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <optional>
 
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/boxes.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::mpeg4 {
 

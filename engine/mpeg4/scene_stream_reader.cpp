@@ -2,8 +2,9 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -81,12 +82,11 @@ Result<FirstSample> first_sample_of(const Track& track) {
 
 /// Its first, which says all.
 Result<Bytes> first_sample(const Track& track, const ReadBytes& read) {
-    const auto sample = first_sample_of(track);
-    if (!sample) return sample.error();
-    if (sample->bytes > most_sample_bytes)
+    TRY_ASSIGN(const auto sample, first_sample_of(track));
+    if (sample.bytes > most_sample_bytes)
         return input_error("track " + std::to_string(track.id) + " has a sample of " +
-                           std::to_string(sample->bytes) + " bytes: must be 1 to 65536");
-    return read(sample->at, sample->bytes);
+                           std::to_string(sample.bytes) + " bytes: must be 1 to 65536");
+    return read(sample.at, sample.bytes);
 }
 
 Result<BifsConfig> config_of(const Track& track) {
@@ -95,24 +95,22 @@ Result<BifsConfig> config_of(const Track& track) {
     const BytesView entry = content_at(kinds.subspan(std::min(kinds_head, kinds.size())), {"mp4s"});
     const BytesView esds = content_at(entry.subspan(std::min(entry_head, entry.size())), {"esds"});
     if (esds.size() < 4) return input_error("its scene has no description (esds)");
-    const auto outer = descriptors_in(esds.subspan(4));
-    if (!outer) return outer.error();
-    const Descriptor* const stream = with_tag(*outer, 3);
+    TRY_ASSIGN(const auto outer, descriptors_in(esds.subspan(4)));
+    const Descriptor* const stream = with_tag(outer, 3);
     if (!stream || stream->content.size() < 3) return input_error("its scene has no descriptor of a stream");
     const std::uint8_t flags = stream->content[2];
     std::size_t skipped = 3;
     if (flags & 0x80) skipped += 2;                                           // depends on a stream
     if (flags & 0x40) skipped += 1 + number_at(stream->content, skipped, 1);  // an address
     if (flags & 0x20) skipped += 2;                                           // a clock
-    const auto inner = descriptors_in(stream->content.subspan(std::min(skipped, stream->content.size())));
-    if (!inner) return inner.error();
-    const Descriptor* const decoder = with_tag(*inner, 4);
+    TRY_ASSIGN(const auto inner,
+               descriptors_in(stream->content.subspan(std::min(skipped, stream->content.size()))));
+    const Descriptor* const decoder = with_tag(inner, 4);
     constexpr std::size_t decoder_head = 13;
     if (!decoder || decoder->content.size() < decoder_head)
         return input_error("its scene does not say what decodes it");
-    const auto info = descriptors_in(decoder->content.subspan(decoder_head));
-    if (!info) return info.error();
-    const Descriptor* const config = with_tag(*info, 5);
+    TRY_ASSIGN(const auto info, descriptors_in(decoder->content.subspan(decoder_head)));
+    const Descriptor* const config = with_tag(info, 5);
     if (!config) return input_error("its scene has no configuration");
     return decode_config(config->content, decoder->content[0]);
 }
@@ -120,19 +118,16 @@ Result<BifsConfig> config_of(const Track& track) {
 /// Commands that say which stream each object is; those that say something else say nothing here.
 Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, BytesView referred) {
     std::map<std::uint16_t, std::uint32_t> objects;
-    const auto commands = descriptors_in(sample);
-    if (!commands) return commands.error();
-    for (const Descriptor& command : *commands) {
+    TRY_ASSIGN(const auto commands, descriptors_in(sample));
+    for (const Descriptor& command : commands) {
         if (command.tag != 1) continue;
-        const auto found = descriptors_in(command.content);
-        if (!found) return found.error();
-        for (const Descriptor& object : *found) {
+        TRY_ASSIGN(const auto found, descriptors_in(command.content));
+        for (const Descriptor& object : found) {
             if ((object.tag != 0x11 && object.tag != 1) || object.content.size() < 2) continue;
             const auto number = static_cast<std::uint16_t>(number_at(object.content, 0, 2) >> 6);
             if (number_at(object.content, 0, 2) & 0x20) continue;  // elsewhere, by an address
-            const auto streams = descriptors_in(object.content.subspan(2));
-            if (!streams) return streams.error();
-            const Descriptor* const reference = with_tag(*streams, 0x0F);
+            TRY_ASSIGN(const auto streams, descriptors_in(object.content.subspan(2)));
+            const Descriptor* const reference = with_tag(streams, 0x0F);
             const std::uint64_t place = reference ? number_at(reference->content, 0, 2) : 0;
             if (place == 0 || 4 * place > referred.size())
                 return input_error("object " + std::to_string(number) + " is stream " +
@@ -147,17 +142,15 @@ Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, Byte
 }  // namespace
 
 Result<FirstSample> first_sample_of(BytesView moov, std::uint32_t track) {
-    const auto boxes = boxes_in(moov);
-    if (!boxes) return boxes.error();
-    for (const Track& each : tracks_of(*boxes))
+    TRY_ASSIGN(const auto boxes, boxes_in(moov));
+    for (const Track& each : tracks_of(boxes))
         if (each.id == track) return first_sample_of(each);
     return input_error("has no track " + std::to_string(track));
 }
 
 Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadBytes& read) {
-    const auto boxes = boxes_in(moov);
-    if (!boxes) return boxes.error();
-    const auto tracks = tracks_of(*boxes);
+    TRY_ASSIGN(const auto boxes, boxes_in(moov));
+    const auto tracks = tracks_of(boxes);
     const auto with_handler = [&](std::string_view handler) {
         return std::find_if(tracks.begin(), tracks.end(),
                             [&](const Track& each) { return each.handler == handler; });
@@ -165,18 +158,14 @@ Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadB
     const auto scene = with_handler("sdsm"), objects = with_handler("odsm");
     if (scene == tracks.end()) return std::optional<SceneStream>();
     SceneStream made;
-    const auto config = config_of(*scene);
-    if (!config) return config.error();
-    made.config = *config;
-    auto sample = first_sample(*scene, read);
-    if (!sample) return sample.error();
-    made.scene = std::move(*sample);
+    TRY_ASSIGN(const auto config, config_of(*scene));
+    made.config = config;
+    TRY_ASSIGN(auto sample, first_sample(*scene, read));
+    made.scene = std::move(sample);
     if (objects == tracks.end()) return std::optional(std::move(made));
-    const auto descriptors = first_sample(*objects, read);
-    if (!descriptors) return descriptors.error();
-    auto found = objects_in(*descriptors, content_at(objects->content, {"tref", "mpod"}));
-    if (!found) return found.error();
-    made.objects = std::move(*found);
+    TRY_ASSIGN(const auto descriptors, first_sample(*objects, read));
+    TRY_ASSIGN(auto found, objects_in(descriptors, content_at(objects->content, {"tref", "mpod"})));
+    made.objects = std::move(found);
     return std::optional(std::move(made));
 }
 

@@ -2,6 +2,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 #include "engine/mpeg4/scene_stream.hpp"
 
 namespace touchable::mpeg4 {
@@ -188,11 +190,10 @@ Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
     Bytes auxiliary(kind.begin(), kind.end());
     std::copy(auxv.begin(), auxv.end(), auxiliary.begin() + 8);
     const Bytes changed = with_content(trak, handler, auxiliary);
-    const auto parts = boxes_in(changed);
-    if (!parts) return parts.error();
+    TRY_ASSIGN(const auto parts, boxes_in(changed));
     Bytes made, reference;
     put_number(reference, shown, 4);
-    for (const Box& part : *parts) {
+    for (const Box& part : parts) {
         if (part.type == "mdia") put_box(made, "tref", box_of("vdep", reference));
         put_box(made, part.type, part.content);
     }
@@ -203,16 +204,15 @@ Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
 
 Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::uint32_t shown,
                                 std::uint64_t at) {
-    const auto parts = boxes_in(moov);
-    if (!parts) return parts.error();
-    const Box* const head = box_named(*parts, "mvhd");
+    TRY_ASSIGN(const auto parts, boxes_in(moov));
+    const Box* const head = box_named(parts, "mvhd");
     if (!head || head->content.size() < 100) return input_error("its movie box has no header (mvhd)");
     const bool is_long = head->content[0] == 1;
     const std::uint64_t movie_timescale = number_at(head->content, is_long ? 20 : 12, 4);
     const std::uint64_t movie_duration = number_at(head->content, is_long ? 24 : 16, is_long ? 8 : 4);
     if (movie_timescale == 0) return input_error("its movie has no time scale");
     std::uint32_t free_id = 1;
-    for (const Box& part : *parts)
+    for (const Box& part : parts)
         if (part.type == "trak") free_id = std::max(free_id, track_id(part.content) + 1);
 
     const Bytes objects = object_descriptors(stream);
@@ -241,18 +241,17 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
             add(movie, systems_trak(*track, movie_duration, duration));
         are_added = true;
     };
-    for (const Box& part : *parts) {
+    for (const Box& part : parts) {
         if (part.type == "mvhd" || part.type == "iods") continue;
         if (part.type != "trak") {
             if (!are_added) add_tracks();
             put_box(movie, part.type, part.content);
         } else {
-            const auto trak = marked(part.content, shown);
-            if (!trak) return trak.error();
+            TRY_ASSIGN(const auto trak, marked(part.content, shown));
             const bool is_object = std::any_of(
                 stream.objects.begin(), stream.objects.end(),
                 [id = track_id(part.content)](const auto& object) { return object.second == id; });
-            put_box(movie, "trak", is_object ? enabled(*trak) : *trak);
+            put_box(movie, "trak", is_object ? enabled(trak) : trak);
         }
     }
     if (!are_added) add_tracks();
@@ -262,15 +261,13 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
 }
 
 Result<Bytes> with_auxiliary_tracks(BytesView moov, std::uint32_t shown) {
-    const auto parts = boxes_in(moov);
-    if (!parts) return parts.error();
+    TRY_ASSIGN(const auto parts, boxes_in(moov));
     Bytes movie;
-    for (const Box& part : *parts) {
-        const auto content = part.type == "trak"
-                                 ? marked(part.content, shown)
-                                 : Result<Bytes>(Bytes(part.content.begin(), part.content.end()));
-        if (!content) return content.error();
-        put_box(movie, part.type, *content);
+    for (const Box& part : parts) {
+        TRY_ASSIGN(const auto content, part.type == "trak"
+                                           ? marked(part.content, shown)
+                                           : Result<Bytes>(Bytes(part.content.begin(), part.content.end())));
+        put_box(movie, part.type, content);
     }
     return movie;
 }

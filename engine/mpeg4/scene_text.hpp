@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/result.hpp"
 #include "engine/mpeg4/scene_tree.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -4,10 +4,11 @@
 #include <map>
 #include <utility>
 
+#include "engine/base/nearest_word.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/node_types.hpp"
 #include "engine/mpeg4/scene_text.hpp"
-#include "engine/nearest_word.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable::mpeg4 {
 namespace {
@@ -114,9 +115,8 @@ private:
 };
 
 Result<void> TextParser::advance() {
-    auto next = tokens_.next();
-    if (!next) return next.error();
-    token_ = std::move(*next);
+    TRY_ASSIGN(auto next, tokens_.next());
+    token_ = std::move(next);
     return {};
 }
 
@@ -131,22 +131,20 @@ Result<std::string> TextParser::name(const char* of_what) {
     if (!is_name(token_.text))
         return wrong(std::string(of_what) + ": " + found() + ": must be a name of 1 to 256 letters");
     std::string word = std::move(token_.text);
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     return word;
 }
 
 Result<SceneTree> TextParser::parse() {
-    if (auto begun = advance(); !begun) return begun.error();
+    TRY(advance());
     while (token_.is("PROTO") || token_.is("EXTERNPROTO")) {
-        auto made = prototype(token_.is("EXTERNPROTO"));
-        if (!made) return made.error();
-        scene_.prototypes.push_back(std::move(*made));
+        TRY_ASSIGN(auto made, prototype(token_.is("EXTERNPROTO")));
+        scene_.prototypes.push_back(std::move(made));
         if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
-    auto root = node(0);
-    if (!root) return root.error();
-    if (!*root) return wrong("the scene is NULL: must be a node");
-    scene_.root = std::move(*root);
+    TRY_ASSIGN(auto root, node(0));
+    if (!root) return wrong("the scene is NULL: must be a node");
+    scene_.root = std::move(root);
     if (token_.kind != Token::Kind::end)
         return wrong("the scene is over, but " + in_quotes(token_.text) + " follows" +
                      (token_.is("}") ? ": there are more closing braces than opening ones" : ""));
@@ -154,46 +152,41 @@ Result<SceneTree> TextParser::parse() {
 }
 
 Result<Prototype> TextParser::prototype(bool is_external) {
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     const std::size_t at = token_.at;
-    auto called = name("PROTO");
-    if (!called) return called.error();
-    if (prototype_named(scene_.prototypes, *called))
-        return tokens_.wrong(at, "PROTO " + printable(*called) + " is there already");
-    Prototype made{.name = std::move(*called)};
-    if (auto begun = expect("[", "PROTO " + printable(made.name)); !begun) return begun.error();
+    TRY_ASSIGN(auto called, name("PROTO"));
+    if (prototype_named(scene_.prototypes, called))
+        return tokens_.wrong(at, "PROTO " + printable(called) + " is there already");
+    Prototype made{.name = std::move(called)};
+    TRY(expect("[", "PROTO " + printable(made.name)));
     while (!token_.is("]")) {
         const std::size_t field_at = token_.at;
-        auto spec = prototype_field(is_external);
-        if (!spec) return spec.error();
-        if (field_named(made.fields, spec->name))
-            return tokens_.wrong(field_at,
-                                 "PROTO " + printable(made.name) + ": has " + spec->name + " twice");
-        made.fields.push_back(std::move(*spec));
+        TRY_ASSIGN(auto spec, prototype_field(is_external));
+        if (field_named(made.fields, spec.name))
+            return tokens_.wrong(field_at, "PROTO " + printable(made.name) + ": has " + spec.name + " twice");
+        made.fields.push_back(std::move(spec));
         if (made.fields.size() > most_fields)
             return tokens_.wrong(field_at, "PROTO " + printable(made.name) + ": has more than 64 fields");
     }
-    if (auto ended = advance(); !ended) return ended.error();
+    TRY(advance());
     if (is_external) {
-        auto urls = values({FieldType::url, true}, 0);
-        if (!urls) return urls.error();
-        for (FieldValue& each : *urls) made.elsewhere.push_back(std::get<Url>(std::move(each)));
+        TRY_ASSIGN(auto urls, values({FieldType::url, true}, 0));
+        for (FieldValue& each : urls) made.elsewhere.push_back(std::get<Url>(std::move(each)));
         if (made.elsewhere.empty())
             return wrong("EXTERNPROTO " + printable(made.name) + ": must say where it is");
         return made;
     }
-    if (auto begun = expect("{", "PROTO " + printable(made.name)); !begun) return begun.error();
+    TRY(expect("{", "PROTO " + printable(made.name)));
     inside_ = &made;
     while (!token_.is("}")) {
-        auto part = node(1);
-        if (!part) return part.error();
-        if (!*part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
-        made.body.push_back(std::move(*part));
+        TRY_ASSIGN(auto part, node(1));
+        if (!part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
+        made.body.push_back(std::move(part));
     }
     inside_ = nullptr;
     named_.clear();  // its own names end with it
     if (made.body.empty()) return wrong("PROTO " + printable(made.name) + ": must have a node in its body");
-    if (auto ended = advance(); !ended) return ended.error();
+    TRY(advance());
     return made;
 }
 
@@ -206,18 +199,16 @@ Result<FieldSpec> TextParser::prototype_field(bool is_external) {
         spec.event = FieldEvent::exposed;
     else
         return wrong(found() + ": must be field, exposedField or ]");
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     const auto kind = kind_named(token_.text);
     if (!kind) return wrong(found() + ": must be the type of a field, such as SFFloat");
     spec.kind = *kind;
-    if (auto more = advance(); !more) return more.error();
-    auto called = name("field");
-    if (!called) return called.error();
-    spec.name = std::move(*called);
+    TRY(advance());
+    TRY_ASSIGN(auto called, name("field"));
+    spec.name = std::move(called);
     if (is_external) return spec;
-    auto initial = values(spec.kind, 1);
-    if (!initial) return initial.error();
-    spec.initial = std::move(*initial);
+    TRY_ASSIGN(auto initial, values(spec.kind, 1));
+    spec.initial = std::move(initial);
     return spec;
 }
 
@@ -228,39 +219,36 @@ Result<NodePtr> TextParser::node(int depth) {
     if (depth > deepest_node) return too_deep();
     std::string called;
     if (token_.is("NULL")) {
-        if (auto more = advance(); !more) return more.error();
+        TRY(advance());
         return NodePtr();
     }
     if (token_.is("USE")) {
-        if (auto more = advance(); !more) return more.error();
+        TRY(advance());
         const auto known = named_.find(token_.text);
         if (known == named_.end())
             return wrong("USE: there is no node " + in_quotes(token_.text) + " before it");
         if (depth + known->second->levels - 1 > deepest_node) return too_deep();
-        if (auto more = advance(); !more) return more.error();
+        TRY(advance());
         return known->second;
     }
     if (token_.is("DEF")) {
-        if (auto more = advance(); !more) return more.error();
-        auto word = name("DEF");
-        if (!word) return word.error();
-        called = std::move(*word);
+        TRY(advance());
+        TRY_ASSIGN(auto word, name("DEF"));
+        called = std::move(word);
     }
     const Token type = token_;
-    auto word = name("a node");
-    if (!word) return word.error();
-    const auto* specs = fields_of(scene_.prototypes, *word);
+    TRY_ASSIGN(auto word, name("a node"));
+    const auto* specs = fields_of(scene_.prototypes, word);
     if (!specs)
-        return tokens_.wrong(
-            type.at, in_quotes(*word) + " is no node that a touchable clip has" +
-                         (*word == "ROUTE" || *word == "Script" ? ": its scene has no behaviour" : ""));
-    auto made = std::make_shared<Node>(Node{.type = std::move(*word), .name = called});
-    if (auto begun = expect("{", made->type); !begun) return begun.error();
+        return tokens_.wrong(type.at,
+                             in_quotes(word) + " is no node that a touchable clip has" +
+                                 (word == "ROUTE" || word == "Script" ? ": its scene has no behaviour" : ""));
+    auto made = std::make_shared<Node>(Node{.type = std::move(word), .name = called});
+    TRY(expect("{", made->type));
     while (!token_.is("}")) {
-        auto given = field(*specs, made->type, depth);
-        if (!given) return given.error();
-        if (made->field(given->name)) return wrong(made->type + ": has " + given->name + " twice");
-        made->fields.push_back(std::move(*given));
+        TRY_ASSIGN(auto given, field(*specs, made->type, depth));
+        if (made->field(given.name)) return wrong(made->type + ": has " + given.name + " twice");
+        made->fields.push_back(std::move(given));
     }
     const auto place = [specs](const Field& each) {
         return std::find_if(specs->begin(), specs->end(),
@@ -269,7 +257,7 @@ Result<NodePtr> TextParser::node(int depth) {
     std::stable_sort(made->fields.begin(), made->fields.end(),
                      [&](const Field& a, const Field& b) { return place(a) < place(b); });
     made->levels = levels_of(*made);
-    if (auto ended = advance(); !ended) return ended.error();
+    TRY(advance());
     if (!called.empty() && !named_.emplace(called, made).second)
         return tokens_.wrong(type.at, "DEF " + called + " is there already");
     return NodePtr(std::move(made));
@@ -289,16 +277,15 @@ Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::
         return wrong(of_node + ": has no field " + in_quotes(at.text) +
                      (nearest.empty() ? "" : "; did you mean " + nearest + '?'));
     }
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     Field made{spec->name};
     if (!token_.is("IS")) {
-        auto given = values(spec->kind, depth + 1);
-        if (!given) return given.error();
-        made.values = std::move(*given);
+        TRY_ASSIGN(auto given, values(spec->kind, depth + 1));
+        made.values = std::move(given);
         return made;
     }
     if (!inside_) return wrong(of_node + ": IS stands in the body of a PROTO only");
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     const auto& outer = inside_->fields;
     const auto meant = std::find_if(outer.begin(), outer.end(),
                                     [&](const FieldSpec& each) { return each.name == token_.text; });
@@ -306,7 +293,7 @@ Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::
         return wrong("PROTO " + printable(inside_->name) + ": has no field " + in_quotes(token_.text) +
                      " of type " + std::string(kind_name(spec->kind)));
     made.is = meant->name;
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     return made;
 }
 
@@ -314,26 +301,23 @@ Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::
 Result<std::vector<FieldValue>> TextParser::values(FieldKind kind, int depth) {
     std::vector<FieldValue> all;
     const bool in_brackets = kind.is_list && token_.is("[");
-    if (in_brackets)
-        if (auto more = advance(); !more) return more.error();
+    if (in_brackets) TRY(advance());
     while (!in_brackets || !token_.is("]")) {
-        auto each = value(kind.type, depth);
-        if (!each) return each.error();
-        all.push_back(std::move(*each));
+        TRY_ASSIGN(auto each, value(kind.type, depth));
+        all.push_back(std::move(each));
         if (!in_brackets) return all;
         if (all.size() > most_values)
             return wrong("a list has more than " + std::to_string(most_values) + " values");
     }
-    if (auto ended = advance(); !ended) return ended.error();
+    TRY(advance());
     return all;
 }
 
 Result<FieldValue> TextParser::value(FieldType type, int depth) {
     switch (type) {
         case FieldType::node: {
-            auto made = node(depth);
-            if (!made) return made.error();
-            return FieldValue(std::move(*made));
+            TRY_ASSIGN(auto made, node(depth));
+            return FieldValue(std::move(made));
         }
         case FieldType::url:
             return url();
@@ -341,19 +325,18 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
             const bool is_true = token_.is("TRUE") || token_.is("true");
             if (!is_true && !token_.is("FALSE") && !token_.is("false"))
                 return wrong(found() + ": must be TRUE or FALSE");
-            if (auto more = advance(); !more) return more.error();
+            TRY(advance());
             return FieldValue(is_true);
         }
         case FieldType::string: {
             if (token_.kind != Token::Kind::quoted) return wrong(found() + ": must be a string in quotes");
             FieldValue text(std::move(token_.text));
-            if (auto more = advance(); !more) return more.error();
+            TRY(advance());
             return text;
         }
         case FieldType::time: {
-            const auto seconds = number<double>();
-            if (!seconds) return seconds.error();
-            return FieldValue(*seconds);
+            TRY_ASSIGN(const auto seconds, number<double>());
+            return FieldValue(seconds);
         }
         case FieldType::integer: {
             std::int32_t whole = 0;
@@ -361,13 +344,12 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
             const auto read = std::from_chars(token_.text.data(), end, whole);
             if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{})
                 return wrong(found() + ": must be a whole number");
-            if (auto more = advance(); !more) return more.error();
+            TRY(advance());
             return FieldValue(whole);
         }
         case FieldType::real: {
-            const auto read = number<float>();
-            if (!read) return read.error();
-            return FieldValue(*read);
+            TRY_ASSIGN(const auto read, number<float>());
+            return FieldValue(read);
         }
         case FieldType::vec2:
             return numbers<2>();
@@ -388,7 +370,7 @@ Result<T> TextParser::number() {
     if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{} ||
         !std::isfinite(value))
         return wrong(found() + ": must be a number");
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     return value;
 }
 
@@ -396,9 +378,8 @@ template <std::size_t n>
 Result<FieldValue> TextParser::numbers() {
     std::array<float, n> all{};
     for (float& each : all) {
-        const auto read = number<float>();
-        if (!read) return read.error();
-        each = *read;
+        TRY_ASSIGN(const auto read, number<float>());
+        each = read;
     }
     return FieldValue(all);
 }
@@ -410,7 +391,7 @@ Result<FieldValue> TextParser::url() {
     if (!made)
         return wrong(found() +
                      ": must be a file in quotes, or the number of an object descriptor, 1 to 1023");
-    if (auto more = advance(); !more) return more.error();
+    TRY(advance());
     return FieldValue(std::move(*made));
 }
 

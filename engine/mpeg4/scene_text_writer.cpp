@@ -1,9 +1,9 @@
 #include <set>
 #include <type_traits>
 
+#include "engine/base/number_words.hpp"
 #include "engine/mpeg4/node_types.hpp"
 #include "engine/mpeg4/scene_text.hpp"
-#include "engine/number_words.hpp"
 
 namespace touchable::mpeg4 {
 namespace {

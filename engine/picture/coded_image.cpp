@@ -8,12 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "engine/picture/decoded_picture.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/picture_decoder.hpp"
 #include "engine/picture/rgb_converter.hpp"
-#include "engine/stop_request.hpp"
-#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -121,9 +122,8 @@ Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr fra
 
 Result<Image> image_from(const std::string& where, FramePtr frame) {
     const std::string format = format_name(*frame);
-    auto image = image_of_any(where, std::move(frame));
-    if (!image) return image.error();
-    if (*image) return std::move(**image);
+    TRY_ASSIGN(auto image, image_of_any(where, std::move(frame)));
+    if (image) return std::move(*image);
     return input_error(where + ": has pixel format " + format +
                        "; grey of 8 or 16 bits and colour of 8 bits are read");
 }
@@ -140,39 +140,35 @@ void gather(Image& image, int bits) {
 }  // namespace
 
 Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where) {
-    auto picture = decode_picture(bytes, where);
-    if (!picture) return picture.error();
-    const std::string format = format_name(*picture->frame);
-    auto image = image_from(where, std::move(picture->frame));
-    if (!image) return image.error();
-    if (picture->bits < 8) gather(*image, picture->bits);
+    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
+    const std::string format = format_name(*picture.frame);
+    TRY_ASSIGN(auto image, image_from(where, std::move(picture.frame)));
+    if (picture.bits < 8) gather(image, picture.bits);
     if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
     StoredImage stored;
-    stored.image = std::move(*image);
-    stored.codec = avcodec_get_name(picture->codec);
+    stored.image = std::move(image);
+    stored.codec = avcodec_get_name(picture.codec);
     stored.pixel_format = format;
-    stored.bits = picture->bits;
-    stored.interlaced = picture->interlaced;
+    stored.bits = picture.bits;
+    stored.interlaced = picture.interlaced;
     return stored;
 }
 
 Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
-    auto picture = decode_picture(bytes, where);
-    if (!picture) return picture.error();
-    const AVFrame& frame = *picture->frame;
-    if (picture->codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
-        auto indices =
-            gathered(where, *picture->frame, 1, 1,
-                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1}));
-        if (!indices) return indices.error();
-        return std::move(**indices);
+    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
+    const AVFrame& frame = *picture.frame;
+    if (picture.codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
+        TRY_ASSIGN(
+            auto indices,
+            gathered(where, *picture.frame, 1, 1,
+                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1})));
+        return std::move(*indices);
     }
-    auto stored = decode_coded_image(bytes, where);
-    if (!stored) return stored.error();
-    const Image& image = stored->image;
-    if (stored->codec != "png" || image.channels != 1 || image.bytes_per_sample != 1)
+    TRY_ASSIGN(auto stored, decode_coded_image(bytes, where));
+    const Image& image = stored.image;
+    if (stored.codec != "png" || image.channels != 1 || image.bytes_per_sample != 1)
         return input_error(where + ": must be a PNG of indices, with a palette or grey of up to 8 bits");
-    return std::move(stored->image);
+    return std::move(stored.image);
 }
 
 }  // namespace touchable

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/frame/plane_view.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image_file.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

@@ -6,9 +6,10 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/stored_image.hpp"
-#include "engine/printable.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -263,7 +264,7 @@ Result<ExrPart> ExrFile::part(int number) const {
     // Of depth, colour and material indices, which may all be made of it at once.
     const auto needed = static_cast<std::uint64_t>(display->width) *
                         static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
-    if (auto likely = check_expansion(needed, bytes_.bytes.size(), where_); !likely) return likely.error();
+    TRY(check_expansion(needed, bytes_.bytes.size(), where_));
     exr_compression_t packing;
     if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();
     if (packing == EXR_COMPRESSION_DWAA || packing == EXR_COMPRESSION_DWAB)

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/picture/exr_layers.hpp"
 #include "engine/picture/number_picture.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/exr_file.hpp"
 #include "engine/picture/linear_light.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -172,16 +173,15 @@ Result<ExrNumbers> depth_of(const ExrFile& file, const ExrLayers& layers) {
 
 /// Those of one part, together.
 Result<void> read_together(const ExrFile& file, const std::vector<ExrPicture*>& pictures) {
-    const auto part = file.part(pictures.front()->part());
-    if (!part) return part.error();
+    TRY_ASSIGN(const auto part, file.part(pictures.front()->part()));
     std::vector<const ExrChannel*> channels;
     std::vector<std::size_t> first;
     for (ExrPicture* picture : pictures) {
-        picture->begin(*part);
+        picture->begin(part);
         first.push_back(channels.size());
         for (const ExrChannel* channel : picture->channels()) channels.push_back(channel);
     }
-    return file.read(*part, channels, [&](const ExrChunk& chunk) -> Result<void> {
+    return file.read(part, channels, [&](const ExrChunk& chunk) -> Result<void> {
         for (std::size_t k = 0; k < pictures.size(); ++k)
             if (auto taken = pictures[k]->put(chunk, first[k]); !taken) return taken;
         return {};
@@ -189,7 +189,7 @@ Result<void> read_together(const ExrFile& file, const std::vector<ExrPicture*>& 
 }
 
 Result<StoredImage> read_alone(const ExrFile& file, ExrPicture& picture) {
-    if (auto read = read_together(file, {&picture}); !read) return read.error();
+    TRY(read_together(file, {&picture}));
     return picture.finish();
 }
 
@@ -202,16 +202,15 @@ std::optional<StoredImage> read_beside(const ExrFile& file, ExrPicture& picture,
 
 Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& wanted) {
     const ExrLayers layers = exr_layers(names_of(file));
-    auto depth = depth_of(file, layers);
-    if (!depth) return depth.error();
+    TRY_ASSIGN(auto depth, depth_of(file, layers));
     auto colour = wanted.colour ? colour_of(file, layers.colour) : std::nullopt;
     auto materials = wanted.materials ? materials_of(file, layers.materials) : std::nullopt;
-    std::vector<ExrPicture*> together{&*depth};
-    const auto is_beside = [&](const auto& picture) { return picture && picture->part() == depth->part(); };
+    std::vector<ExrPicture*> together{&depth};
+    const auto is_beside = [&](const auto& picture) { return picture && picture->part() == depth.part(); };
     if (is_beside(colour)) together.push_back(&*colour);
     if (is_beside(materials)) together.push_back(&*materials);
-    if (auto read = read_together(file, together); !read) return read.error();
-    StoredImage picture = depth->finish();
+    TRY(read_together(file, together));
+    StoredImage picture = depth.finish();
     if (!colour && !materials) return picture;
     picture.beside = std::make_shared<BesideDepth>();
     BesideDepth& beside = *picture.beside;
@@ -242,13 +241,13 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where)
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
                                const BesideDepth::Wanted& wanted) {
     ExrFile file(bytes, where);
-    if (auto opened = file.open(); !opened) return opened.error();
+    TRY(file.open());
     return depth_with(file, wanted);
 }
 
 Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string& where) {
     ExrFile file(bytes, where);
-    if (auto opened = file.open(); !opened) return opened.error();
+    TRY(file.open());
     auto colour = colour_of(file, exr_colour(names_of(file)));
     if (!colour)
         return file.refused("has no colour: must have channels R, G and B, floats of each pixel, but has " +
@@ -258,7 +257,7 @@ Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string&
 
 Result<StoredImage> decode_exr_materials(std::string_view bytes, const std::string& where) {
     ExrFile file(bytes, where);
-    if (auto opened = file.open(); !opened) return opened.error();
+    TRY(file.open());
     auto materials = materials_of(file, exr_materials(names_of(file)));
     if (!materials)
         return file.refused("has no material indices: must have a layer IndexMA of each pixel, but has " +

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/result.hpp"
 #include "engine/picture/stored_image.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/stop_request.hpp"
 #include "engine/picture/png_bytes.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "engine/frame/plane_view.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

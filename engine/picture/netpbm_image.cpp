@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/picture/number_picture.hpp"
 
 namespace touchable {
@@ -69,7 +70,7 @@ Result<NetpbmHeader> netpbm_header(NetpbmWords& words, const std::string& where)
     header.channels = kind == "P3" || kind == "P6" ? 3 : 1;
     header.width = words.number();
     header.height = words.number();
-    if (auto size = check_picture_size(header.width, header.height, where); !size) return size.error();
+    TRY(check_picture_size(header.width, header.height, where));
     header.largest = words.number();
     if (header.largest < 1 || header.largest > 65535)
         return input_error(where + ": has no greatest value from 1 to 65535 after its size");
@@ -134,22 +135,21 @@ Result<StoredImage> netpbm_picture(std::string_view data, const NetpbmHeader& he
 
 Result<StoredImage> decode_netpbm(std::string_view bytes, const std::string& where) {
     NetpbmWords words(bytes);
-    const auto header = netpbm_header(words, where);
-    if (!header) return header.error();
-    const std::size_t needed = header->sample_count() * static_cast<std::size_t>(header->bytes_per_sample());
-    if (header->text) {
-        const auto samples = bytes_of_words(words, *header, where);
-        return samples ? netpbm_picture(*samples, *header, where) : samples.error();
+    TRY_ASSIGN(const auto header, netpbm_header(words, where));
+    const std::size_t needed = header.sample_count() * static_cast<std::size_t>(header.bytes_per_sample());
+    if (header.text) {
+        const auto samples = bytes_of_words(words, header, where);
+        return samples ? netpbm_picture(*samples, header, where) : samples.error();
     }
     if (words.data().size() < needed) return cut_picture(where);
-    return netpbm_picture(words.data().substr(0, needed), *header, where);
+    return netpbm_picture(words.data().substr(0, needed), header, where);
 }
 
 Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where) {
     NetpbmWords words(bytes);
     words.next();
     const int width = words.number(), height = words.number();
-    if (auto size = check_picture_size(width, height, where); !size) return size.error();
+    TRY(check_picture_size(width, height, where));
     const std::string_view word = words.next();
     float scale = 0;
     const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), scale);

@@ -5,7 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -159,7 +160,7 @@ Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& whe
     if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
         return input_error(where + ": is an array of " + shape_text(header.shape) + ", with " +
                            std::to_string(shape[2]) + " numbers a pixel: must have one");
-    if (auto size = check_picture_size(shape[2], shape[1], where); !size) return size.error();
+    TRY(check_picture_size(shape[2], shape[1], where));
     return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
 }
 

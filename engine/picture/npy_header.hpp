@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/byte_source.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/result.hpp"
 #include "engine/picture/number_picture.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

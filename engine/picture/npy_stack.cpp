@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/npz_file.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -47,13 +48,11 @@ ImageStack::ImageStack(std::unique_ptr<ByteSource> bytes, std::string where, Npy
     : bytes_(std::move(bytes)), where_(std::move(where)), header_(std::move(header)), pictures_(pictures) {}
 
 Result<ImageStack> ImageStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
-    auto header = read_npy_header(*bytes, where);
-    if (!header) return header.error();
-    const auto pictures = npy_pictures(*header, where);
-    if (!pictures) return pictures.error();
-    ImageStack stack(std::move(bytes), std::move(where), std::move(*header), *pictures);
-    if (auto checked = stack.check(); !checked) return checked.error();
-    if (auto found = stack.find_floats(); !found) return found.error();
+    TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
+    TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
+    ImageStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
+    TRY(stack.check());
+    TRY(stack.find_floats());
     return stack;
 }
 
@@ -76,9 +75,8 @@ Result<void> ImageStack::find_floats() {
         header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
     if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
     for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
-        const auto picture = read(number);
-        if (!picture) return picture.error();
-        floats_ = !picture->has_codes();
+        TRY_ASSIGN(const auto picture, read(number));
+        floats_ = !picture.has_codes();
     }
     return {};
 }
@@ -112,17 +110,15 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
     if (number < 0 || number >= count())
         return usage_error(where_ + ": has no picture " + std::to_string(number) + ": must be from 0 to " +
                            std::to_string(count() - 1));
-    auto picture = read(number);
-    if (!picture) return picture.error();
-    StoredImage image = std::move(*picture).finish("npy", floats_);
+    TRY_ASSIGN(auto picture, read(number));
+    StoredImage image = std::move(picture).finish("npy", floats_);
     if (stop_requested()) return interrupted_reading(where_);
     if (!confidence_) return image;
-    const auto confidence = confidence_->image(number);
-    if (!confidence) return confidence.error();
+    TRY_ASSIGN(const auto confidence, confidence_->image(number));
     const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
     const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) {
-            if (number_at(*confidence, k) >= *least_confidence_) continue;
+            if (number_at(confidence, k) >= *least_confidence_) continue;
             if (!image.values.empty())
                 image.values[k] = std::numeric_limits<float>::quiet_NaN();
             else
@@ -141,10 +137,9 @@ Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> leas
                            std::to_string(confidence.height()) + ", but depth of " + std::to_string(count()) +
                            " of " + std::to_string(width()) + "x" + std::to_string(height()));
     if (!least) {
-        const auto first = confidence.image(0);
-        if (!first) return first.error();
-        std::vector<float> numbers(pixels_of(*first));
-        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(*first, k);
+        TRY_ASSIGN(const auto first, confidence.image(0));
+        std::vector<float> numbers(pixels_of(first));
+        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
         const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
         std::nth_element(numbers.begin(), middle, numbers.end());
         least = *middle / 2.0;
@@ -155,17 +150,14 @@ Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> leas
 }
 
 Result<ImageStack> open_npy_stack(const SourceFile& file, std::optional<double> least_confidence) {
-    auto bytes = bytes_of_file(file);
-    if (!bytes) return bytes.error();
-    if (!is_npz(first_bytes(**bytes, 4))) return ImageStack::of(std::move(*bytes), file.string());
-    auto member = open_npz(std::move(*bytes), file.string());
-    if (!member) return member.error();
-    auto stack = ImageStack::of(std::move(member->bytes), member->where);
-    if (!stack || !member->confidence) return stack;
-    auto confidence = ImageStack::of(std::move(member->confidence), file.string() + ": conf");
+    TRY_ASSIGN(auto bytes, bytes_of_file(file));
+    if (!is_npz(first_bytes(*bytes, 4))) return ImageStack::of(std::move(bytes), file.string());
+    TRY_ASSIGN(auto member, open_npz(std::move(bytes), file.string()));
+    auto stack = ImageStack::of(std::move(member.bytes), member.where);
+    if (!stack || !member.confidence) return stack;
+    auto confidence = ImageStack::of(std::move(member.confidence), file.string() + ": conf");
     if (!confidence) return confidence;
-    if (auto trusted = stack->trust(std::move(*confidence), least_confidence); !trusted)
-        return trusted.error();
+    TRY(stack->trust(std::move(*confidence), least_confidence));
     return stack;
 }
 
@@ -180,9 +172,8 @@ Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where)
 }
 
 Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where) {
-    auto member = depth_member(bytes, where);
-    if (!member) return member.error();
-    return only_image(ImageStack::of(std::move(member->bytes), member->where), member->where);
+    TRY_ASSIGN(auto member, depth_member(bytes, where));
+    return only_image(ImageStack::of(std::move(member.bytes), member.where), member.where);
 }
 
 }  // namespace touchable

@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "engine/byte_source.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/result.hpp"
 #include "engine/picture/npy_header.hpp"
 #include "engine/picture/stored_image.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

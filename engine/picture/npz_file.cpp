@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/stop_request.hpp"
 #include "engine/picture/npy_header.hpp"
-#include "engine/printable.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "engine/byte_source.hpp"
-#include "engine/result.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "engine/vectors.hpp"
+#include "engine/base/vectors.hpp"
 
 // Loops over plain arrays, which become vectors by themselves: a word for each pixel, then its three bytes.
 

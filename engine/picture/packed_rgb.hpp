@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/vector_unit.hpp"
+#include "engine/base/vector_unit.hpp"
 
 // Packed RGB: 8 bits, three bytes a pixel, made by the CPU's vectors.
 

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/unless_stopped.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
@@ -322,15 +323,14 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
     if (has_late_header(codec, bytes))
         return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
     const PngHeader header = png_header(bytes);
-    if (auto likely = check_packed_pixels(codec, header, bytes, where); !likely) return likely.error();
-    const auto packet = packet_of(bytes);
-    if (!packet) return packet.error();
-    auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
-                                          : decode_unless_stopped(where, codec, **packet, std::nullopt);
-    if (!frame) return frame.error();
-    if (header.colours && (*frame)->format == AV_PIX_FMT_PAL8)
-        if (auto sound = check_indices(where, **frame, *header.colours); !sound) return sound.error();
-    return DecodedPicture{std::move(*frame), codec, header.grey ? header.bits : 8, header.interlaced};
+    TRY(check_packed_pixels(codec, header, bytes, where));
+    TRY_ASSIGN(const auto packet, packet_of(bytes));
+    TRY_ASSIGN(auto frame, codec == AV_CODEC_ID_PNG
+                               ? decode_png(where, *packet, header)
+                               : decode_unless_stopped(where, codec, *packet, std::nullopt));
+    if (header.colours && frame->format == AV_PIX_FMT_PAL8)
+        TRY(check_indices(where, *frame, *header.colours));
+    return DecodedPicture{std::move(frame), codec, header.grey ? header.bits : 8, header.interlaced};
 }
 
 }  // namespace touchable

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/base/try.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 extern "C" {
 #include <libavutil/crc.h>
@@ -147,9 +148,8 @@ Result<std::string> png_bytes(const PlaneView& image, PngEffort effort, PngColou
         return Error{ErrorKind::internal, "only grey and 8-bit RGB pictures are written as PNG"};
     const bool may_be_indexed = colours == PngColours::indexed_if_few && image.channels == 3;
     const auto few = may_be_indexed ? few_colours(image) : std::vector<std::uint32_t>();
-    const auto frame = few.empty() ? png_input(image) : indexed_input(image, few);
-    if (!frame) return frame.error();
-    auto png = encode_png(**frame, effort);
+    TRY_ASSIGN(const auto frame, few.empty() ? png_input(image) : indexed_input(image, few));
+    auto png = encode_png(*frame, effort);
     return few.empty() || !png ? png : with_short_palette(std::move(*png), few.size());
 }
 

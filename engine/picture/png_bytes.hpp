@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/base/try.hpp"
 #include "engine/picture/decoded_picture.hpp"
 
 namespace touchable {
@@ -117,9 +118,8 @@ Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
 
 Result<Image> rgb_converted(const AVFrame& frame) {
     if (is_rgb8(frame)) return rgb_exact(frame);
-    const auto rgb = RgbConverter().converted(frame);
-    if (!rgb) return rgb.error();
-    return rgb_exact(**rgb);
+    TRY_ASSIGN(const auto rgb, RgbConverter().converted(frame));
+    return rgb_exact(*rgb);
 }
 
 }  // namespace touchable

@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/picture/packed_rgb.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

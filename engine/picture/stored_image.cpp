@@ -2,13 +2,14 @@
 
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "engine/picture/coded_image.hpp"
 #include "engine/picture/exr_image.hpp"
 #include "engine/picture/netpbm_image.hpp"
 #include "engine/picture/npy_stack.hpp"
 #include "engine/picture/npz_file.hpp"
 #include "engine/picture/tiff_image.hpp"
-#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -92,9 +93,8 @@ Result<std::string> read_picture_bytes(const SourceFile& file) {
 }
 
 Result<StoredImage> read_stored_image(const SourceFile& file) {
-    auto bytes = read_picture_bytes(file);
-    if (!bytes) return bytes.error();
-    return decode_stored_image(std::move(*bytes), file.string());
+    TRY_ASSIGN(auto bytes, read_picture_bytes(file));
+    return decode_stored_image(std::move(bytes), file.string());
 }
 
 Result<StoredImage> decode_stored_image(std::string bytes, const std::string& where) {
@@ -118,11 +118,10 @@ Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& 
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {
-    auto stored = read_stored_image(file);
-    if (!stored) return stored.error();
-    if (!stored->values.empty())
+    TRY_ASSIGN(auto stored, read_stored_image(file));
+    if (!stored.values.empty())
         return picture_error(file, "is a picture of floats: must be of integers here");
-    return std::move(stored->image);
+    return std::move(stored.image);
 }
 
 }  // namespace touchable

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/given_file.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

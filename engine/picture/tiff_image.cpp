@@ -11,9 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/number_picture.hpp"
-#include "engine/printable.hpp"
-#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -256,12 +257,12 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
     const TiffPtr tiff = open_tiff(file);
     if (!tiff) return tiff_damage(file, where);
     const TiffLayout layout = layout_of(tiff.get());
-    if (auto size = check_picture_size(layout.width, layout.height, where); !size) return size.error();
+    TRY(check_picture_size(layout.width, layout.height, where));
     if (const std::string refusal = refusal_of(layout); !refusal.empty())
         return input_error(where + ": " + refusal);
     const auto needed =
         std::uint64_t{layout.width} * layout.height * static_cast<std::uint64_t>(layout.pixel_bytes());
-    if (auto likely = check_expansion(needed, bytes.size(), where); !likely) return likely.error();
+    TRY(check_expansion(needed, bytes.size(), where));
     TiffPixels pixels(layout);
     switch (TIFFIsTiled(tiff.get()) ? read_tiles(tiff.get(), layout, pixels)
                                     : read_rows(tiff.get(), layout, pixels)) {

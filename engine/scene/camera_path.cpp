@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable::checked_json {
 namespace {

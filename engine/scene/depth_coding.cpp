@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/logarithm.hpp"
+#include "engine/base/logarithm.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/setting.hpp"
+#include "engine/base/setting.hpp"
 
 namespace touchable {
 

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {

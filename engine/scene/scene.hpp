@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/camera.hpp"
 #include "engine/scene/camera_path.hpp"
 #include "engine/scene/code_curve.hpp"

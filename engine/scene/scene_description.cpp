@@ -1,5 +1,7 @@
 #include "engine/scene/scene_description.hpp"
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 Result<void> validate(const SceneDescription& described) {
@@ -25,7 +27,7 @@ Result<Scene> settle(const SceneDescription& described, const FoundInClip& found
         derive_valid_range(scene.depth);
         settled.unstated.far = false;
     }
-    if (auto valid = validate(settled); !valid) return valid.error();
+    TRY(validate(settled));
     return scene;
 }
 

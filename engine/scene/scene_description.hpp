@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/given_file.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/try.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/folder_json.hpp"
 #include "engine/scene/materials_json.hpp"
@@ -290,10 +291,10 @@ Result<SceneDescription> parse_scene(std::string_view json, std::string_view whe
 }
 
 Result<SceneDescription> read_scene_file(const std::filesystem::path& file) {
-    const auto text = read_given_file(file, file.string(), "a scene file (JSON, docs/scene_file.md)",
-                                      checked_json::largest_text);
-    if (!text) return text.error();
-    return parse_scene(*text, file.string());
+    TRY_ASSIGN(const auto text,
+               read_given_file(file, file.string(), "a scene file (JSON, docs/scene_file.md)",
+                               checked_json::largest_text));
+    return parse_scene(text, file.string());
 }
 
 }  // namespace touchable

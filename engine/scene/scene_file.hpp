@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene_description.hpp"
 
 namespace touchable {

@@ -1,5 +1,7 @@
 #include "engine/stream/hls_channel.hpp"
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -9,7 +11,7 @@ public:
     std::span<const std::uint8_t> header() const override { return {}; }
     Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                             bool is_key) override {
-        if (auto added = writer_.add(frame, label, time_ns); !added) return added.error();
+        TRY(writer_.add(frame, label, time_ns));
         return StreamBlock{label.frame, is_key, {}};
     }
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string_view>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/given_file.hpp"
-#include "engine/unless_stopped.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/unless_stopped.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 namespace {

@@ -12,8 +12,9 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/new_file.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/stream/hls_text.hpp"
 
 namespace touchable {
@@ -89,7 +90,7 @@ Result<HlsFolder> HlsFolder::open(const fs::path& path, bool lasts) {
                            std::generic_category().message(errno));
     if (flock(folder.opened_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return input_error(path.string() + ": another program writes a stream there now");
-    if (auto looked = folder.look(); !looked) return looked.error();
+    TRY(folder.look());
     return folder;
 }
 

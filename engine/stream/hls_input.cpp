@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/stream/hls_levels.hpp"
 
 namespace touchable {
@@ -73,14 +74,12 @@ Result<const AVPacket*> BothRenditions::next_of_colour() {
 }
 
 Result<std::optional<HlsInput::Packet>> BothRenditions::next() {
-    const auto touch = touch_->peek();
-    if (!touch) return touch.error();
-    const auto colour = next_of_colour();
-    if (!colour) return colour.error();
-    if (!*touch && !*colour) return std::optional<Packet>();
-    const bool is_touch = *touch && (!*colour || touch_->time_ns(**touch) <= colour_->time_ns(**colour));
+    TRY_ASSIGN(const auto touch, touch_->peek());
+    TRY_ASSIGN(const auto colour, next_of_colour());
+    if (!touch && !colour) return std::optional<Packet>();
+    const bool is_touch = touch && (!colour || touch_->time_ns(*touch) <= colour_->time_ns(*colour));
     HlsLevels& of = is_touch ? *touch_ : *colour_;
-    const AVStream* const stream = &of.stream_of(is_touch ? **touch : **colour);
+    const AVStream* const stream = &of.stream_of(is_touch ? *touch : *colour);
     return std::optional(Packet{is_touch, of.is_low(), stream, of.take()});
 }
 
@@ -119,10 +118,9 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitI
                                                            is_over_for_colour, hosts, reading);
     *is_opening = false;
     const bool is_media = places->touch == place;
-    auto touch = HlsLevels::open({places->touch, places->low_touch}, true, is_over, hosts, reading,
-                                 is_media ? std::optional(std::move(*text)) : std::nullopt);
-    if (!touch) return touch.error();
-    auto input = std::make_unique<BothRenditions>(std::move(*touch), is_over, std::move(reading));
+    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, is_over, hosts, reading,
+                                           is_media ? std::optional(std::move(*text)) : std::nullopt));
+    auto input = std::make_unique<BothRenditions>(std::move(touch), is_over, std::move(reading));
     input->add_colour(std::move(colour));
     return std::unique_ptr<HlsInput>(std::move(input));
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/stream_figures.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/hls_fetch.hpp"
 #include "engine/stream/hls_playlist.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
@@ -10,10 +12,9 @@ Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool i
     std::unique_ptr<HlsLevels> levels(
         new HlsLevels(std::move(places), is_touch, std::move(is_over), hosts, std::move(reading)));
     HlsSegmentWatch* const watch = levels->reading_ ? &levels->watches_[0] : nullptr;
-    auto full = HlsRendition::open(levels->places_.full, levels->is_over_, hosts,
-                                   {.text = std::move(text), .watch = watch});
-    if (!full) return full.error();
-    levels->read_ = std::move(*full);
+    TRY_ASSIGN(auto full, HlsRendition::open(levels->places_.full, levels->is_over_, hosts,
+                                             {.text = std::move(text), .watch = watch}));
+    levels->read_ = std::move(full);
     return levels;
 }
 

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/stream/hls_text.hpp"
 
 namespace touchable {
@@ -209,11 +210,10 @@ Result<void> check_media_tag(std::string_view line, const std::string& place, Hl
     if (!map) return {};
     const auto named = attribute(*map, "URI");
     if (!named) return input_error("has an initialisation without a URI");
-    auto header = resolved_place(place, *named, hosts);
-    if (!header) return header.error();
-    if (!facts.header.empty() && facts.header != *header)
+    TRY_ASSIGN(auto header, resolved_place(place, *named, hosts));
+    if (!facts.header.empty() && facts.header != header)
         return input_error("changes its initialisation on the way, which is not read");
-    facts.header = std::move(*header);
+    facts.header = std::move(header);
     return {};
 }
 
@@ -256,7 +256,7 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
 }
 
 Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place, HlsHosts hosts) {
-    if (auto sized = check_size(text); !sized) return sized.error();
+    TRY(check_size(text));
     const NamedPlaylists named = named_in(text);
     if (!named.is_master) return HlsPlaces{.touch = place};
     HlsPlaces places;
@@ -265,33 +265,32 @@ Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& p
                            std::string(hls_planes_id));
     const auto take = [&](std::optional<std::string_view> of, std::string& to) -> Result<void> {
         if (!of) return {};
-        auto resolved = resolved_place(place, *of, hosts);
-        if (!resolved) return resolved.error();
-        if (*resolved == place) return input_error("is a playlist of itself");
-        to = std::move(*resolved);
+        TRY_ASSIGN(auto resolved, resolved_place(place, *of, hosts));
+        if (resolved == place) return input_error("is a playlist of itself");
+        to = std::move(resolved);
         return {};
     };
-    if (auto taken = take(named.touch, places.touch); !taken) return taken.error();
-    if (auto taken = take(named.colour, places.colour); !taken) return taken.error();
+    TRY(take(named.touch, places.touch));
+    TRY(take(named.colour, places.colour));
     if (places.colour == places.touch) places.colour.clear();
     if (!named.low_touch) return places;
-    if (auto taken = take(named.low_touch, places.low_touch); !taken) return taken.error();
+    TRY(take(named.low_touch, places.low_touch));
     if (places.low_touch == places.touch) places.low_touch.clear();
     if (places.colour.empty() || places.low_touch.empty()) return places;
-    if (auto taken = take(named.low_colour, places.low_colour); !taken) return taken.error();
+    TRY(take(named.low_colour, places.low_colour));
     if (places.low_colour == places.colour || places.low_colour == places.low_touch)
         places.low_colour.clear();
     return places;
 }
 
 Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place, HlsHosts hosts) {
-    if (auto sized = check_size(text); !sized) return sized.error();
+    TRY(check_size(text));
     HlsMediaFacts facts;
     PlaylistLines lines(text);
     std::int64_t segments = 0, first = 0;
     while (const auto line = lines.next()) {
         if (line->starts_with('#')) {
-            if (auto fits = check_media_tag(*line, place, hosts, facts); !fits) return fits.error();
+            TRY(check_media_tag(*line, place, hosts, facts));
             facts.has_ended = facts.has_ended || *line == "#EXT-X-ENDLIST";
             const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE");
             if (!number) continue;
@@ -300,9 +299,8 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
             first = *counted;
             continue;
         }
-        const auto segment = resolved_place(place, *line, hosts);
-        if (!segment) return segment.error();
-        if (*segment == place) return input_error("is a playlist of itself");
+        TRY_ASSIGN(const auto segment, resolved_place(place, *line, hosts));
+        if (segment == place) return input_error("is a playlist of itself");
         ++segments;
     }
     if (segments == 0) return input_error("has no segment yet");

@@ -9,9 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "engine/byte_source.hpp"
-#include "engine/ffmpeg/box_tables.hpp"
+#include "engine/base/byte_source.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/boxes.hpp"
+#include "engine/picture/box_tables.hpp"
 
 namespace touchable {
 namespace {
@@ -124,7 +125,7 @@ Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, Wait
     silence_ffmpeg();
     std::unique_ptr<HlsRendition> rendition(
         new HlsRendition(std::move(place), std::move(is_over), hosts, beginning.watch));
-    if (auto begun = rendition->begin(std::move(beginning)); !begun) return begun.error();
+    TRY(rendition->begin(std::move(beginning)));
     return rendition;
 }
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/hls_fetch.hpp"
 #include "engine/stream/hls_playlist.hpp"
 #include "engine/stream/level_choice.hpp"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -26,13 +28,12 @@ RawFrame planes_of(const HlsRenditionForm& form, const RawFrame& frame) {
 Result<HlsRenditionOutput> HlsRenditionOutput::open(const HlsRenditionForm& form, const RawFrame& first,
                                                     const SceneDescription& described,
                                                     const AVCodecParameters* sound) {
-    auto encoder = LabelledEncoder::open(planes_of(form, first), described, TrackCoding::h264_thrifty,
-                                         form.is_low ? TrackCoding::h264_reduced : TrackCoding::h264_visual);
-    if (!encoder) return encoder.error();
-    auto muxer = MemoryMuxer::open("mp4");
-    if (!muxer) return muxer.error();
-    HlsRenditionOutput output(form, std::move(*encoder), std::move(*muxer));
-    if (auto begun = output.begin(sound); !begun) return begun.error();
+    TRY_ASSIGN(auto encoder,
+               LabelledEncoder::open(planes_of(form, first), described, TrackCoding::h264_thrifty,
+                                     form.is_low ? TrackCoding::h264_reduced : TrackCoding::h264_visual));
+    TRY_ASSIGN(auto muxer, MemoryMuxer::open("mp4"));
+    HlsRenditionOutput output(form, std::move(encoder), std::move(muxer));
+    TRY(output.begin(sound));
     return output;
 }
 
@@ -65,10 +66,9 @@ Result<void> HlsRenditionOutput::begin_sound(const AVCodecParameters& sound) {
 
 Result<void> HlsRenditionOutput::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                                      std::int64_t duration_ns, bool is_key) {
-    auto packets = encoder_.encode(planes_of(form_, frame), label, is_key);
-    if (!packets) return packets.error();
-    for (std::size_t k = 0; k < packets->size(); ++k) {
-        AVPacket& packet = *(*packets)[k];
+    TRY_ASSIGN(auto packets, encoder_.encode(planes_of(form_, frame), label, is_key));
+    for (std::size_t k = 0; k < packets.size(); ++k) {
+        AVPacket& packet = *packets[k];
         packet.pts = packet.dts = tick_at(time_ns);
         packet.duration = tick_at(time_ns + duration_ns) - tick_at(time_ns);
         if (auto written = muxer_->write(packet, static_cast<int>(k), hls_tick); !written) return written;
@@ -83,7 +83,7 @@ Result<void> HlsRenditionOutput::add_sound(const AVPacket& packet) {
 }
 
 Result<std::vector<std::uint8_t>> HlsRenditionOutput::take() {
-    if (auto flushed = muxer_->flush(); !flushed) return flushed.error();
+    TRY(muxer_->flush());
     return muxer_->take();
 }
 

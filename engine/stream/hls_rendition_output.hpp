@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/stream/hls_text.hpp"
 #include "engine/stream/labelled_encoder.hpp"
 #include "engine/stream/memory_muxer.hpp"

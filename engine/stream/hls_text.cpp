@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 
 namespace touchable {
 namespace {

@@ -4,12 +4,13 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/hls_folder.hpp"
 #include "engine/stream/hls_rendition_output.hpp"
 #include "engine/stream/hls_text.hpp"
 #include "engine/stream/stream_sound.hpp"
-#include "engine/video/matroska_writer.hpp"
 
 namespace touchable {
 namespace {
@@ -85,30 +86,27 @@ std::int64_t FolderWriter::target_s() const {
 
 Result<void> FolderWriter::take_sound(const std::optional<SoundPart>& sound) {
     if (!sound) return {};
-    auto opened = StreamSound::open(*sound);
-    if (!opened) return opened.error();
-    if (opened->codec().codec_id == AV_CODEC_ID_AAC)
-        sound_ = std::move(*opened);
+    TRY_ASSIGN(auto opened, StreamSound::open(*sound));
+    if (opened.codec().codec_id == AV_CODEC_ID_AAC)
+        sound_ = std::move(opened);
     else
         notes_.push_back("the sound is left out: it is " +
-                         std::string(avcodec_get_name(opened->codec().codec_id)) +
+                         std::string(avcodec_get_name(opened.codec().codec_id)) +
                          ", and players of HLS have AAC");
     return {};
 }
 
 Result<void> FolderWriter::add_rendition(const HlsRenditionForm& form, const RawFrame& first) {
     const bool is_shown = form.is_colour == !first.colour.empty();
-    auto output =
-        HlsRenditionOutput::open(form, first, described_, sound_ && is_shown ? &sound_->codec() : nullptr);
-    if (!output) return output.error();
-    const auto header = output->take();
-    if (!header) return header.error();
-    Rendition rendition{std::move(*output)};
+    TRY_ASSIGN(auto output, HlsRenditionOutput::open(form, first, described_,
+                                                     sound_ && is_shown ? &sound_->codec() : nullptr));
+    TRY_ASSIGN(const auto header, output.take());
+    Rendition rendition{std::move(output)};
     rendition.media.target_s = target_s();
     rendition.media.first = number_;
     rendition.media.header = folder_.header_name(form.name());
     rendition.media.is_whole = !is_live();
-    if (auto put = folder_.put(rendition.media.header, text_of_bytes(*header)); !put) return put;
+    if (auto put = folder_.put(rendition.media.header, text_of_bytes(header)); !put) return put;
     renditions_.push_back(std::move(rendition));
     return {};
 }
@@ -131,12 +129,11 @@ Result<void> FolderWriter::begin(const RawFrame& first) {
 
 Result<void> FolderWriter::write_sound_until(std::int64_t until_ms) {
     while (sound_) {
-        const auto packet = sound_->next(until_ms);
-        if (!packet) return packet.error();
-        if (!*packet) return {};
+        TRY_ASSIGN(const auto packet, sound_->next(until_ms));
+        if (!packet) return {};
         for (Rendition& rendition : renditions_)
             if (rendition.output.has_sound())
-                if (auto added = rendition.output.add_sound(**packet); !added) return added;
+                if (auto added = rendition.output.add_sound(*packet); !added) return added;
     }
     return {};
 }
@@ -177,14 +174,13 @@ Result<void> FolderWriter::add(const RawFrame& frame, const PictureLabel& label,
 }
 
 Result<void> FolderWriter::put_segment(Rendition& rendition, const HlsSegment& like) {
-    const auto bytes = rendition.output.take();
-    if (!bytes) return bytes.error();
+    TRY_ASSIGN(const auto bytes, rendition.output.take());
     const HlsRenditionForm& form = rendition.output.form();
     HlsSegment segment = like;
     segment.name = folder_.segment_name(form.name(), number_);
-    if (auto put = folder_.put(segment.name, text_of_bytes(*bytes)); !put) return put;
-    bytes_of(form, figures_) += std::ssize(*bytes);
-    const std::int64_t bits = std::ssize(*bytes) * 8;
+    if (auto put = folder_.put(segment.name, text_of_bytes(bytes)); !put) return put;
+    bytes_of(form, figures_) += std::ssize(bytes);
+    const std::int64_t bits = std::ssize(bytes) * 8;
     rendition.most_bits_s = std::max(
         rendition.most_bits_s, av_rescale(bits, hls_second, std::max<std::int64_t>(1, segment.duration_ns)));
     rendition.media.segments.push_back(std::move(segment));
@@ -236,13 +232,12 @@ Result<void> FolderWriter::publish(std::int64_t now_ns) {
 }
 
 Result<HlsShown> FolderWriter::shown(const Rendition& rendition) const {
-    auto codecs = rendition.output.codecs();
-    if (!codecs) return codecs.error();
+    TRY_ASSIGN(auto codecs, rendition.output.codecs());
     const HlsRenditionForm& form = rendition.output.form();
     const Scene& scene = described_.scene;
-    return HlsShown{form.playlist(),    rendition.stated_bits_s,
-                    std::move(*codecs), scene.width,
-                    scene.height,       scene.rate.per_second() / form.step()};
+    return HlsShown{form.playlist(),   rendition.stated_bits_s,
+                    std::move(codecs), scene.width,
+                    scene.height,      scene.rate.per_second() / form.step()};
 }
 
 /// Once a variant has needed more than it says.
@@ -255,9 +250,8 @@ Result<void> FolderWriter::put_master() {
         is_new = is_new || most > rendition.stated_bits_s;
         // The bit rate of what comes is not known: a live stream states a quarter more than the largest seen.
         if (most > rendition.stated_bits_s) rendition.stated_bits_s = is_live() ? most + most / 4 : most;
-        auto variant = shown(rendition);
-        if (!variant) return variant.error();
-        variants.push_back(std::move(*variant));
+        TRY_ASSIGN(auto variant, shown(rendition));
+        variants.push_back(std::move(variant));
     }
     if (!is_new) return {};
     const auto low = variants.size() > 1 ? std::optional(variants[1]) : std::nullopt;
@@ -282,11 +276,10 @@ Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsSettings& settings,
     if (settings.segment_ns < hls_second / 2 || settings.segment_ns > 10 * hls_second)
         return usage_error("segments of HLS last from 0.5 to 10 seconds");
     if (settings.window_ns < 0) return usage_error("the window of HLS lasts 0 seconds or more");
-    if (auto storable = check_storable(settings.folder, described); !storable) return storable.error();
-    auto folder = HlsFolder::open(settings.folder, settings.window_ns == 0);
-    if (!folder) return folder.error();
-    auto writer = std::make_unique<FolderWriter>(settings, described, std::move(*folder));
-    if (auto taken = writer->take_sound(sound); !taken) return taken.error();
+    TRY(check_storable(settings.folder, described));
+    TRY_ASSIGN(auto folder, HlsFolder::open(settings.folder, settings.window_ns == 0));
+    auto writer = std::make_unique<FolderWriter>(settings, described, std::move(folder));
+    TRY(writer->take_sound(sound));
     return std::unique_ptr<HlsWriter>(std::move(writer));
 }
 

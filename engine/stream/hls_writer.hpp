@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/clip/picture_label.hpp"
+#include "engine/picture/stored_sound.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene_description.hpp"
-#include "engine/sound/stored_sound.hpp"
-#include "engine/video/picture_label.hpp"
 
 namespace touchable {
 

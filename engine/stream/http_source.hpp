@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "engine/given_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_url.hpp"
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "engine/clip/codecs.hpp"
 #include "engine/picture/decoded_picture.hpp"
-#include "engine/video/codecs.hpp"
 
 namespace touchable {
 namespace {
@@ -73,9 +74,8 @@ Result<std::size_t> LabelledDecoder::add_track(const AVStream& stream, const std
         return input_error(where + ": has codec " + codec_name(*stream.codecpar) + ": must be h264");
     if (tracks_.size() == most_tracks) return input_error(where + ": is one track more than 16");
     silence_ffmpeg();
-    auto decoder = PacketDecoder::open(stream, where, most_pixels_);
-    if (!decoder) return decoder.error();
-    tracks_.push_back({std::move(*decoder), stream.time_base});
+    TRY_ASSIGN(auto decoder, PacketDecoder::open(stream, where, most_pixels_));
+    tracks_.push_back({std::move(decoder), stream.time_base});
     return tracks_.size() - 1;
 }
 
@@ -84,14 +84,13 @@ Result<std::vector<LabelledPicture>> LabelledDecoder::add(std::size_t track, con
     Track& of = tracks_[track];
     of.has_begun = of.has_begun || (packet.flags & AV_PKT_FLAG_KEY) != 0;
     if (!of.has_begun) return pictures;
-    if (auto sent = send(of, &packet, pictures); !sent) return sent.error();
+    TRY(send(of, &packet, pictures));
     return pictures;
 }
 
 Result<std::vector<LabelledPicture>> LabelledDecoder::end() {
     Pictures pictures;
-    for (Track& track : tracks_)
-        if (auto sent = send(track, nullptr, pictures); !sent) return sent.error();
+    for (Track& track : tracks_) TRY(send(track, nullptr, pictures));
     restart();
     return pictures;
 }

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
+#include "engine/clip/packet_decoder.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/rgb_converter.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/picture_message.hpp"
-#include "engine/video/packet_decoder.hpp"
 
 namespace touchable {
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_muxing.hpp"
+#include "engine/clip/mp4_writer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/picture_message.hpp"
-#include "engine/video/clip_muxing.hpp"
-#include "engine/video/mp4_writer.hpp"
 
 namespace touchable {
 namespace {
@@ -45,10 +46,10 @@ Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, cons
                                         TrackCoding coding) {
     const PlaneView& plane = plane_of(first, track.role);
     track.form = plane;
-    auto encoder = TrackEncoder::open(track.role, coding,
-                                      part_of(plane, track.part, track.bits - 8, track.bytes), scene);
-    if (!encoder) return encoder.error();
-    track.encoder = std::move(*encoder);
+    TRY_ASSIGN(auto encoder,
+               TrackEncoder::open(track.role, coding, part_of(plane, track.part, track.bits - 8, track.bytes),
+                                  scene));
+    track.encoder = std::move(encoder);
     tracks_.push_back(std::move(track));
     return {};
 }
@@ -68,8 +69,7 @@ Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const Scene
                 role == PlaneRole::depth ? scene.depth_bits : std::max(8, height_bits(scene.height_coding));
             Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits : 8};
             const TrackCoding coding = role == PlaneRole::colour ? colour : touch;
-            if (auto added = made.add_track(std::move(track), first, scene, coding); !added)
-                return added.error();
+            TRY(made.add_track(std::move(track), first, scene, coding));
         }
     return made;
 }
@@ -85,9 +85,8 @@ Result<std::vector<PacketPtr>> LabelledEncoder::encode(const RawFrame& frame, co
         const PlaneView part = part_of(plane, track.part, track.bits - 8, track.bytes);
         std::vector<std::string> messages{sei_of({track.role, track.part, track.bits, label}, part)};
         if (is_key && is_begin_of_plane(track.role, track.part)) messages.push_back(scene_sei_);
-        auto packet = track.encoder->encode(part, is_key, messages);
-        if (!packet) return packet.error();
-        packets.push_back(std::move(*packet));
+        TRY_ASSIGN(auto packet, track.encoder->encode(part, is_key, messages));
+        packets.push_back(std::move(packet));
     }
     return packets;
 }

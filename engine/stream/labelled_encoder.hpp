@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
+#include "engine/clip/picture_label.hpp"
+#include "engine/clip/plane_part.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/clip/track_encoder.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene_description.hpp"
-#include "engine/video/picture_label.hpp"
-#include "engine/video/plane_part.hpp"
-#include "engine/video/track_encoder.hpp"
 
 namespace touchable {
 

@@ -3,7 +3,8 @@
 #include <set>
 #include <utility>
 
-#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/base/try.hpp"
+#include "engine/picture/demuxer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/hls_input.hpp"
 #include "engine/stream/hls_text.hpp"
@@ -38,11 +39,10 @@ public:
         : bytes_(std::move(bytes)), demuxer_(std::move(demuxer)) {}
     Result<std::optional<Next>> next() override {
         bytes_->allow(most_of_a_packet);
-        auto packet = demuxer_->next_packet();
-        if (!packet) return packet.error();
-        if (!*packet) return std::optional<Next>();
-        const int index = (*packet)->stream_index;
-        return std::optional(Next{index, demuxer_->container().streams[index], std::move(*packet)});
+        TRY_ASSIGN(auto packet, demuxer_->next_packet());
+        if (!packet) return std::optional<Next>();
+        const int index = packet->stream_index;
+        return std::optional(Next{index, demuxer_->container().streams[index], std::move(packet)});
     }
     int tracks() const override {
         const AVFormatContext& container = demuxer_->container();
@@ -153,9 +153,8 @@ Result<void> LabelledPictures::open(const std::optional<SceneDescription>& descr
     std::size_t seen = 0;
     while (infos_.empty() || (!knows_all() && seen < most_pictures)) {
         const std::size_t before = first_.pictures.size();
-        const auto more = read(first_);
-        if (!more) return more.error();
-        if (!*more) break;
+        TRY_ASSIGN(const auto more, read(first_));
+        if (!more) break;
         seen += first_.pictures.size() - before;
         while (first_.pictures.size() > most_kept || bytes_of_first() > most_bytes_waiting)
             first_.pictures.erase(first_.pictures.begin());
@@ -172,9 +171,8 @@ Result<void> LabelledPictures::take_scene(const std::string& json) {
         return input_error(name_ + ": sends another scene than before: begin again to touch it");
     scene_text_ = json;
     if (is_described_) return {};
-    auto described = parse_scene(json, name_ + ": its scene");
-    if (!described) return described.error();
-    described_ = std::move(*described);
+    TRY_ASSIGN(auto described, parse_scene(json, name_ + ": its scene"));
+    described_ = std::move(described);
     return {};
 }
 
@@ -206,25 +204,24 @@ Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, std::
 /// False after the last.
 Result<bool> LabelledPictures::read(Came& came) {
     if (has_ended_) return false;
-    const auto packet = packets_->next();
-    if (!packet) return packet.error();
+    TRY_ASSIGN(const auto packet, packets_->next());
     const std::int64_t damaged = decoder_.faults().damaged;
     // No frameset is missed because its colour is damaged.
     const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
         if (!pictures) return pictures.error();
-        if (*packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
-            colour_streams_.insert((*packet)->track);
-        if (!*packet || !colour_streams_.contains((*packet)->track))
+        if (packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
+            colour_streams_.insert(packet->track);
+        if (!packet || !colour_streams_.contains(packet->track))
             came.torn += decoder_.faults().damaged - damaged;
-        return take(std::move(*pictures), *packet ? (*packet)->step : 1, came);
+        return take(std::move(*pictures), packet ? packet->step : 1, came);
     };
-    if (!*packet) {
+    if (!packet) {
         has_ended_ = true;
-        if (auto taken = take_all(decoder_.end()); !taken) return taken.error();
+        TRY(take_all(decoder_.end()));
         return true;
     }
-    const AVStream& stream = *(*packet)->stream;
-    const int number = (*packet)->track;
+    const AVStream& stream = *packet->stream;
+    const int number = packet->track;
     if (!tracks_.contains(number)) {
         if (stream.codecpar->codec_id == AV_CODEC_ID_NONE) return true;  // not known yet
         auto track = decoder_.add_track(stream, name_);
@@ -232,17 +229,15 @@ Result<bool> LabelledPictures::read(Came& came) {
         tracks_[number] = track ? std::optional(*track) : std::nullopt;
     }
     if (!tracks_[number]) return true;
-    if (auto taken = take_all(decoder_.add(*tracks_[number], *(*packet)->packet)); !taken)
-        return taken.error();
+    TRY(take_all(decoder_.add(*tracks_[number], *packet->packet)));
     return true;
 }
 
 Result<std::optional<StreamPictures::Came>> LabelledPictures::next() {
     Came came = std::exchange(first_, {});
     if (!came.pictures.empty()) return std::optional(std::move(came));
-    const auto more = read(came);
-    if (!more) return more.error();
-    if (!*more) return std::optional<Came>();
+    TRY_ASSIGN(const auto more, read(came));
+    if (!more) return std::optional<Came>();
     return std::optional(std::move(came));
 }
 
@@ -250,7 +245,7 @@ Result<std::unique_ptr<StreamPictures>> open_packets(std::unique_ptr<LabelledPac
                                                      const std::string& name,
                                                      const std::optional<SceneDescription>& described) {
     auto pictures = std::make_unique<LabelledPictures>(std::move(packets), name);
-    if (auto opened = pictures->open(described); !opened) return opened.error();
+    TRY(pictures->open(described));
     return std::unique_ptr<StreamPictures>(std::move(pictures));
 }
 
@@ -260,9 +255,8 @@ Result<std::unique_ptr<StreamPictures>> open_transport_stream(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described) {
     bytes->allow(most_of_a_packet);
-    auto demuxer = Demuxer::open_live(bytes, name, "mpegts");
-    if (!demuxer) return demuxer.error();
-    return open_packets(std::make_unique<TransportStream>(std::move(bytes), std::move(*demuxer)), name,
+    TRY_ASSIGN(auto demuxer, Demuxer::open_live(bytes, name, "mpegts"));
+    return open_packets(std::make_unique<TransportStream>(std::move(bytes), std::move(demuxer)), name,
                         described);
 }
 

@@ -10,11 +10,12 @@
 #include <thread>
 #include <utility>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/clip/camera_run.hpp"
 #include "engine/clip/wake.hpp"
-#include "engine/number_words.hpp"
-#include "engine/start_thread.hpp"
-#include "engine/stop_request.hpp"
 #include "engine/stream/jitter_buffer.hpp"
 #include "engine/stream/segment_pace.hpp"
 #include "engine/stream/stream_receiver.hpp"
@@ -123,10 +124,10 @@ private:
     std::array<Way, 128> ways_;  // of the newest frames, from being taken to being shown
     StreamFigures figures_{.connections = 1};
     std::int64_t without_colour_ = 0;  // framesets that were whole otherwise
-    std::int64_t newest_ns_ = 0;  // when the last one came
-    std::int64_t given_up_ = 0;   // framesets that were overdue when a connection was given up
-    std::string why_again_;       // it is being connected to again; empty: it is connected
-    std::string over_;            // why no more will come; empty: they may
+    std::int64_t newest_ns_ = 0;       // when the last one came
+    std::int64_t given_up_ = 0;        // framesets that were overdue when a connection was given up
+    std::string why_again_;            // it is being connected to again; empty: it is connected
+    std::string over_;                 // why no more will come; empty: they may
     bool stopping_ = false;
     std::thread thread_;
 };
@@ -134,9 +135,8 @@ private:
 Result<void> LiveStream::open() {
     if (run_.descriptor() < 0 || came_.descriptor() < 0)
         return Error{ErrorKind::internal, "no event can be made to wait for"};
-    auto receiver = StreamReceiver::open(source_);
-    if (!receiver) return receiver.error();
-    receiver_ = std::move(*receiver);
+    TRY_ASSIGN(auto receiver, StreamReceiver::open(source_));
+    receiver_ = std::move(receiver);
     source_.connection.reset();
     scene_ = receiver_->scene();
     scene_.interpolation = FrameInterpolation::hold;
@@ -404,7 +404,7 @@ std::optional<StreamFigures> LiveStream::stream_figures() const {
 Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamChoice& choice,
                                                      const std::optional<SceneDescription>& described) {
     auto stream = std::make_unique<LiveStream>(choice, described);
-    if (auto opened = stream->open(); !opened) return opened.error();
+    TRY(stream->open());
     return std::unique_ptr<ClipReader>(std::move(stream));
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "engine/stream/stream_wait.hpp"

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <span>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -87,9 +89,8 @@ Result<std::size_t> MatroskaGate::read(std::uint8_t* to, std::size_t count) {
     while (given_ == out_.size()) {
         out_.clear();
         given_ = 0;
-        const auto more = step();
-        if (!more) return more.error();
-        if (!*more) return std::size_t{0};
+        TRY_ASSIGN(const auto more, step());
+        if (!more) return std::size_t{0};
     }
     const std::size_t some = std::min(count, out_.size() - given_);
     std::memcpy(to, out_.data() + given_, some);
@@ -126,9 +127,8 @@ void MatroskaGate::give(std::size_t bytes) {
 /// Where nothing can be made of what is there: one without an identifier.
 Result<std::optional<MatroskaGate::Head>> MatroskaGate::head() {
     for (std::size_t wanted = 2;; ++wanted) {
-        const auto filled = fill(wanted);
-        if (!filled) return filled.error();
-        if (!*filled) return std::optional<Head>();
+        TRY_ASSIGN(const auto filled, fill(wanted));
+        if (!filled) return std::optional<Head>();
         const auto read = read_head(std::span(in_).subspan(at_, std::min(there(), longest_head)));
         if (read) return std::optional(Head{read->id, read->size, read->length, read->is_open});
         if (wanted >= longest_head) return std::optional(Head{});
@@ -137,10 +137,9 @@ Result<std::optional<MatroskaGate::Head>> MatroskaGate::head() {
 
 /// False at the end.
 Result<bool> MatroskaGate::step() {
-    const auto read = head();
-    if (!read) return read.error();
-    if (!*read) return false;
-    const Head& found = **read;
+    TRY_ASSIGN(const auto read, head());
+    if (!read) return false;
+    const Head& found = *read;
     if (place_ == Place::before) return pass_beginning(found);
     if (found.id == cluster_id) return begin_cluster(found);
     if (place_ == Place::segment) return pass_header(found);

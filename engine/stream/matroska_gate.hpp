@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/ffmpeg/ffmpeg_input.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg_input.hpp"
 
 namespace touchable {
 

@@ -1,12 +1,13 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_container.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/picture/demuxer.hpp"
 #include "engine/stream/matroska_gate.hpp"
 #include "engine/stream/stream_pictures.hpp"
 #include "engine/stream/stream_track.hpp"
-#include "engine/video/clip_container.hpp"
-#include "engine/video/clip_tags.hpp"
 
 namespace touchable {
 namespace {
@@ -54,27 +55,23 @@ private:
 
 Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& described) {
     bytes_->allow(most_of_a_header);
-    auto demuxer = Demuxer::open_live(gate_, name_, "matroska");
-    if (!demuxer) return demuxer.error();
-    demuxer_ = std::move(*demuxer);
+    TRY_ASSIGN(auto demuxer, Demuxer::open_live(gate_, name_, "matroska"));
+    demuxer_ = std::move(demuxer);
     const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));
-    auto rate = container->rate(*demuxer_);
-    if (!rate) return rate.error();
-    rate_ = std::move(*rate);
+    TRY_ASSIGN(auto rate, container->rate(*demuxer_));
+    rate_ = std::move(rate);
     scene_text_ = demuxer_->attachment(clip_tags::scene_file).value_or("");
-    auto said = described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_);
-    if (!said) return said.error();
-    described_ = std::move(*said);
-    const auto found = container->tracks(*demuxer_, described_.scene);
-    if (!found) return found.error();
-    for (const ClipTrack& track : *found) {
+    TRY_ASSIGN(auto said,
+               described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_));
+    described_ = std::move(said);
+    TRY_ASSIGN(const auto found, container->tracks(*demuxer_, described_.scene));
+    for (const ClipTrack& track : found) {
         const std::string where = name_ + ": track " + std::string(role_name(track.role));
-        if (auto fits = StreamTrack::check_size(*demuxer_->container().streams[track.stream], where); !fits)
-            return fits.error();
-        auto decoder = TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_);
-        if (!decoder) return decoder.error();
+        TRY(StreamTrack::check_size(*demuxer_->container().streams[track.stream], where));
+        TRY_ASSIGN(auto decoder,
+                   TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_));
         tracks_.emplace_back(
-            std::move(*decoder), track.stream,
+            std::move(decoder), track.stream,
             [this, stream = track.stream](std::int64_t timestamp) { return number_of(stream, timestamp); });
     }
     return {};
@@ -104,14 +101,13 @@ Result<std::optional<StreamPictures::Came>> MatroskaPictures::next() {
     Came came;
     if (has_ended_) return std::optional<Came>();
     bytes_->allow(most_of_a_packet);
-    const auto packet = demuxer_->next_packet();
-    if (!packet) return packet.error();
-    has_ended_ = !*packet;
+    TRY_ASSIGN(const auto packet, demuxer_->next_packet());
+    has_ended_ = !packet;
     for (StreamTrack& track : tracks_) {
-        if (*packet && track.stream() != (*packet)->stream_index) continue;
+        if (packet && track.stream() != packet->stream_index) continue;
         if (track.role() == PlaneRole::colour && !with_colour_) continue;
-        auto outcome = *packet ? track.take(**packet) : track.finish();
-        if (auto added = add(track.role(), std::move(outcome), came); !added) return added.error();
+        auto outcome = packet ? track.take(*packet) : track.finish();
+        TRY(add(track.role(), std::move(outcome), came));
     }
     return std::optional(std::move(came));
 }
@@ -122,7 +118,7 @@ Result<std::unique_ptr<StreamPictures>> open_matroska_pictures(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described) {
     auto pictures = std::make_unique<MatroskaPictures>(std::move(bytes), name);
-    if (auto opened = pictures->open(described); !opened) return opened.error();
+    TRY(pictures->open(described));
     return std::unique_ptr<StreamPictures>(std::move(pictures));
 }
 

@@ -5,16 +5,17 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
+#include "engine/clip/block_addition.hpp"
+#include "engine/clip/clip_muxing.hpp"
+#include "engine/clip/clip_tags.hpp"
 #include "engine/clip/frame_check.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/track_encoder.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/memory_muxer.hpp"
 #include "engine/stream/stream_sound.hpp"
-#include "engine/video/block_addition.hpp"
-#include "engine/video/clip_muxing.hpp"
-#include "engine/video/clip_tags.hpp"
-#include "engine/video/matroska_writer.hpp"
-#include "engine/video/track_encoder.hpp"
 
 namespace touchable {
 namespace {
@@ -60,9 +61,8 @@ private:
 };
 
 Result<void> MatroskaStream::open() {
-    auto muxer = MemoryMuxer::open("matroska");
-    if (!muxer) return muxer.error();
-    muxer_ = std::move(*muxer);
+    TRY_ASSIGN(auto muxer, MemoryMuxer::open("matroska"));
+    muxer_ = std::move(muxer);
     return {};
 }
 
@@ -85,11 +85,10 @@ Result<void> MatroskaStream::begin(const RawFrame& first) {
         const PlaneView& plane = plane_of(first, role);
         if (plane.empty()) continue;
         const TrackCoding coding = coding_in_stream(role, plane);
-        auto encoder = TrackEncoder::open(role, coding, plane, scene_);
-        if (!encoder) return encoder.error();
-        if (auto added = add_plane_stream(muxer_->context(), **encoder, role, coding, check_, scene_); !added)
+        TRY_ASSIGN(auto encoder, TrackEncoder::open(role, coding, plane, scene_));
+        if (auto added = add_plane_stream(muxer_->context(), *encoder, role, coding, check_, scene_); !added)
             return added;
-        tracks_.push_back({role, coding, std::move(*encoder)});
+        tracks_.push_back({role, coding, std::move(encoder)});
     }
     if (auto added = add_sound_stream(); !added) return added;
     if (auto attached = attach_text(muxer_->context(), clip_tags::scene_file, "application/json",
@@ -117,10 +116,9 @@ Result<void> MatroskaStream::add_sound_stream() {
 
 Result<void> MatroskaStream::write_sound(std::int64_t until_ms) {
     while (sound_) {
-        const auto packet = sound_->next(until_ms);
-        if (!packet) return packet.error();
-        if (!*packet) return {};
-        if (auto written = muxer_->write(**packet, sound_stream_, stream_millisecond); !written)
+        TRY_ASSIGN(const auto packet, sound_->next(until_ms));
+        if (!packet) return {};
+        if (auto written = muxer_->write(*packet, sound_stream_, stream_millisecond); !written)
             return written;
     }
     return {};
@@ -128,38 +126,35 @@ Result<void> MatroskaStream::write_sound(std::int64_t until_ms) {
 
 Result<void> MatroskaStream::write_picture(std::size_t track, const PlaneView& plane,
                                            const PictureLabel& label, std::int64_t time_ms, bool is_key) {
-    auto packet = tracks_[track].encoder->encode(plane, is_key);
-    if (!packet) return packet.error();
+    TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, is_key));
     const AVCodecID codec = muxer_->context().streams[track]->codecpar->codec_id;
-    if (auto added = add_block_addition(**packet, codec, 1, label); !added) return added;
-    (*packet)->pts = (*packet)->dts = time_ms;
-    (*packet)->duration = 0;  // the next frame tells
-    return muxer_->write(**packet, static_cast<int>(track), stream_millisecond);
+    if (auto added = add_block_addition(*packet, codec, 1, label); !added) return added;
+    packet->pts = packet->dts = time_ms;
+    packet->duration = 0;  // the next frame tells
+    return muxer_->write(*packet, static_cast<int>(track), stream_millisecond);
 }
 
 Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabel& label,
                                         std::int64_t time_ns, bool is_key) {
-    if (auto fits = check(frame); !fits) return fits.error();
-    if (check_.frames() == 1)
-        if (auto begun = begin(frame); !begun) return begun.error();
+    TRY(check(frame));
+    if (check_.frames() == 1) TRY(begin(frame));
     constexpr std::int64_t ns_per_ms = 1'000'000;
     const std::int64_t time_ms = (time_ns + ns_per_ms / 2) / ns_per_ms;
     if (frame.epoch != epoch_ && sound_) {
-        if (auto written = write_sound(time_ms - 1); !written) return written.error();
-        if (auto begun = sound_->begin_round(time_ms); !begun) return begun.error();
+        TRY(write_sound(time_ms - 1));
+        TRY(sound_->begin_round(time_ms));
     }
     epoch_ = frame.epoch;
     // What is heard with a picture goes before it: FFmpeg holds a packet of sound until the next picture.
-    if (auto written = write_sound(time_ms); !written) return written.error();
+    TRY(write_sound(time_ms));
     StreamBlock block{label.frame, is_key, {}};
     // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
     for (const bool is_colour : {false, true}) {
         for (std::size_t k = 0; k < tracks_.size(); ++k) {
             if ((tracks_[k].role == PlaneRole::colour) != is_colour) continue;
-            auto written = write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key);
-            if (!written) return written.error();
+            TRY(write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key));
         }
-        if (auto flushed = muxer_->flush(); !flushed) return flushed.error();
+        TRY(muxer_->flush());
         const auto bytes = muxer_->take();
         if (is_colour) block.colour_bytes = bytes.size();
         block.bytes.insert(block.bytes.end(), bytes.begin(), bytes.end());
@@ -171,15 +166,14 @@ Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabe
 
 Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription& described,
                                                           const std::optional<SoundPart>& sound) {
-    if (auto storable = check_storable("the stream", described); !storable) return storable.error();
+    TRY(check_storable("the stream", described));
     std::optional<StreamSound> opened;
     if (sound) {
-        auto of_clip = StreamSound::open(*sound);
-        if (!of_clip) return of_clip.error();
-        opened = std::move(*of_clip);
+        TRY_ASSIGN(auto of_clip, StreamSound::open(*sound));
+        opened = std::move(of_clip);
     }
     auto stream = std::make_unique<MatroskaStream>(described, std::move(opened));
-    if (auto begun = stream->open(); !begun) return begun.error();
+    TRY(stream->open());
     return std::unique_ptr<StreamMuxer>(std::move(stream));
 }
 

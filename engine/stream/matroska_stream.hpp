@@ -3,9 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/stored_sound.hpp"
 #include "engine/scene/scene_description.hpp"
-#include "engine/sound/stored_sound.hpp"
 #include "engine/stream/stream_muxer.hpp"
 
 namespace touchable {

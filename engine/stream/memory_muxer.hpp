@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 

@@ -5,9 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/stream/labelled_encoder.hpp"
 #include "engine/stream/memory_muxer.hpp"
-#include "engine/video/matroska_writer.hpp"
 
 extern "C" {
 #include <libavutil/opt.h>
@@ -43,42 +44,38 @@ private:
 };
 
 Result<void> MpegtsMuxer::open(const RawFrame& first) {
-    auto encoder = LabelledEncoder::open(first, described_, TrackCoding::h264_quick);
-    if (!encoder) return encoder.error();
-    auto muxer = MemoryMuxer::open("mpegts");
-    if (!muxer) return muxer.error();
-    AVFormatContext& context = (*muxer)->context();
+    TRY_ASSIGN(auto encoder, LabelledEncoder::open(first, described_, TrackCoding::h264_quick));
+    TRY_ASSIGN(auto muxer, MemoryMuxer::open("mpegts"));
+    AVFormatContext& context = muxer->context();
     context.max_delay = mpegts_delay_us;
-    for (std::size_t k = 0; k < encoder->tracks(); ++k) {
+    for (std::size_t k = 0; k < encoder.tracks(); ++k) {
         AVStream* const stream = avformat_new_stream(&context, nullptr);
         if (!stream) return Error{ErrorKind::internal, "out of memory"};
-        if (auto described = encoder->describe(k, *stream->codecpar); !described) return described;
+        if (auto described = encoder.describe(k, *stream->codecpar); !described) return described;
         stream->time_base = clock_90_khz;
     }
     // A picture's length is said where it can be: then nobody waits for the next one to know its end.
-    if (auto begun = (*muxer)->begin("omit_video_pes_length=0"); !begun) return begun;
-    encoder_.emplace(std::move(*encoder));
-    muxer_ = std::move(*muxer);
+    if (auto begun = muxer->begin("omit_video_pes_length=0"); !begun) return begun;
+    encoder_.emplace(std::move(encoder));
+    muxer_ = std::move(muxer);
     return {};
 }
 
 Result<StreamBlock> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                                      bool is_key) {
     if (!encoder_) {
-        if (auto opened = open(frame); !opened) return opened.error();
+        TRY(open(frame));
         is_key = true;
     }
-    auto packets = encoder_->encode(frame, label, is_key);
-    if (!packets) return packets.error();
+    TRY_ASSIGN(auto packets, encoder_->encode(frame, label, is_key));
     std::int64_t tick = av_rescale(time_ns, clock_90_khz.den, mpegts_ns);
     if (newest_) tick = std::max(tick, *newest_ + 1);
     newest_ = tick;
     if (is_key) av_opt_set(muxer_->context().priv_data, "mpegts_flags", "+resend_headers", 0);
-    for (std::size_t k = 0; k < packets->size(); ++k) {
-        AVPacket& packet = *(*packets)[k];
+    for (std::size_t k = 0; k < packets.size(); ++k) {
+        AVPacket& packet = *packets[k];
         packet.pts = packet.dts = tick;
-        if (auto written = muxer_->write(packet, static_cast<int>(k), clock_90_khz); !written)
-            return written.error();
+        TRY(muxer_->write(packet, static_cast<int>(k), clock_90_khz));
     }
     return StreamBlock{label.frame, is_key, muxer_->take()};
 }
@@ -86,7 +83,7 @@ Result<StreamBlock> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& 
 }  // namespace
 
 Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described) {
-    if (auto storable = check_storable("the stream", described); !storable) return storable.error();
+    TRY(check_storable("the stream", described));
     return std::unique_ptr<StreamMuxer>(std::make_unique<MpegtsMuxer>(described));
 }
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/stream/stream_muxer.hpp"
 

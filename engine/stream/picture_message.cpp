@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
 
 namespace touchable {
 namespace {

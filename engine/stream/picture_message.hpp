@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "engine/clip/picture_label.hpp"
+#include "engine/clip/plane_part.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/frame/plane_view.hpp"
-#include "engine/video/picture_label.hpp"
-#include "engine/video/plane_part.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "engine/stream/srt_socket.hpp"
-#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -27,9 +28,8 @@ public:
         : StreamBytes(std::move(wait)), socket_(std::move(socket)) {}
     /// Waits until somebody calls.
     Result<void> wait_for_caller(const SrtSettings& settings, const SocketAddress& address) {
-        auto door = SrtSocket::create(settings, SrtSocket::Direction::receives);
-        if (!door) return door.error();
-        door_ = std::move(*door);
+        TRY_ASSIGN(auto door, SrtSocket::create(settings, SrtSocket::Direction::receives));
+        door_ = std::move(door);
         if (auto listens = door_.listen(address, may_come_); !listens) return listens;
         while (!waits()->is_over()) {
             if (auto caller = door_.accept()) {
@@ -120,14 +120,13 @@ Result<SrtSocket> call(const SrtSettings& settings, const SocketAddress& address
     constexpr int longest_call_ms = 1500;
     Error why = input_error("it did not answer in time");
     while (!wait.is_over()) {
-        auto socket = SrtSocket::create(settings, SrtSocket::Direction::receives);
-        if (!socket) return socket.error();
-        if (auto called = socket->call(address, longest_call_ms); !called) return called.error();
-        while (!wait.is_over() && socket->state() == SrtSocket::State::calling)
+        TRY_ASSIGN(auto socket, SrtSocket::create(settings, SrtSocket::Direction::receives));
+        TRY(socket.call(address, longest_call_ms));
+        while (!wait.is_over() && socket.state() == SrtSocket::State::calling)
             std::this_thread::sleep_for(look_again);
-        if (socket->state() == SrtSocket::State::connected) return socket;
+        if (socket.state() == SrtSocket::State::connected) return socket;
         if (wait.is_over()) break;
-        const auto refusal = socket->refusal();
+        const auto refusal = socket.refusal();
         why = input_error(refusal.why);
         if (refusal.is_final) break;
         std::this_thread::sleep_for(look_again);
@@ -138,22 +137,19 @@ Result<SrtSocket> call(const SrtSettings& settings, const SocketAddress& address
 }  // namespace
 
 Result<std::shared_ptr<StreamBytes>> connect_by_srt(const StreamUrl& url, std::shared_ptr<StreamWait> wait) {
-    const auto settings = read_srt_settings(url);
-    if (!settings) return settings.error();
-    const auto find = [url, listens = settings->listens] {
-        return listens ? own_address(url) : look_up(url);
-    };
+    TRY_ASSIGN(const auto settings, read_srt_settings(url));
+    const auto find = [url, listens = settings.listens] { return listens ? own_address(url) : look_up(url); };
     const auto found = unless_stopped(find, [wait] { return wait->is_over(); });
     if (wait->is_interrupted()) return interrupted_error();
     if (!found || !*found) return input_error("no connection: there is no such host");
-    if (settings->listens) {
+    if (settings.listens) {
         auto bytes = std::make_shared<SrtBytes>(wait, SrtSocket());
-        auto called = bytes->wait_for_caller(*settings, **found);
+        auto called = bytes->wait_for_caller(settings, **found);
         if (wait->is_interrupted()) return interrupted_error();
         if (!called) return called.error();
         return std::shared_ptr<StreamBytes>(std::move(bytes));
     }
-    auto socket = call(*settings, **found, *wait);
+    auto socket = call(settings, **found, *wait);
     if (wait->is_interrupted()) return interrupted_error();
     if (!socket)
         return input_error("no connection: " + socket.error().message + "; does the sender listen there?");

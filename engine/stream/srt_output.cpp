@@ -7,11 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/printable.hpp"
-#include "engine/start_thread.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "engine/stream/sender_time.hpp"
 #include "engine/stream/srt_listener.hpp"
-#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -71,9 +72,8 @@ private:
 Result<void> SrtSender::open_door() {
     const auto address = own_address(url_);
     if (!address) return usage_error("right would be an address of this machine in numbers");
-    auto door = SrtSocket::create(settings_, SrtSocket::Direction::sends);
-    if (!door) return door.error();
-    door_ = std::move(*door);
+    TRY_ASSIGN(auto door, SrtSocket::create(settings_, SrtSocket::Direction::sends));
+    door_ = std::move(door);
     return door_.listen(*address, may_come_);
 }
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/stream/stream_audience.hpp"
 #include "engine/stream/stream_ring.hpp"
 #include "engine/stream/stream_url.hpp"

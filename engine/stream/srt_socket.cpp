@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

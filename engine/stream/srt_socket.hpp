@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/stream_figures.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/socket_address.hpp"
 #include "engine/stream/stream_url.hpp"
 

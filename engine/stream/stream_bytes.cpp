@@ -8,9 +8,10 @@
 #include <charconv>
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "engine/stream/srt_bytes.hpp"
-#include "engine/unless_stopped.hpp"
 
 namespace touchable {
 namespace {
@@ -153,17 +154,15 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
     wait->at_most(listens ? patience.caller : patience.connection);
     if (url.transport == StreamTransport::pipe) return open_pipe(url, std::move(wait));
     if (url.transport == StreamTransport::srt) return connect_by_srt(url, std::move(wait));
-    auto io = open_network(url, wait);
-    if (!io) return io.error();
+    TRY_ASSIGN(auto io, open_network(url, wait));
     return std::shared_ptr<StreamBytes>(
-        std::make_shared<NetworkBytes>(std::move(wait), std::move(*io), url.transport));
+        std::make_shared<NetworkBytes>(std::move(wait), std::move(io), url.transport));
 }
 
 Result<std::uint8_t> StreamBytes::peek() {
     std::uint8_t byte = 0;
-    const auto got = peeked_ ? Result<std::size_t>(1) : read(&byte, 1);
-    if (!got) return got.error();
-    if (*got > 0 && !peeked_) peeked_ = byte;
+    TRY_ASSIGN(const auto got, peeked_ ? Result<std::size_t>(1) : read(&byte, 1));
+    if (got > 0 && !peeked_) peeked_ = byte;
     return peeked_.value_or(0);
 }
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/stream_figures.hpp"
-#include "engine/ffmpeg/ffmpeg_input.hpp"
-#include "engine/result.hpp"
+#include "engine/picture/ffmpeg_input.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "engine/stream/stream_wait.hpp"
 

@@ -2,7 +2,8 @@
 
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -103,9 +104,8 @@ Result<void> StreamClip::seek(std::int64_t frame) {
                            shell_word(url_.name()) + " clip.mkv");
     position_ = std::min(frame, read_);
     while (position_ < frame) {
-        const auto passed = next();
-        if (!passed) return passed.error();
-        if (!*passed)
+        TRY_ASSIGN(const auto passed, next());
+        if (!passed)
             return usage_error(url_.name() + ": has no frame " + std::to_string(frame) + ": its last is " +
                                std::to_string(read_ - 1));
     }
@@ -129,9 +129,8 @@ std::vector<std::string> StreamClip::remarks() const {
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source, Colour colour) {
-    auto receiver = StreamReceiver::open(source);
-    if (!receiver) return receiver.error();
-    auto clip = std::make_unique<StreamClip>(source, std::move(*receiver));
+    TRY_ASSIGN(auto receiver, StreamReceiver::open(source));
+    auto clip = std::make_unique<StreamClip>(source, std::move(receiver));
     if (colour == Colour::left_out) clip->leave_out_colour();
     return std::unique_ptr<ClipReader>(std::move(clip));
 }

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/stream_receiver.hpp"
 
 namespace touchable {

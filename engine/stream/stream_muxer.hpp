@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
-#include "engine/video/picture_label.hpp"
+#include "engine/base/result.hpp"
+#include "engine/clip/picture_label.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

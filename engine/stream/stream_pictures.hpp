@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/stream/frameset_assembler.hpp"
 #include "engine/stream/stream_bytes.hpp"

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/plane_notes.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/printable.hpp"
 #include "engine/stream/stream_audience.hpp"
-#include "engine/video/clip_tags.hpp"
-#include "engine/video/plane_notes.hpp"
 
 namespace touchable {
 namespace {
@@ -53,9 +54,8 @@ Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource&
 Result<void> StreamReceiver::connect(const StreamSource& source) {
     if (source.url.is_playlist()) {
         wait_->at_most(source.patience.opening);
-        auto pictures = open_hls_stream(source.url, wait_, source.described, source.now_ns);
-        if (!pictures) return pictures.error();
-        pictures_ = std::move(*pictures);
+        TRY_ASSIGN(auto pictures, open_hls_stream(source.url, wait_, source.described, source.now_ns));
+        pictures_ = std::move(pictures);
         return {};
     }
     std::shared_ptr<StreamBytes> bytes = source.connection;
@@ -77,10 +77,9 @@ Result<void> StreamReceiver::connect(const StreamSource& source) {
         return input_error(name_ +
                            ": sends neither Matroska nor MPEG-TS; right would be a touchable serve there");
     }
-    auto pictures = (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
-        std::move(bytes), name_, source.described);
-    if (!pictures) return pictures.error();
-    pictures_ = std::move(*pictures);
+    TRY_ASSIGN(auto pictures, (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
+                                  std::move(bytes), name_, source.described));
+    pictures_ = std::move(pictures);
     return {};
 }
 
@@ -95,13 +94,12 @@ Result<void> StreamReceiver::read_first() {
     scene_text_ = pictures_->scene_text();
     unstated_ = described.unstated;
     assembler_.emplace(pictures_->roles());
-    auto first = next(std::chrono::milliseconds::max());
-    if (!first) return first.error();
-    if (!*first) return input_error(name_ + ": " + how_it_ended() + " before it sent a whole frameset");
+    TRY_ASSIGN(auto first, next(std::chrono::milliseconds::max()));
+    if (!first) return input_error(name_ + ": " + how_it_ended() + " before it sent a whole frameset");
     tracks_ = pictures_->tracks();
-    const auto notes = describe_planes(tracks_, (*first)->frame, scene_);
+    const auto notes = describe_planes(tracks_, first->frame, scene_);
     notes_.insert(notes_.end(), notes.begin(), notes.end());
-    first_ = std::move(*first);
+    first_ = std::move(first);
     return {};
 }
 
@@ -117,11 +115,10 @@ Result<void> StreamReceiver::take(StreamPictures::Came came) {
     assembler_->add_torn(came.torn);
     for (StreamPicture& picture : came.pictures) {
         if (picture.role == PlaneRole::colour && !with_colour_) continue;
-        auto fits = fit_plane(picture.role, std::move(picture.plane), scene_,
-                              name_ + ": " + std::string(role_name(picture.role)) + ", frame " +
-                                  std::to_string(picture.number));
-        if (!fits) return fits.error();
-        picture.plane = std::move(*fits);
+        TRY_ASSIGN(auto fits, fit_plane(picture.role, std::move(picture.plane), scene_,
+                                        name_ + ": " + std::string(role_name(picture.role)) + ", frame " +
+                                            std::to_string(picture.number)));
+        picture.plane = std::move(fits);
         assembler_->add(std::move(picture));
     }
     return {};
@@ -143,10 +140,9 @@ Result<std::optional<Received>> StreamReceiver::next(std::chrono::milliseconds l
     while (true) {
         if (auto whole = assembler_->take()) return std::optional(received(std::move(*whole)));
         if (has_ended_) return std::optional<Received>();
-        auto came = pictures_->next();
-        if (!came) return came.error();
-        if (*came) {
-            if (auto taken = take(std::move(**came)); !taken) return taken.error();
+        TRY_ASSIGN(auto came, pictures_->next());
+        if (came) {
+            TRY(take(std::move(*came)));
         } else {
             has_ended_ = true;
             assembler_->end();

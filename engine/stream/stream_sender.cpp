@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 void StreamSender::end() {
@@ -25,17 +27,15 @@ Result<void> StreamSender::send_all() {
         if (auto begun = clip_->begin(zero); !begun) return begun;
     }
     while (!is_told_to_end_) {
-        const auto frame = next();
-        if (!frame) return frame.error();
-        if (!*frame) {
+        TRY_ASSIGN(const auto frame, next());
+        if (!frame) {
             figures_.clip_ended = true;
             return {};
         }
-        const Due when = due(**frame);
+        const Due when = due(*frame);
         if (settings_.longest_ns && when.time_ns >= *settings_.longest_ns) return {};
-        const auto sent = send(**frame, when);
-        if (!sent) return sent.error();
-        if (!*sent) return {};
+        TRY_ASSIGN(const auto sent, send(*frame, when));
+        if (!sent) return {};
     }
     return {};
 }
@@ -45,7 +45,7 @@ Result<std::optional<RawFrame>> StreamSender::next() {
     auto frame = clip_->next();
     if (!frame) return frame;
     if (!*frame && settings_.loop && !clip_->is_live() && frames_of_round_ > 0) {
-        if (auto back = clip_->rewind(); !back) return back.error();
+        TRY(clip_->rewind());
         round_ns_ += clip_->scene().rate.time_ns(frames_of_round_);
         frames_of_round_ = 0;
         ++figures_.rounds;
@@ -86,12 +86,11 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     const bool is_ahead = !clip_->is_live() && settings_.is_paced;
     std::vector<StreamBlock> blocks;
     for (StreamChannel& channel : channels_) {
-        auto block = channel.muxer->add(frame, label, due.time_ns, key);
-        if (!block) return block.error();
+        TRY_ASSIGN(auto block, channel.muxer->add(frame, label, due.time_ns, key));
         if (is_ahead)
-            blocks.push_back(std::move(*block));
+            blocks.push_back(std::move(block));
         else  // the next form may take its time
-            give(channel, std::move(*block));
+            give(channel, std::move(block));
     }
     if (is_ahead) {
         if (!time_.wait_until(due.at_ns)) return false;

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/sender_time.hpp"
 #include "engine/stream/stream_muxer.hpp"
 #include "engine/stream/stream_ring.hpp"

@@ -11,8 +11,9 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/printable.hpp"
-#include "engine/start_thread.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
 #include "engine/stream/socket_address.hpp"
 
 namespace touchable {
@@ -46,8 +47,7 @@ Result<std::unique_ptr<StreamServer>> StreamServer::open(const std::vector<Strea
     auto server = std::unique_ptr<StreamServer>(new StreamServer(ring, audience, std::move(clock)));
     if (server->wake_->descriptor() < 0)
         return Error{ErrorKind::internal, "the system has no descriptor left to wake the server with"};
-    for (const StreamUrl& url : urls)
-        if (auto opened = server->open_door(url); !opened) return opened.error();
+    for (const StreamUrl& url : urls) TRY(server->open_door(url));
     ring.watch([wake = server->wake_] { wake->wake(); });
     return server;
 }

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/wake.hpp"
-#include "engine/result.hpp"
 #include "engine/stream/stream_audience.hpp"
 #include "engine/stream/stream_listener.hpp"
 #include "engine/stream/stream_ring.hpp"

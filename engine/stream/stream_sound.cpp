@@ -4,14 +4,15 @@
 
 extern "C" {
 #include <libavcodec/packet.h>
+
+#include "engine/base/try.hpp"
 }
 
 namespace touchable {
 
 Result<StreamSound> StreamSound::open(const SoundPart& part) {
-    auto sound = StoredSound::open(part);
-    if (!sound) return sound.error();
-    return StreamSound(part, std::move(*sound));
+    TRY_ASSIGN(auto sound, StoredSound::open(part));
+    return StreamSound(part, std::move(sound));
 }
 
 Result<StoredSound::Packet> StreamSound::next(std::int64_t until_ms) {
@@ -23,9 +24,8 @@ Result<StoredSound::Packet> StreamSound::next(std::int64_t until_ms) {
 }
 
 Result<void> StreamSound::begin_round(std::int64_t at_ms) {
-    auto sound = StoredSound::open(part_);
-    if (!sound) return sound.error();
-    sound_ = std::move(*sound);
+    TRY_ASSIGN(auto sound, StoredSound::open(part_));
+    sound_ = std::move(sound);
     begin_ms_ = at_ms;
     return {};
 }

@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "engine/result.hpp"
-#include "engine/sound/stored_sound.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/stored_sound.hpp"
 
 namespace touchable {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "engine/video/block_addition.hpp"
+#include "engine/clip/block_addition.hpp"
 
 namespace touchable {
 

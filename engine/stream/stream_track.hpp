@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/clip/picture_label.hpp"
+#include "engine/clip/track_decoder.hpp"
 #include "engine/stream/frameset_assembler.hpp"
-#include "engine/video/picture_label.hpp"
-#include "engine/video/track_decoder.hpp"
 
 namespace touchable {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <system_error>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "engine/result.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/stop_request.hpp"
 
 namespace touchable {
 

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cstring>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/vectors.hpp"
+#include "engine/base/vectors.hpp"
+#include "engine/scene/stored_code.hpp"
 
 namespace touchable {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/base/vector_unit.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/surface/validity_strip.hpp"
-#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

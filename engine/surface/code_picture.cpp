@@ -1,6 +1,6 @@
 #include "engine/surface/code_picture.hpp"
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 
 namespace touchable {
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
 #include "engine/scene/depth_coding.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

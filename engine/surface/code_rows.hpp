@@ -3,8 +3,8 @@
 #include <functional>
 #include <memory>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/row_bands.hpp"
+#include "engine/base/row_bands.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/surface/code_line.hpp"
 
 namespace touchable {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 #include "engine/surface/code_filters.hpp"
 #include "engine/surface/frame_changes.hpp"
 #include "engine/surface/patch_filter.hpp"

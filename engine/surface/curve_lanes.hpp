@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "engine/base/vectors.hpp"
 #include "engine/scene/code_curve.hpp"
-#include "engine/vectors.hpp"
 
 namespace touchable {
 

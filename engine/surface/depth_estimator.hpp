@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/contour_estimator.hpp"
 #include "engine/surface/filter_search.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {

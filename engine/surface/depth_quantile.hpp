@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
@@ -20,8 +20,8 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
 
 /// Whether frames have to be measured for `settle_filters`.
 bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene);
-/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered so: by the temporal filter
-/// where neither scene nor frames say how noisy depth is.
+/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered so: by the temporal
+/// filter where neither scene nor frames say how noisy depth is.
 Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
                             Scene& scene);
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/base/stop_request.hpp"
 #include "engine/scene/working_codes.hpp"
-#include "engine/stop_request.hpp"
 #include "engine/surface/code_filters.hpp"
 #include "engine/surface/filter_plan.hpp"
 

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cstring>
 
+#include "engine/base/vectors.hpp"
 #include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
-#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

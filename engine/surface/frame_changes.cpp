@@ -5,7 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "engine/vectors.hpp"
+#include "engine/base/vectors.hpp"
 
 namespace touchable {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/row_bands.hpp"
+#include "engine/base/row_bands.hpp"
+#include "engine/base/vector_unit.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/surface/stale_blocks.hpp"
-#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

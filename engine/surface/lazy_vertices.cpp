@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstring>
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/surface/filter_plan.hpp"
 
 namespace touchable {

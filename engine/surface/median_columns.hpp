@@ -1,7 +1,7 @@
 #pragma once
 
 // `lesser` and `greater`, before the networks that use them.
-#include "engine/vectors.hpp"
+#include "engine/base/vectors.hpp"
 #include "shaders/median_network.h"
 
 namespace touchable {

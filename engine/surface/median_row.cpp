@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/base/vectors.hpp"
 #include "engine/surface/median_columns.hpp"
-#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "engine/frame/plane_view.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/plane_view.hpp"
 #include "engine/surface/mesh.hpp"
 
 namespace touchable {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

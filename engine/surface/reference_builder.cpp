@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "engine/surface/filter_plan.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"

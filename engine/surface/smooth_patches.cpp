@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/surface/fitted_length.hpp"
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {

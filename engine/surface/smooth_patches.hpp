@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
 #include "engine/scene/code_curve.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/surface/code_picture.hpp"
 
 namespace touchable {

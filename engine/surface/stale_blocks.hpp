@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/surface/validity_strip.hpp"
 
 namespace touchable {

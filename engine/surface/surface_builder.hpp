@@ -4,9 +4,9 @@
 #include <optional>
 #include <string_view>
 
-#include "engine/frame/surface_frame.hpp"
-#include "engine/result.hpp"
-#include "engine/vector_unit.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/vector_unit.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "engine/base/vector_unit.hpp"
 #include "engine/scene/terraces.hpp"
-#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/base/vectors.hpp"
 #include "engine/surface/validity_strip.hpp"
-#include "engine/vectors.hpp"
 
 namespace touchable {
 namespace {

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
-#include "engine/row_bands.hpp"
+#include "engine/base/row_bands.hpp"
+#include "engine/base/vector_unit.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/surface/patches.hpp"
-#include "engine/vector_unit.hpp"
 
 namespace touchable {
 

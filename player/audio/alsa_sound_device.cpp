@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/base/try.hpp"
+
 #include "player/audio/sound_device.hpp"
 
 namespace touchable {
@@ -31,13 +33,12 @@ public:
             return there.ok() ? Result(true) : there.error();
         const int waited = snd_pcm_wait(pcm_, static_cast<int>(longest.count()));
         if (waited < 0) {
-            if (auto mended = mend(waited); !mended.ok()) return mended.error();
+            TRY(mend(waited));
         }
-        const auto there = room();
-        if (!there.ok()) return there.error();
+        TRY_ASSIGN(const auto there, room());
         // Some say at once that there is room, and there is none.
-        if (*there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        return *there >= samples;
+        if (there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return there >= samples;
     }
 
     Result<void> write(std::span<const StereoSample> samples) override {
@@ -59,7 +60,7 @@ private:
     Result<int> room() {
         const auto there = snd_pcm_avail_update(pcm_);
         if (there >= 0) return static_cast<int>(there);
-        if (auto mended = mend(static_cast<int>(there)); !mended.ok()) return mended.error();
+        TRY(mend(static_cast<int>(there)));
         return 0;
     }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/sound/sound_track.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "player/audio/heard_tick.hpp"
 
 namespace touchable {

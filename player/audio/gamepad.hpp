@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "player/audio/contact_rumble.hpp"
 
 namespace touchable {

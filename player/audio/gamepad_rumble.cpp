@@ -6,7 +6,7 @@
 #include <mutex>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
 
 namespace touchable {
 

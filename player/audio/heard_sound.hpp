@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/sound/sound_track.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/spoken_sound.hpp"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "player/audio/contact_sound.hpp"
 
 namespace touchable {

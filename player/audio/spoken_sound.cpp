@@ -4,8 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "engine/given_file.hpp"
-#include "engine/sound/sound_track.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/try.hpp"
+#include "engine/picture/sound_track.hpp"
 
 namespace touchable {
 namespace {
@@ -31,21 +32,20 @@ Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesyst
     if (const auto there = GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file");
         !there.ok())
         return there.error();
-    const auto track = SoundTrack::open(file);
-    if (!track.ok()) return track.error();
-    if (!*track) return refuse("has no sound");
+    TRY_ASSIGN(const auto track, SoundTrack::open(file));
+    if (!track) return refuse("has no sound");
     auto sound = std::make_shared<SpokenSound>();
     const auto most = static_cast<std::size_t>(longest_s * SoundTrack::rate);
     std::size_t end = 0;  // behind the last that is heard
     std::array<StereoSample, samples_read> samples{};
     while (sound->samples.size() <= most) {
-        (*track)->read(samples);
+        track->read(samples);
         for (const StereoSample& sample : samples) {
             sound->samples.push_back(in_16_bits(sample));
             if (sound->samples.back() != std::array<std::int16_t, 2>{}) end = sound->samples.size();
         }
     }
-    if ((*track)->is_damaged()) return refuse("its sound is damaged");
+    if (track->is_damaged()) return refuse("its sound is damaged");
     if (end > most) return refuse("is longer than 60 s");
     if (end == 0) return refuse("is silent");
     sound->samples.resize(end);

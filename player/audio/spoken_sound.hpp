@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "player/audio/contact_sound.hpp"
 
 namespace touchable {

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
 #include "player/audio/sound_device.hpp"
 
 namespace touchable {
@@ -53,9 +54,8 @@ Result<void> play(SoundOutput::Shared& shared, SoundDevice& device) {
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
             continue;
         }
-        const auto ready = device.wait_for(block, patience);
-        if (!ready.ok()) return ready.error();
-        if (!*ready) continue;
+        TRY_ASSIGN(const auto ready, device.wait_for(block, patience));
+        if (!ready) continue;
         shared.ticks->fill(samples);
         if (auto given = device.write(samples); !given.ok()) return given;
         written += block;
@@ -133,10 +133,9 @@ std::string header_of(std::uint32_t bytes) {
 
 Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing,
                                                      std::string name) {
-    auto opened = OutputFile::create(std::move(name), file, existing, Pace::wall_clock);
-    if (!opened.ok()) return opened.error();
-    std::unique_ptr<SoundFile> made(new SoundFile(std::move(*opened)));
-    if (auto begun = made->file_->write(header_of(0)); !begun.ok()) return begun.error();
+    TRY_ASSIGN(auto opened, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
+    std::unique_ptr<SoundFile> made(new SoundFile(std::move(opened)));
+    TRY(made->file_->write(header_of(0)));
     return made;
 }
 
@@ -180,9 +179,8 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          Existing existing, std::string name) {
     std::unique_ptr<WindowSound> made(new WindowSound);
     if (file) {
-        auto created = SoundFile::create(*file, existing, std::move(name));
-        if (!created.ok()) return created.error();
-        made->file_ = std::move(*created);
+        TRY_ASSIGN(auto created, SoundFile::create(*file, existing, std::move(name)));
+        made->file_ = std::move(created);
     }
     if (loudspeakers) made->output_.emplace(made->ticks_);
     return made;

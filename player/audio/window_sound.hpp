@@ -13,13 +13,13 @@
 #include <thread>
 #include <vector>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/filmed_sound.hpp"
 #include "player/audio/gamepad_rumble.hpp"
 #include "player/audio/heard_ticks.hpp"
-#include "player/record/output_file.hpp"
+#include "player/run/output_file.hpp"
 
 namespace touchable {
 

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/guess/known_camera.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/trigonometry.hpp"
+#include "engine/base/try.hpp"
+#include "engine/formats/known_camera.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "engine/scene/terraces.hpp"
-#include "engine/stop_request.hpp"
 #include "engine/stream/stream_url.hpp"
-#include "engine/trigonometry.hpp"
-#include "player/options/setting_words.hpp"
+#include "player/commands/setting_words.hpp"
 
 namespace touchable {
 namespace {
@@ -54,25 +55,22 @@ bool ClipFacts::has_track(const std::string& role) const {
 }
 
 Result<ClipFacts> clip_facts(const ClipChoice& choice) {
-    auto clip = open_chosen(choice, Colour::left_out);
-    if (!clip.ok()) return clip.error();
+    TRY_ASSIGN(auto clip, open_chosen(choice, Colour::left_out));
     ClipFacts facts;
     facts.clip = without_passphrase(choice.file.string());
-    facts.scene = clip->scene;
-    facts.chosen = clip->chosen;
+    facts.scene = clip.scene;
+    facts.chosen = clip.chosen;
     if (facts.chosen) {
         facts.measured = facts.chosen->measured;
     } else {
-        auto measured = measure_depth(clip->reader, facts.scene);
-        if (!measured.ok()) return measured.error();
-        facts.measured = std::move(measured->depth);
+        TRY_ASSIGN(auto measured, measure_depth(clip.reader, facts.scene));
+        facts.measured = std::move(measured.depth);
     }
-    const auto first = clip->reader->next();
-    if (!first.ok()) return first.error();
-    if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
-    facts.tracks = clip->reader->tracks();
-    facts.frames = clip->reader->frame_count();
-    std::vector<Remark> remarks = remarks_of(*clip->reader);
+    TRY_ASSIGN(const auto first, clip.reader->next());
+    if (!first) return input_error(facts.clip + " has no frames; a clip needs at least one");
+    facts.tracks = clip.reader->tracks();
+    facts.frames = clip.reader->frame_count();
+    std::vector<Remark> remarks = remarks_of(*clip.reader);
     if (facts.measured)
         if (auto doubt = unit_doubt(facts.measured->median * facts.scene.metres_per_unit,
                                     "a scene file's metres_per_unit and depth say otherwise",
@@ -82,7 +80,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
             if (there == remarks.end()) remarks.push_back(std::move(*doubt));
         }
     facts.notes = remarks_with_options(remarks);
-    add_first_frame(**first, facts);
+    add_first_frame(*first, facts);
     if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;

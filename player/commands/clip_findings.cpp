@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/filter_choice.hpp"
 #include "player/session/filter_words.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/authoring/clip_quality.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/quality/clip_quality.hpp"
 #include "player/commands/clip_facts.hpp"
 
 namespace touchable {

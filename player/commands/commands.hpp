@@ -1,6 +1,6 @@
 #pragma once
 
-#include "player/options/command.hpp"
+#include "player/commands/command.hpp"
 
 namespace CLI {
 class App;

@@ -5,9 +5,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "engine/number_words.hpp"
-#include "player/options/file_option.hpp"
-#include "player/record/force_comparison.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/run/force_comparison.hpp"
 #include "player/run/memory.hpp"
 
 namespace touchable {
@@ -95,16 +96,13 @@ void print_table(const ForceComparison& c) {
 }
 
 Result<void> compare(const CompareOptions& options) {
-    const auto a = read_force_table(options.a);
-    if (!a.ok()) return a.error();
-    const auto b = read_force_table(options.b);
-    if (!b.ok()) return b.error();
-    const auto compared = compare_forces(*a, *b);
-    if (!compared.ok()) return compared.error();
+    TRY_ASSIGN(const auto a, read_force_table(options.a));
+    TRY_ASSIGN(const auto b, read_force_table(options.b));
+    TRY_ASSIGN(const auto compared, compare_forces(a, b));
     if (options.json)
-        std::cout << to_json(*compared).dump(2) << '\n';
+        std::cout << to_json(compared).dump(2) << '\n';
     else
-        print_table(*compared);
+        print_table(compared);
     return {};
 }
 

@@ -10,14 +10,15 @@
 #include <string>
 #include <string_view>
 
-#include "engine/printable.hpp"
-#include "engine/video/mp4_writer.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/mp4_writer.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/fragmented_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/word_option.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/fragmented_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/word_option.hpp"
 
 namespace touchable {
 
@@ -118,9 +119,8 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
 Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     ConvertTyped read = typed;
     ConvertOptions& options = read.options;
-    const auto form = read_form(options.out);
-    if (!form.ok()) return form.error();
-    options.form = *form;
+    TRY_ASSIGN(const auto form, read_form(options.out));
+    options.form = form;
     if (options.still && !is_mp4_name(options.out))
         return usage_error("--still is for NAME.mp4; NAME.png and NAME.bt are one frame as they are");
     if (options.still) options.form = ClipForm::mp4_still;
@@ -128,32 +128,26 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
         return usage_error("--lerobot is for NAME.mp4" +
                            std::string(options.still ? ", without --still" : ""));
     if (options.lerobot) options.form = ClipForm::lerobot;
-    if (auto fits = refuse_idle_options(read); !fits.ok()) return fits.error();
-    const auto choice = read_clip(typed.clip);
-    if (!choice.ok()) return choice.error();
-    options.clip = *choice;
+    TRY(refuse_idle_options(read));
+    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
+    options.clip = choice;
     if (typed.from) {
-        const auto moment = read_moment("--from", *typed.from);
-        if (!moment.ok()) return moment.error();
-        options.from = *moment;
+        TRY_ASSIGN(const auto moment, read_moment("--from", *typed.from));
+        options.from = moment;
     }
     if (typed.to) {
-        const auto moment = read_moment("--to", *typed.to);
-        if (!moment.ok()) return moment.error();
-        options.to = *moment;
+        TRY_ASSIGN(const auto moment, read_moment("--to", *typed.to));
+        options.to = moment;
     }
-    const auto every = read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000);
-    if (!every.ok()) return every.error();
-    options.every = *every;
+    TRY_ASSIGN(const auto every, read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000));
+    options.every = every;
     if (typed.crop) {
-        const auto crop = read_crop(*typed.crop);
-        if (!crop.ok()) return crop.error();
-        options.crop = *crop;
+        TRY_ASSIGN(const auto crop, read_crop(*typed.crop));
+        options.crop = crop;
     }
     if (typed.size) {
-        const auto size = read_pixel_size("--size", *typed.size, 1, 16384);
-        if (!size.ok()) return size.error();
-        options.size = *size;
+        TRY_ASSIGN(const auto size, read_pixel_size("--size", *typed.size, 1, 16384));
+        options.size = size;
     }
     return options;
 }
@@ -207,9 +201,8 @@ void add_convert_command(CLI::App& app, Command& command) {
         "force");
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {
-            const auto chosen = read_words(*typed);
-            if (!chosen.ok()) return chosen.error();
-            return run_convert(*chosen);
+            TRY_ASSIGN(const auto chosen, read_words(*typed));
+            return run_convert(chosen);
         };
     });
 }

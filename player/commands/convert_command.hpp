@@ -7,13 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_part.hpp"
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
-#include "engine/video/matroska_writer.hpp"
-#include "player/options/typed_numbers.hpp"
+#include "player/commands/typed_numbers.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/clip/image_folder_writer.hpp"
-#include "engine/number_words.hpp"
-#include "engine/video/lerobot_writer.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/formats/image_folder_writer.hpp"
+#include "engine/formats/lerobot_writer.hpp"
 
 namespace touchable {
 

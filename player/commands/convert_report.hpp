@@ -7,7 +7,7 @@
 #include "engine/clip/clip_reader.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/plane_loss.hpp"
-#include "player/record/force_comparison.hpp"
+#include "player/run/force_comparison.hpp"
 
 namespace touchable {
 

@@ -7,30 +7,31 @@
 #include <utility>
 #include <vector>
 
-#include "engine/byte_hash.hpp"
-#include "engine/clip/image_folder_writer.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/mp4_writer.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/clip/resized_frame.hpp"
-#include "engine/gltf/gltf_clip_writer.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/import/video_clip.hpp"
+#include "engine/formats/gltf_clip_writer.hpp"
+#include "engine/formats/image_folder_writer.hpp"
+#include "engine/formats/lerobot_coding.hpp"
+#include "engine/formats/lerobot_writer.hpp"
+#include "engine/formats/mp4_stills_writer.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/formats/scene_text_still.hpp"
+#include "engine/formats/video_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/number_words.hpp"
-#include "engine/sound/stored_sound.hpp"
-#include "engine/video/lerobot_coding.hpp"
-#include "engine/video/lerobot_writer.hpp"
-#include "engine/video/mp4_stills_writer.hpp"
-#include "engine/video/mp4_writer.hpp"
-#include "engine/video/scene_text_still.hpp"
+#include "engine/picture/stored_sound.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/convert_report.hpp"
+#include "player/commands/outputs.hpp"
 #include "player/commands/plane_loss.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/setting_words.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/run/memory.hpp"
+#include "player/run/progress.hpp"
 #include "player/session/standard_stroke.hpp"
-#include "player/terminal/interrupt.hpp"
-#include "player/terminal/progress.hpp"
 
 namespace touchable {
 
@@ -317,7 +318,7 @@ Result<void> Conversion::open_writer() {
     if (codes_) described = codes_->scene();
     done_.scene = described.scene;
     say_what_mpeg4_cannot(described.scene);
-    auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
+    TRY_ASSIGN(auto writer, [&]() -> Result<std::unique_ptr<ClipWriter>> {
         const auto sound = chosen_sound();
         switch (options_.form) {
             case ClipForm::folder:
@@ -341,9 +342,8 @@ Result<void> Conversion::open_writer() {
             return create_gltf_clip(options_.out, described, is_of_one_frame(), storage, options_.existing,
                                     sound);
         return create_named_clip(options_.out, described, storage, options_.existing, sound);
-    }();
-    if (!writer.ok()) return writer.error();
-    writer_ = std::move(*writer);
+    }());
+    writer_ = std::move(writer);
     return {};
 }
 
@@ -358,8 +358,7 @@ Result<std::optional<RawFrame>> Conversion::next() {
     if (interrupted()) return interrupted_error();
     auto frame = source_->next();
     if (!frame.ok() || !*frame) return frame;
-    if ((*frame)->number == done_.frames)
-        if (auto written = write_frame(**frame); !written.ok()) return written.error();
+    if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
     return frame;
 }
 
@@ -380,14 +379,12 @@ Result<void> Conversion::write_frame(const RawFrame& frame) {
 Result<void> Conversion::write() {
     progress_.emplace("converting frame", source_->frame_count().value_or(0));
     if (is_resized() || is_recoded()) {
-        auto stroke = standard_stroke(std::make_unique<Source>(*this));
-        if (!stroke.ok()) return stroke.error();
-        stroke_ = std::move(*stroke);
+        TRY_ASSIGN(auto stroke, standard_stroke(std::make_unique<Source>(*this)));
+        stroke_ = std::move(stroke);
     }
     while (true) {
-        const auto frame = next();
-        if (!frame.ok()) return frame.error();
-        if (!*frame) break;
+        TRY_ASSIGN(const auto frame, next());
+        if (!frame) break;
     }
     progress_.reset();
     return {};
@@ -399,9 +396,8 @@ Result<void> Conversion::compare(ClipReader& written) {
     for (std::int64_t number = 0; number < done_.frames; ++number) {
         if (interrupted()) return interrupted_error();
         progress.at(number + 1);
-        const auto now = written.next();
-        if (!now.ok()) return now.error();
-        if (!*now || mark_of(**now) != marks_[static_cast<std::size_t>(number)])
+        TRY_ASSIGN(const auto now, written.next());
+        if (!now || mark_of(*now) != marks_[static_cast<std::size_t>(number)])
             return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
                                                   std::to_string(number) +
                                                   " comes back otherwise than it was"};
@@ -436,19 +432,17 @@ Result<std::unique_ptr<ClipReader>> Conversion::reopened(const fs::path& written
 }
 
 Result<void> Conversion::check(const fs::path& written) {
-    auto reader = reopened(written);
-    if (!reader.ok()) return reader.error();
-    done_.scene = (*reader)->scene();
-    done_.tracks = (*reader)->tracks();
-    if (auto compared = compare(**reader); !compared.ok()) return compared;
+    TRY_ASSIGN(auto reader, reopened(written));
+    done_.scene = reader->scene();
+    done_.tracks = reader->tracks();
+    if (auto compared = compare(*reader); !compared.ok()) return compared;
     const auto lost = [&](PlaneRole role) {
         return done_.losses[static_cast<std::size_t>(role)].changed > 0;
     };
     if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
-    if (auto back = (*reader)->rewind(); !back.ok()) return back;
-    auto forces = compare_by_stroke(*stroke_, std::move(*reader));
-    if (!forces.ok()) return forces.error();
-    done_.forces = std::move(*forces);
+    if (auto back = reader->rewind(); !back.ok()) return back;
+    TRY_ASSIGN(auto forces, compare_by_stroke(*stroke_, std::move(reader)));
+    done_.forces = std::move(forces);
     return {};
 }
 
@@ -465,9 +459,8 @@ Result<void> Conversion::run(std::string& at_work) {
     }
     part_ = part_of(options_, **clip);
     from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
-    auto source = part_of_clip(std::move(*clip), part_);
-    if (!source.ok()) return source.error();
-    source_ = std::move(*source);
+    TRY_ASSIGN(auto source, part_of_clip(std::move(*clip), part_));
+    source_ = std::move(source);
     if (options_.form == ClipForm::lerobot) {
         const Scene& scene = source_->scene();
         codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
@@ -478,9 +471,8 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto written = write(); !written.ok()) return written;
     // Only now are all of them there.
     done_.notes = remarks_with_options(remarks_of(*source_));
-    const auto written = writer_->complete();
-    if (!written.ok()) return written.error();
-    if (auto checked = check(*written); !checked.ok()) return as_named(checked.error(), options_, *written);
+    TRY_ASSIGN(const auto written, writer_->complete());
+    if (auto checked = check(written); !checked.ok()) return as_named(checked.error(), options_, written);
     if (auto named = writer_->finish(); !named.ok()) return named;
     std::cout << report_to_text(options_, done_);
     return {};

@@ -15,33 +15,34 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/new_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/frame/surface_frame.hpp"
-#include "engine/new_file.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/printable.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/mesh.hpp"
 #include "engine/surface/mesh_file.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/commands/builder_options.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
 #include "player/commands/staged_folder.hpp"
-#include "player/options/builder_options.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/picture_options.hpp"
-#include "player/options/typed_numbers.hpp"
+#include "player/commands/typed_numbers.hpp"
 #include "player/run/clip_workspace.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/run/memory.hpp"
+#include "player/run/progress.hpp"
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/filter_words.hpp"
-#include "player/terminal/interrupt.hpp"
-#include "player/terminal/progress.hpp"
 
 namespace touchable {
 namespace {
@@ -142,13 +143,14 @@ Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene
 Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
                           const ExportOptions& options, std::size_t& files) {
     if (options.out.empty()) return {};
-    auto folder = StagedFolder::create(
-        options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out, options.existing);
-    if (!folder.ok()) return folder.error();
-    if (auto written = write_frame_files(*folder, raw, surface, scene, options.mesh); !written.ok())
+    TRY_ASSIGN(auto folder,
+               StagedFolder::create(
+                   options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out,
+                   options.existing));
+    if (auto written = write_frame_files(folder, raw, surface, scene, options.mesh); !written.ok())
         return written;
-    files += folder->count();
-    return folder->commit(frame_file_names);
+    files += folder.count();
+    return folder.commit(frame_file_names);
 }
 
 Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int64_t frames) {
@@ -228,11 +230,10 @@ std::vector<NamedFile> files_of(const ExportOptions& options) {
 /// One frame alone may suggest another scale than the clip, whose frame 0 is asked.
 Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builder) {
     if (scene.device_metres_per_unit) return {};
-    const auto first = reader.next();
-    if (!first.ok()) return first.error();
-    if (!*first) return {};
+    TRY_ASSIGN(const auto first, reader.next());
+    if (!first) return {};
     SurfaceFrame surface;
-    if (auto built = builder.build(**first, surface); !built.ok()) return built;
+    if (auto built = builder.build(*first, surface); !built.ok()) return built;
     scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
     return {};
 }
@@ -271,20 +272,17 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
     Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
     SurfaceFrame surface;
     number = std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
-    if (auto there = reader.seek(number); !there.ok()) return there.error();
+    TRY(reader.seek(number));
     for (; !options.last || number <= *options.last; ++number) {
         if (interrupted()) return interrupted_error();
-        auto raw = reader.next();
-        if (!raw.ok()) return raw.error();
-        if (!*raw) break;
-        (*raw)->epoch = 1;  // not that of the frame that told the scale
+        TRY_ASSIGN(auto raw, reader.next());
+        if (!raw) break;
+        raw->epoch = 1;  // not that of the frame that told the scale
         progress.at(number);
-        if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
+        TRY(builder.build(*raw, surface));
         if (number < options.first) continue;
-        if (auto done = export_frame(**raw, scene, surface, options, exported.files); !done.ok())
-            return done.error();
-        if (picture)
-            if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
+        TRY(export_frame(*raw, scene, surface, options, exported.files));
+        if (picture) TRY(draw(*picture, *raw, scene, surface));
     }
     return {};
 }
@@ -293,10 +291,9 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
         return checked;
-    auto clip = open_chosen(options.clip, Colour::wanted);
-    if (!clip.ok()) return clip.error();
-    const auto& reader = clip->reader;
-    Scene& scene = clip->scene;
+    TRY_ASSIGN(auto clip, open_chosen(options.clip, Colour::wanted));
+    const auto& reader = clip.reader;
+    Scene& scene = clip.scene;
     at_work = frames_in_words(scene);
     const auto frames = reader->frame_count();
     const std::int64_t wanted = options.last.value_or(options.first);
@@ -306,18 +303,16 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     add_inputs(inputs, options.clip.file, *reader);
     if (auto free = check_outputs({files_of(options), options.existing}, inputs); !free.ok()) return free;
     RunGpu gpu(options.builder.gpu);
-    const auto builder = make_builder(options.builder, scene, gpu);
-    if (!builder.ok()) return builder.error();
-    auto picture = order_picture(options.picture, options.existing, options.builder, gpu);
-    if (!picture.ok()) return picture.error();
+    TRY_ASSIGN(const auto builder, make_builder(options.builder, scene, gpu));
+    TRY_ASSIGN(auto picture, order_picture(options.picture, options.existing, options.builder, gpu));
 
-    if (auto found = find_scale(*reader, scene, **builder); !found.ok()) return found;
+    if (auto found = find_scale(*reader, scene, *builder); !found.ok()) return found;
     Exported exported;
     const std::int64_t& number = exported.number;
-    if (auto done = export_frames(*reader, scene, options, **builder, *picture, exported); !done.ok())
+    if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done.ok())
         return with_what_stays(done.error(), options, number);
     if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
-    if (clip->chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip->chosen) << '\n';
+    if (clip.chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip.chosen) << '\n';
     std::cout << in_words(options, exported) << '\n';
     return {};
 }
@@ -359,9 +354,8 @@ void add_export_command(CLI::App& app, Command& command) {
             if (chosen.out.empty() && !chosen.picture.file)
                 return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
             if (auto read = read_words(*typed, chosen); !read.ok()) return read;
-            auto choice = read_clip(*clip);
-            if (!choice.ok()) return choice.error();
-            chosen.clip = std::move(*choice);
+            TRY_ASSIGN(auto choice, read_clip(*clip));
+            chosen.clip = std::move(choice);
             chosen.mesh = *mesh || typed->one.has_value();
             return run_export(chosen);
         };

@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "engine/import/guess/presets.hpp"
-#include "engine/import/open_clip.hpp"
-#include "player/options/setting_words.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/formats/presets.hpp"
+#include "player/commands/setting_words.hpp"
 
 namespace touchable {
 namespace {

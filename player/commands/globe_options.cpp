@@ -6,10 +6,11 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/stop_request.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/number_option.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/number_option.hpp"
 
 namespace touchable {
 namespace {
@@ -32,9 +33,8 @@ enum class MapKind { as_stored, grey };
 Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, StoredImage& picture) {
     if (file.empty()) return GlobeMap{};
     if (stop_requested()) return interrupted_error();
-    auto read = read_stored_image(SourceFile(file));
-    if (!read.ok()) return read.error();
-    picture = std::move(*read);
+    TRY_ASSIGN(auto read, read_stored_image(SourceFile(file)));
+    picture = std::move(read);
     if (kind == MapKind::grey) make_grey(picture.image);
     return map_of(picture);
 }
@@ -163,9 +163,8 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
           {&files.elevation, MapKind::grey, &read->elevation, &maps.elevation},
           {&files.mask, MapKind::grey, &read->mask, &maps.mask},
           {&files.haptic, MapKind::as_stored, &read->haptic, &maps.haptic}}) {
-        auto found = read_map(*file, kind, *picture);
-        if (!found.ok()) return found.error();
-        *map = *found;
+        TRY_ASSIGN(auto found, read_map(*file, kind, *picture));
+        *map = found;
     }
     std::optional<double> sea_level = files.sea_level;
     if (files.mask.empty() && !maps.elevation.empty() && maps.elevation.channels == 1) {
@@ -180,11 +179,10 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
     }
     if (files.relief_percent) maps.relief = *files.relief_percent / 100;
     if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
-    if (auto checked = check_globe_maps(maps); !checked.ok()) return checked.error();
-    auto shore = find_shore(maps.elevation, maps.mask, sea_level);
-    if (!shore.ok()) return shore.error();
-    maps.shore = *shore;
-    read->remark = shore_in_words(*shore, files.sea_level.has_value(), !files.mask.empty());
+    TRY(check_globe_maps(maps));
+    TRY_ASSIGN(auto shore, find_shore(maps.elevation, maps.mask, sea_level));
+    maps.shore = shore;
+    read->remark = shore_in_words(shore, files.sea_level.has_value(), !files.mask.empty());
     return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
 }
 

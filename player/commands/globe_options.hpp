@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/content/globe_maps.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/picture/stored_image.hpp"
-#include "engine/result.hpp"
-#include "player/options/outputs.hpp"
+#include "player/commands/outputs.hpp"
 
 namespace CLI {
 class App;

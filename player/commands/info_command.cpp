@@ -12,22 +12,23 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_text.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/filter_choice.hpp"
+#include "player/commands/camera_options.hpp"
 #include "player/commands/clip_facts.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/file_option.hpp"
 #include "player/commands/filter_facts.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
 #include "player/commands/verdict.hpp"
 #include "player/commands/verify_run.hpp"
-#include "player/options/camera_options.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/picture_options.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/filter_words.hpp"
@@ -353,24 +354,22 @@ struct InfoOptions {
 };
 
 Result<void> print_facts(const InfoOptions& options) {
-    const auto facts = clip_facts(options.clip);
-    if (!facts.ok()) return facts.error();
+    TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
     if (options.verify) {
-        auto found = verify_clip(options.clip, *facts, options.picture);
-        if (!found.ok()) return found.error();
-        verified = std::move(*found);
+        TRY_ASSIGN(auto found, verify_clip(options.clip, facts, options.picture));
+        verified = std::move(found);
     }
-    const std::string verdict = verdict_on(*facts, verified ? &verified->findings : nullptr);
+    const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
-        std::cout << mpeg4_text(*facts);
+        std::cout << mpeg4_text(facts);
     } else if (options.json) {  // names of files need not be UTF-8
-        Json json = to_json(*facts);
+        Json json = to_json(facts);
         if (verified) add_verified(*verified, json);
         json["verdict"] = verdict;
         std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     } else {
-        std::cout << to_text(*facts);
+        std::cout << to_text(facts);
         if (verified) std::cout << verified_in_words(*verified);
         std::cout << "  verdict      " << verdict << '\n';
     }
@@ -409,9 +408,8 @@ void add_info_command(CLI::App& app, Command& command) {
     add_filter_options(*info, typed->clip);
     info->callback([typed, &command] {
         command = [typed]() -> Result<void> {
-            auto choice = read_clip(typed->clip);
-            if (!choice.ok()) return choice.error();
-            typed->options.clip = std::move(*choice);
+            TRY_ASSIGN(auto choice, read_clip(typed->clip));
+            typed->options.clip = std::move(choice);
             return run_info(typed->options);
         };
     });

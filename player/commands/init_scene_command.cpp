@@ -6,14 +6,15 @@
 #include <memory>
 #include <optional>
 
-#include "engine/import/open_clip.hpp"
-#include "engine/new_file.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/options/camera_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/setting_words.hpp"
+#include "player/commands/camera_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/setting_words.hpp"
 
 namespace touchable {
 namespace {
@@ -47,12 +48,10 @@ std::string opening(const std::filesystem::path& target, const std::filesystem::
 }
 
 Result<void> run_init_scene(const InitSceneOptions& options) {
-    const auto known = read_camera(options.camera);
-    if (!known.ok()) return known.error();
+    TRY_ASSIGN(const auto known, read_camera(options.camera));
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(options.pictures, ignored);
-    const auto guessed = guess_clip(options.pictures, known->value_or(SourceDescription()));
-    if (!guessed.ok()) return guessed.error();
+    TRY_ASSIGN(const auto guessed, guess_clip(options.pictures, known.value_or(SourceDescription())));
     std::filesystem::path beside = options.pictures;
     const std::filesystem::path target = options.out ? *options.out
                                          : is_folder ? options.pictures / "scene.json"
@@ -61,11 +60,11 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target).ok())
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
-    if (auto written = write_text(target, scene_to_json(*guessed), options.existing); !written.ok())
+    if (auto written = write_text(target, scene_to_json(guessed), options.existing); !written.ok())
         return written;
     std::cout << target.string() << " is written; "
-              << opening(target, options.pictures, is_folder, guessed->scene) << " opens the pictures so\n";
-    for (const Remark& remark : guessed->scene.remarks)  // this scene file says the rest
+              << opening(target, options.pictures, is_folder, guessed.scene) << " opens the pictures so\n";
+    for (const Remark& remark : guessed.scene.remarks)  // this scene file says the rest
         std::cout << "  " << (remark.hints.empty() ? remark_in_words(remark) : remark_with_options(remark))
                   << '\n';
     return {};

@@ -5,13 +5,14 @@
 #include <memory>
 #include <system_error>
 
-#include "engine/content/materials/segment_names.hpp"
-#include "engine/given_file.hpp"
-#include "engine/printable.hpp"
-#include "player/control/plain_line.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/number_option.hpp"
-#include "player/screen/touch_screens.hpp"
+#include "engine/authoring/segment_names.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/window/plain_line.hpp"
+#include "player/window/touch_screens.hpp"
 
 namespace touchable {
 namespace {
@@ -44,10 +45,9 @@ std::string names_there(const fs::path& folder) {
 }
 
 Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named) {
-    const auto text =
-        read_given_file(file, named, "a file of a kiosk's texts (docs/exhibit.md)", largest_kiosk_texts);
-    if (!text.ok()) return text.error();
-    return parse_kiosk_texts(*text, file.string());
+    TRY_ASSIGN(const auto text, read_given_file(file, named, "a file of a kiosk's texts (docs/exhibit.md)",
+                                                largest_kiosk_texts));
+    return parse_kiosk_texts(text, file.string());
 }
 
 /// `asked`: a language or a file; empty: the language of whoever is logged in, as far as there are texts.
@@ -64,19 +64,16 @@ Result<KioskTexts> choose_texts(const std::string& asked) {
 }
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
-    const auto text = read_given_file(file, "--labels " + file.string(), "a file of labels (docs/exhibit.md)",
-                                      largest_labels);
-    if (!text.ok()) return text.error();
-    auto labels = parse_touch_labels(*text, file.string(), file.parent_path());
+    TRY_ASSIGN(const auto text, read_given_file(file, "--labels " + file.string(),
+                                                "a file of labels (docs/exhibit.md)", largest_labels));
+    auto labels = parse_touch_labels(text, file.string(), file.parent_path());
     if (!labels.ok()) return labels;
     std::vector<std::string> names;
     if (segments) {
-        const auto named = read_given_file(*segments, "--segments " + segments->string(),
-                                           "a file of segments", largest_segment_names);
-        if (!named.ok()) return named.error();
-        const auto parsed = parse_segment_names(*named, segments->string());
-        if (!parsed.ok()) return parsed.error();
-        for (const NamedSegment& segment : parsed->segments) names.push_back(segment.name);
+        TRY_ASSIGN(const auto named, read_given_file(*segments, "--segments " + segments->string(),
+                                                     "a file of segments", largest_segment_names));
+        TRY_ASSIGN(const auto parsed, parse_segment_names(named, segments->string()));
+        for (const NamedSegment& segment : parsed.segments) names.push_back(segment.name);
     }
     if (auto there = labels->has_segments(names); !there.ok())
         return input_error(there.error().message + "; right would be a name in the file of --segments");
@@ -89,9 +86,8 @@ Result<void> read_sounds(KioskOptions& kiosk) {
     for (const TouchLabel& label : kiosk.labels.labels) {
         const fs::path* const file = said_in(label.sounds, kiosk.texts.language);
         if (file && !read.contains(*file)) {
-            auto sound = SpokenSound::read(*file);
-            if (!sound.ok()) return sound.error();
-            read.emplace(*file, std::move(*sound));
+            TRY_ASSIGN(auto sound, SpokenSound::read(*file));
+            read.emplace(*file, std::move(sound));
         }
         kiosk.label_sounds.push_back(file ? read.at(*file) : nullptr);
     }
@@ -160,15 +156,13 @@ Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
             "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
     KioskOptions kiosk;
     if (!words.idle.empty()) kiosk.times = {words.idle[0], words.idle[1]};
-    auto texts = choose_texts(words.texts);
-    if (!texts.ok()) return texts.error();
-    kiosk.texts = std::move(*texts);
+    TRY_ASSIGN(auto texts, choose_texts(words.texts));
+    kiosk.texts = std::move(texts);
     kiosk.touched_by = has_touch_screen() ? TouchedBy::touch_screen : TouchedBy::mouse;
     if (words.labels) {
-        auto labels = read_labels(*words.labels, segments);
-        if (!labels.ok()) return labels.error();
-        kiosk.labels = std::move(*labels);
-        if (auto read = read_sounds(kiosk); !read.ok()) return read.error();
+        TRY_ASSIGN(auto labels, read_labels(*words.labels, segments));
+        kiosk.labels = std::move(labels);
+        TRY(read_sounds(kiosk));
     }
     kiosk.has_bar = words.bar != "off";
     kiosk.use_log = words.use_log;
@@ -186,15 +180,14 @@ Result<std::optional<StudyOptions>> read_study(const KioskWords& words, std::siz
     if (!fs::exists(file, failed) && file.extension() != ".json")
         return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
                            "; right would be one of them, or the name of a file");
-    const auto text = read_given_file(file, named, "a study (JSON, docs/usability.md)", largest_study);
-    if (!text.ok()) return text.error();
-    auto study = parse_study(*text, file.string());
-    if (!study.ok()) return study.error();
-    if (study->clips() > clips)
-        return usage_error(named + ": has a touch of clip " + std::to_string(study->clips()) +
+    TRY_ASSIGN(const auto text,
+               read_given_file(file, named, "a study (JSON, docs/usability.md)", largest_study));
+    TRY_ASSIGN(auto study, parse_study(text, file.string()));
+    if (study.clips() > clips)
+        return usage_error(named + ": has a touch of clip " + std::to_string(study.clips()) +
                            ", and there are " + std::to_string(clips) +
                            "; right would be as many CLIPs as the study has");
-    return std::optional(StudyOptions{std::move(*study), *words.results});
+    return std::optional(StudyOptions{std::move(study), *words.results});
 }
 
 }  // namespace touchable

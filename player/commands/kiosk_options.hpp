@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {

@@ -8,17 +8,18 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/mp4_writer.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
-#include "engine/video/mp4_writer.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/fragmented_option.hpp"
 #include "player/commands/make_run.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/fragmented_option.hpp"
-#include "player/options/number_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/typed_numbers.hpp"
-#include "player/options/whole_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/commands/whole_option.hpp"
 #include "player/run/memory.hpp"
 
 namespace touchable {
@@ -95,34 +96,28 @@ Result<Archive> read_archive(const std::string& text) {
 }
 
 Result<MakeOptions> read_words(const MakeWords& words) {
-    if (auto named = check_name(words.options.out); !named.ok()) return named.error();
+    TRY(check_name(words.options.out));
     if (words.options.storage.fragmented && !is_mp4_name(words.options.out))
         return usage_error(std::string("--fragmented is for ") + fragmented_names);
-    if (auto fits = refuse_idle_options(words); !fits.ok()) return fits.error();
+    TRY(refuse_idle_options(words));
     MakeOptions options = words.options;
     SceneOptions& generator = options.generator;
     if (without_shape(options.scene)) generator.width = generator.height = 128;
     if (words.size_typed->count() > 0) {
-        const auto size = read_pixel_size("--size", words.size, 2, 16384);
-        if (!size.ok()) return size.error();
-        generator.width = size->width;
-        generator.height = size->height;
+        TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 2, 16384));
+        generator.width = size.width;
+        generator.height = size.height;
     }
-    if (words.preset_typed->count() > 0)
-        if (auto preset = read_preset(words.preset, generator); !preset.ok()) return preset.error();
-    const auto frames = read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames);
-    if (!frames.ok()) return frames.error();
-    options.frames = *frames;
-    const auto rate = read_frame_rate("--rate", words.rate);
-    if (!rate.ok()) return rate.error();
-    generator.rate = *rate;
-    const auto archive = read_archive(words.archive);
-    if (!archive.ok()) return archive.error();
-    options.storage.archive = *archive;
-    const auto seed =
-        read_whole_number<std::uint64_t>("--seed", words.seed, 0, std::numeric_limits<std::uint64_t>::max());
-    if (!seed.ok()) return seed.error();
-    generator.seed = *seed;
+    if (words.preset_typed->count() > 0) TRY(read_preset(words.preset, generator));
+    TRY_ASSIGN(const auto frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
+    options.frames = frames;
+    TRY_ASSIGN(const auto rate, read_frame_rate("--rate", words.rate));
+    generator.rate = rate;
+    TRY_ASSIGN(const auto archive, read_archive(words.archive));
+    options.storage.archive = archive;
+    TRY_ASSIGN(const auto seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
+                                                                 std::numeric_limits<std::uint64_t>::max()));
+    generator.seed = seed;
     generator.properties = options.scene == "globe" && !words.plain;
     take_motion(words.globe, generator);
     options.maps = words.globe.maps;
@@ -179,13 +174,12 @@ void add_make_command(CLI::App& app, Command& command) {
     add_globe_options(*make, words->globe);
     make->callback([words, &command] {
         command = [words]() -> Result<void> {
-            const auto options = read_words(*words);
-            if (!options.ok()) return options.error();
-            const SceneOptions& made = options->generator;
+            TRY_ASSIGN(const auto options, read_words(*words));
+            const SceneOptions& made = options.generator;
             return within_memory("frames of " + std::to_string(made.width) + 'x' +
                                      std::to_string(made.height) + " pixels" +
-                                     (options->maps.any() ? " and their maps" : ""),
-                                 [&] { return run_make(*options); });
+                                     (options.maps.any() ? " and their maps" : ""),
+                                 [&] { return run_make(options); });
         };
     });
 }

@@ -4,10 +4,11 @@
 #include <iostream>
 #include <memory>
 
-#include "engine/video/mp4_writer.hpp"
-#include "player/options/outputs.hpp"
-#include "player/terminal/interrupt.hpp"
-#include "player/terminal/progress.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/mp4_writer.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/progress.hpp"
 
 namespace touchable {
 namespace {
@@ -24,7 +25,7 @@ Result<void> write_frames(const AnalyticScene& source, std::int64_t frames, Clip
         progress.at(n + 1);
         const RawFrame frame = made.get();
         if (n + 1 < frames) made = make(n + 1);
-        if (auto written = writer.write(frame); !written.ok()) return written.error();
+        TRY(writer.write(frame));
     }
     return {};
 }
@@ -34,11 +35,10 @@ Result<std::unique_ptr<AnalyticScene>> make_source(const MakeOptions& options, s
     if (!options.maps.any()) return make_scene(options.scene, options.generator);
     StatusLine line;
     if (line.is_on_terminal()) line.show("reading the maps");
-    const auto read = read_globe_maps(options.maps);
-    if (!read.ok()) return read.error();
-    remark = (*read)->remark;
+    TRY_ASSIGN(const auto read, read_globe_maps(options.maps));
+    remark = read->remark;
     SceneOptions generator = options.generator;
-    generator.maps = &(*read)->maps;
+    generator.maps = &read->maps;
     return make_scene(options.scene, generator);
 }
 
@@ -49,15 +49,13 @@ Result<void> run_make(const MakeOptions& options) {
         !apart.ok())
         return apart;
     std::string remark;
-    const auto scene = make_source(options, remark);
-    if (!scene.ok()) return scene.error();
-    const AnalyticScene& source = **scene;
+    TRY_ASSIGN(const auto scene, make_source(options, remark));
+    const AnalyticScene& source = *scene;
     SceneDescription described(source.scene());
     described.unstated.filters = all_unstated;  // what its frames ask for
-    auto writer = create_named_clip(options.out, described, options.storage, options.existing);
-    if (!writer.ok()) return writer.error();
-    if (auto written = write_frames(source, options.frames, **writer); !written.ok()) return written;
-    if (auto finished = (*writer)->finish(); !finished.ok()) return finished;
+    TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
+    if (auto written = write_frames(source, options.frames, *writer); !written.ok()) return written;
+    if (auto finished = writer->finish(); !finished.ok()) return finished;
 
     const Scene& made = source.scene();
     std::cout << options.out.string() << ": " << options.frames << " frames of " << options.scene << ", "

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_writer.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
 #include "player/commands/globe_options.hpp"
 
 namespace touchable {

@@ -6,8 +6,9 @@
 #include <optional>
 #include <system_error>
 
-#include "engine/printable.hpp"
-#include "player/options/file_option.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/file_option.hpp"
 
 namespace touchable {
 namespace {
@@ -72,19 +73,18 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
                            "' is no folder, and several clips go into one; right would be FOLDER/");
     std::vector<fs::path> clips{first};
     clips.insert(clips.end(), rest.begin(), rest.end() - 1);
-    const auto outs = places(clips, out);
-    if (!outs.ok()) return outs.error();
+    TRY_ASSIGN(const auto outs, places(clips, out));
     for (std::size_t k = 0; k < clips.size(); ++k)
         for (const fs::path& clip : clips)
-            if (std::error_code ignored; fs::equivalent(clip, (*outs)[k], ignored))
+            if (std::error_code ignored; fs::equivalent(clip, outs[k], ignored))
                 return usage_error(
-                    "'" + printable((*outs)[k].string()) +
+                    "'" + printable(outs[k].string()) +
                     "' is one of the clips, and would be written; right would be another folder");
     if (auto made = make_folder(out); !made) return made;
     std::optional<Error> failed;
     std::size_t failures = 0;
     for (std::size_t k = 0; k < clips.size(); ++k) {
-        const fs::path& place = (*outs)[k];
+        const fs::path& place = outs[k];
         if (existing == Existing::keep && is_there(place)) {
             std::cout << printable(place.string()) << ": is there already\n";
             continue;

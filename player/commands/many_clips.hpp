@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 
 namespace CLI {
 class App;

@@ -5,17 +5,18 @@
 #include <utility>
 #include <vector>
 
-#include "engine/given_file.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/coded_image.hpp"
-#include "engine/printable.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/file_option.hpp"
 #include "player/commands/many_clips.hpp"
 #include "player/commands/materials_run.hpp"
-#include "player/control/brush_words.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/typed_numbers.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/window/brush_words.hpp"
 
 namespace touchable {
 namespace {
@@ -57,9 +58,8 @@ Result<NamedSegment> read_named(const std::string& text, const std::string& plac
     if (known == nullptr) return usage_error("--material: " + no_such_material(named.material));
     named.feel = known->feel();
     named.said_by = "--at " + place;
-    const auto at = read_place(place);
-    if (!at.ok()) return at.error();
-    named.at = {*at};
+    TRY_ASSIGN(const auto at, read_place(place));
+    named.at = {at};
     return named;
 }
 
@@ -67,21 +67,19 @@ Result<SegmentNames> read_names(const MaterialsTyped& typed) {
     SegmentNames names;
     if (!typed.segments.empty()) {
         const std::string where = typed.segments.string();
-        const auto text = read_given_file(typed.segments, where, "a file of segments (JSON, docs/content.md)",
-                                          largest_segment_names);
-        if (!text.ok()) return text.error();
-        auto read = parse_segment_names(*text, where);
-        if (!read.ok()) return read.error();
-        names = std::move(*read);
+        TRY_ASSIGN(const auto text,
+                   read_given_file(typed.segments, where, "a file of segments (JSON, docs/content.md)",
+                                   largest_segment_names));
+        TRY_ASSIGN(auto read, parse_segment_names(text, where));
+        names = std::move(read);
     }
     if (typed.materials.size() != typed.places.size())
         return usage_error("--material is given " + std::to_string(typed.materials.size()) +
                            " times and --at " + std::to_string(typed.places.size()) +
                            "; each --material needs its --at, X,Y of a pixel of the segment");
     for (std::size_t k = 0; k < typed.materials.size(); ++k) {
-        auto named = read_named(typed.materials[k], typed.places[k]);
-        if (!named.ok()) return named.error();
-        names.segments.push_back(std::move(*named));
+        TRY_ASSIGN(auto named, read_named(typed.materials[k], typed.places[k]));
+        names.segments.push_back(std::move(named));
     }
     if (!typed.otherwise.empty()) names.otherwise = typed.otherwise;
     if (!names.otherwise.empty() && find_material(names.otherwise) == nullptr)
@@ -90,11 +88,9 @@ Result<SegmentNames> read_names(const MaterialsTyped& typed) {
 }
 
 Result<SegmentMap> read_map(const std::filesystem::path& file) {
-    const auto bytes = read_picture_bytes(file);
-    if (!bytes.ok()) return bytes.error();
-    auto indices = decode_indices(*bytes, file.string());
-    if (!indices.ok()) return indices.error();
-    return SegmentMap{file.string(), std::move(*indices)};
+    TRY_ASSIGN(const auto bytes, read_picture_bytes(file));
+    TRY_ASSIGN(auto indices, decode_indices(bytes, file.string()));
+    return SegmentMap{file.string(), std::move(indices)};
 }
 
 /// What is asked for before anything is read.
@@ -122,23 +118,20 @@ Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& c
     MaterialsOptions options = typed.options;
     options.out = out;
     if (auto fits = check_words(typed, options); !fits.ok()) return fits;
-    const auto choice = read_clip(typed.clip);
-    if (!choice.ok()) return choice.error();
-    options.clip = *choice;
+    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
+    options.clip = choice;
     options.clip.file = clip;
-    auto names = read_names(typed);
-    if (!names.ok()) return names.error();
-    options.materials.names = std::move(*names);
+    TRY_ASSIGN(auto names, read_names(typed));
+    options.materials.names = std::move(names);
     if (!typed.frame.empty()) {
-        const auto frame = read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame);
-        if (!frame.ok()) return frame.error();
-        options.frame = *frame;
+        TRY_ASSIGN(const auto frame,
+                   read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame));
+        options.frame = frame;
     }
     if (!typed.segments.empty()) options.read.push_back(typed.segments);
     if (!typed.map.empty()) {
-        auto map = read_map(typed.map);
-        if (!map.ok()) return map.error();
-        options.materials.map = std::move(*map);
+        TRY_ASSIGN(auto map, read_map(typed.map));
+        options.materials.map = std::move(map);
         options.read.push_back(typed.map);
     }
     return run_materials(options);

@@ -7,14 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/number_words.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/printable.hpp"
 #include "player/commands/convert_command.hpp"
-#include "player/options/outputs.hpp"
-#include "player/terminal/interrupt.hpp"
-#include "player/terminal/progress.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/progress.hpp"
 
 namespace touchable {
 namespace {
@@ -158,7 +159,7 @@ Result<void> MaterialsRun::write_clip() {
     convert.made = {PlaneRole::haptic};
     if (options_.materials.scale_relief) convert.made.push_back(PlaneRole::height);
     convert.content = [this](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
-        if (auto free = check_places(*clip); !free.ok()) return free.error();
+        TRY(check_places(*clip));
         scene_ = clip->scene();
         for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
         return with_materials(std::move(clip), options_.materials, begin_segments, report_);
@@ -179,13 +180,12 @@ Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
     for (std::int64_t number = 0;; ++number) {
         if (interrupted()) return interrupted_error();
         progress.at(number + 1);
-        const auto frame = clip.next();
-        if (!frame.ok()) return frame.error();
-        if (!*frame)
+        TRY_ASSIGN(const auto frame, clip.next());
+        if (!frame)
             return usage_error("--frame " + std::to_string(wanted) + " is beyond the clip, which has " +
                                std::to_string(number) + " frames");
         if (number < wanted) continue;
-        const PlaneView& haptic = (*frame)->haptic;
+        const PlaneView& haptic = frame->haptic;
         Image image{haptic.width, haptic.height, 1, 3, {}};
         for (int y = 0; y < haptic.height; ++y)
             image.samples.insert(image.samples.end(), haptic.row(y), haptic.row(y) + 3 * haptic.width);
@@ -195,24 +195,21 @@ Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
 
 /// Tells of one frame, and writes its haptic picture where that is asked for.
 Result<void> MaterialsRun::look() {
-    auto clip = options_.clip.open();
-    if (!clip.ok()) return clip.error();
-    if (auto free = check_places(**clip); !free.ok()) return free;
-    if (!options_.out.empty() && !options_.frame && (*clip)->frame_count() != 1)
+    TRY_ASSIGN(auto clip, options_.clip.open());
+    if (auto free = check_places(*clip); !free.ok()) return free;
+    if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
         return usage_error("OUT " + options_.out.string() +
                            " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
                            "holds them all");
-    scene_ = (*clip)->scene();
+    scene_ = clip->scene();
     MaterialSettings settings = options_.materials;
     if (!options_.out.empty()) settings.ranges = scene_.haptic;
-    auto felt = with_materials(std::move(*clip), settings, begin_segments, report_);
-    if (!felt.ok()) return felt.error();
-    const auto haptic = haptic_of(**felt);
-    if (!haptic.ok()) return haptic.error();
+    TRY_ASSIGN(auto felt, with_materials(std::move(clip), settings, begin_segments, report_));
+    TRY_ASSIGN(const auto haptic, haptic_of(*felt));
     if (!options_.out.empty()) {
         NewFile file(options_.out, options_.existing);
         if (auto fits = file.check(); !fits.ok()) return fits;
-        if (auto written = write_png(file, haptic->view(), PngColours::indexed_if_few); !written.ok())
+        if (auto written = write_png(file, haptic.view(), PngColours::indexed_if_few); !written.ok())
             return written;
         if (auto named = file.commit(); !named.ok()) return named;
         std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)

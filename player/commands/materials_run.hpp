@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "engine/content/materials/material_clip.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/authoring/material_clip.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/clip/resized_frame.hpp"
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 
 namespace touchable {
 

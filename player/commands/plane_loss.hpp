@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "engine/clip/plane_role.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -14,27 +14,28 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/content/materials/segment_names.hpp"
-#include "engine/given_file.hpp"
-#include "engine/printable.hpp"
+#include "engine/authoring/segment_names.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/stream/stream_url.hpp"
+#include "player/commands/builder_options.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/device_options.hpp"
+#include "player/commands/file_option.hpp"
 #include "player/commands/kiosk_options.hpp"
-#include "player/control/kept_settings.hpp"
-#include "player/control/own_folder.hpp"
-#include "player/control/playlist.hpp"
-#include "player/options/builder_options.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/device_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/live_camera_option.hpp"
-#include "player/options/number_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/picture_options.hpp"
-#include "player/options/playback_options.hpp"
-#include "player/options/setting_words.hpp"
-#include "player/options/typed_numbers.hpp"
+#include "player/commands/live_camera_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
+#include "player/commands/playback_options.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/commands/typed_numbers.hpp"
 #include "player/session/touch_figures.hpp"
+#include "player/window/kept_settings.hpp"
+#include "player/window/own_folder.hpp"
 #include "player/window/play_window.hpp"
+#include "player/window/playlist.hpp"
 
 namespace touchable {
 namespace {
@@ -151,10 +152,10 @@ Result<void> check_empty(const PlayOptions& options) {
 
 /// Of --segments; whether they go with the clip is known once its segments are read.
 Result<void> check_segments(const std::filesystem::path& file) {
-    const auto text = read_given_file(file, "--segments " + file.string(),
-                                      "a file of segments (JSON, docs/content.md)", largest_segment_names);
-    if (!text.ok()) return text.error();
-    const auto names = parse_segment_names(*text, file.string());
+    TRY_ASSIGN(const auto text,
+               read_given_file(file, "--segments " + file.string(),
+                               "a file of segments (JSON, docs/content.md)", largest_segment_names));
+    const auto names = parse_segment_names(text, file.string());
     return names.ok() ? Result<void>() : names.error();
 }
 
@@ -225,29 +226,23 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
     // First, while there is little in memory, and one thread.
-    if (auto made = hold(words, options); !made.ok()) return made.error();
-    const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
-    if (!size.ok()) return size.error();
-    options.screen.width = size->width;
-    options.screen.height = size->height;
-    auto clip = read_clip(words.clip);
-    if (!clip.ok()) return clip.error();
-    options.session.clip = std::move(*clip);
+    TRY(hold(words, options));
+    TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, smallest_window, largest_window));
+    options.screen.width = size.width;
+    options.screen.height = size.height;
+    TRY_ASSIGN(auto clip, read_clip(words.clip));
+    options.session.clip = std::move(clip);
     if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
         !read.ok())
         return read.error();
-    if (auto read = read_live_stream(words.latency->count() > 0, options.session); !read.ok())
-        return read.error();
+    TRY(read_live_stream(words.latency->count() > 0, options.session));
     const bool is_empty = words.clip_word->count() == 0 && !options.session.camera;
-    if (!is_empty && !options.session.clip.plugged)
-        if (auto read = read_list(words, options); !read.ok()) return read.error();
-    auto playback = read_playback(words.playback);
-    if (!playback.ok()) return playback.error();
-    options.session.playback = std::move(*playback);
+    if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
+    TRY_ASSIGN(auto playback, read_playback(words.playback));
+    options.session.playback = std::move(playback);
     if (words.script) {
-        auto script = read_window_script(*words.script);
-        if (!script.ok()) return script.error();
-        options.script = std::move(*script);
+        TRY_ASSIGN(auto script, read_window_script(*words.script));
+        options.script = std::move(script);
     }
     options.size_is_stated = words.typed_size->count() > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
@@ -255,24 +250,20 @@ Result<PlayOptions> read_words(const PlayWords& words) {
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
     if (words.max_force->count() > 0) options.most_newtons = words.max_force_n;
-    auto kiosk = read_kiosk(words.kiosk, options.segments);
-    if (!kiosk.ok()) return kiosk.error();
-    options.kiosk = std::move(*kiosk);
-    auto study = read_study(words.kiosk, 1 + options.next_clips.size());
-    if (!study.ok()) return study.error();
-    options.study = std::move(*study);
+    TRY_ASSIGN(auto kiosk, read_kiosk(words.kiosk, options.segments));
+    options.kiosk = std::move(kiosk);
+    TRY_ASSIGN(auto study, read_study(words.kiosk, 1 + options.next_clips.size()));
+    options.study = std::move(study);
     if (options.kiosk) options.screen.fullscreen = options.screen.stays = options.screen.awake = true;
-    if (is_empty)
-        if (auto fits = check_empty(options); !fits.ok()) return fits.error();
+    if (is_empty) TRY(check_empty(options));
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
             "--headless: nobody can close what nobody sees; --seconds, --screenshot, or quit in --script "
             "says "
             "when it ends");
-    if (auto free = check_files(options, words.script); !free.ok()) return free.error();
-    if (options.segments)
-        if (auto read = check_segments(*options.segments); !read.ok()) return read.error();
+    TRY(check_files(options, words.script));
+    if (options.segments) TRY(check_segments(*options.segments));
     return options;
 }
 
@@ -355,15 +346,14 @@ Result<void> run_play(PlayOptions options) {
         "--screenshot", remark_with_options, tell_saved,
         tell_relief,    tell_faster,         [](const Error& error) { return message_with_options(error); }};
     const bool is_told_at_once = options.headless || options.kiosk;
-    auto figures = play_in_window(std::move(options));
-    if (!figures.ok()) return figures.error();
-    print(*figures);
-    print_film(*figures);
+    TRY_ASSIGN(auto figures, play_in_window(std::move(options)));
+    print(figures);
+    print_film(figures);
     // Otherwise it was told when it was met.
-    if (!figures->sound_fault.empty() && !is_told_at_once)
-        std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
-    if (!figures->slow_reading.empty())
-        std::cerr << "touchable: warning: " << printable(figures->slow_reading, 500) << '\n';
+    if (!figures.sound_fault.empty() && !is_told_at_once)
+        std::cerr << "touchable: warning: " << printable(figures.sound_fault, 500) << '\n';
+    if (!figures.slow_reading.empty())
+        std::cerr << "touchable: warning: " << printable(figures.slow_reading, 500) << '\n';
     return {};
 }
 
@@ -464,10 +454,9 @@ void add_play_command(CLI::App& app, Command& command) {
     group_window_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
-            auto options = read_words(*words);
-            if (!options.ok()) return options.error();
-            options->stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(*options);
-            return run_play(std::move(*options));
+            TRY_ASSIGN(auto options, read_words(*words));
+            options.stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(options);
+            return run_play(std::move(options));
         };
     });
 }

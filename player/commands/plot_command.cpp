@@ -16,11 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/given_file.hpp"
-#include "engine/result.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/picture_options.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
 
 namespace touchable {
 namespace {
@@ -116,9 +117,8 @@ Result<void> check_given(const std::vector<NamedFile>& inputs) {
     constexpr std::uint64_t largest = std::uint64_t{256} << 20;  // as compare has it
     for (const NamedFile& input : inputs) {
         const std::string named = input.name + " " + input.path.string();
-        const auto given = GivenFile::open(input.path, named, "a file that touch or export wrote");
-        if (!given.ok()) return given.error();
-        if (given->size() > largest) return input_error(named + ": is larger than " + in_bytes(largest));
+        TRY_ASSIGN(const auto given, GivenFile::open(input.path, named, "a file that touch or export wrote"));
+        if (given.size() > largest) return input_error(named + ": is larger than " + in_bytes(largest));
     }
     return {};
 }

@@ -3,13 +3,14 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/many_clips.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/number_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/whole_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/whole_option.hpp"
 #include "player/session/relief_choice.hpp"
 
 namespace touchable {
@@ -30,9 +31,8 @@ Result<void> run_relief(const ReliefTyped& typed, const std::filesystem::path& c
         return usage_error("OUT '" + options.out.string() +
                            "' does not end in .mkv, which a clip with relief is; touchable "
                            "convert makes anything else of it");
-    const auto choice = read_clip(typed.clip);
-    if (!choice.ok()) return choice.error();
-    options.clip = *choice;
+    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
+    options.clip = choice;
     options.clip.file = clip;
     if (options.clip.maps.height)
         return usage_error(

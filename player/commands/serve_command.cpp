@@ -8,15 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/stream/stream_audience.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/commands/outputs.hpp"
 #include "player/commands/serve_run.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/number_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/whole_option.hpp"
+#include "player/commands/whole_option.hpp"
 #include "player/session/camera_words.hpp"
 
 namespace touchable {
@@ -51,9 +52,8 @@ Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOption
     if (!first.empty() && !is_stream_url(first))
         return usage_error("CLIP and --camera are two things to send; leave one of them out");
     if (!first.empty()) urls.insert(urls.begin(), first);
-    const auto camera = read_live_camera(*typed.camera);
-    if (!camera.ok()) return camera.error();
-    options.clip.take(*camera);
+    TRY_ASSIGN(const auto camera, read_live_camera(*typed.camera));
+    options.clip.take(camera);
     if (typed.options.loop) return usage_error("--loop is for clips; a camera does not end");
     return urls;
 }
@@ -93,22 +93,19 @@ Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
 
 Result<ServeOptions> read_options(const ServeTyped& typed) {
     ServeOptions options = typed.options;
-    const auto choice = read_clip(typed.clip);
-    if (!choice.ok()) return choice.error();
-    options.clip = *choice;
-    const auto words = read_words(typed, options);
-    if (!words.ok()) return words.error();
-    if (words->empty() && !typed.hls)
+    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
+    options.clip = choice;
+    TRY_ASSIGN(const auto words, read_words(typed, options));
+    if (words.empty() && !typed.hls)
         return usage_error(
             "where is it to be sent? right would be, for one, tcp://0.0.0.0:7000 behind CLIP, or --hls DIR");
-    if (auto read = read_hls(typed, options); !read.ok()) return read.error();
+    TRY(read_hls(typed, options));
     bool has_srt = false;
-    for (const std::string& each : *words) {
-        auto url = read_stream_url(each);
-        if (!url.ok()) return url.error();
-        if (auto usable = check_url(*url); !usable.ok()) return usable.error();
-        has_srt = has_srt || url->transport == StreamTransport::srt;
-        options.urls.push_back(std::move(*url));
+    for (const std::string& each : words) {
+        TRY_ASSIGN(auto url, read_stream_url(each));
+        TRY(check_url(url));
+        has_srt = has_srt || url.transport == StreamTransport::srt;
+        options.urls.push_back(std::move(url));
     }
     if (options.mpegts && !has_srt)
         return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska");
@@ -163,9 +160,8 @@ void add_serve_command(CLI::App& app, Command& command) {
     add_overwrite_option(*sub, typed->options.existing);
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {
-            const auto options = read_options(*typed);
-            if (!options.ok()) return options.error();
-            return run_serve(*options);
+            TRY_ASSIGN(const auto options, read_options(*typed));
+            return run_serve(options);
         };
     });
 }

@@ -13,10 +13,11 @@
 #include <thread>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
-#include "engine/sound/stored_sound.hpp"
-#include "engine/start_thread.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
+#include "engine/picture/stored_sound.hpp"
 #include "engine/stream/hls_channel.hpp"
 #include "engine/stream/hls_text.hpp"
 #include "engine/stream/matroska_stream.hpp"
@@ -24,10 +25,10 @@
 #include "engine/stream/srt_output.hpp"
 #include "engine/stream/stream_sender.hpp"
 #include "engine/stream/stream_server.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/setting_words.hpp"
-#include "player/record/output_file.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/output_file.hpp"
 
 namespace touchable {
 namespace {
@@ -123,9 +124,8 @@ Serving::~Serving() {
 }
 
 Result<void> Serving::open_clip() {
-    auto clip = options_.clip.open();
-    if (!clip.ok()) return clip.error();
-    clip_ = std::move(*clip);
+    TRY_ASSIGN(auto clip, options_.clip.open());
+    clip_ = std::move(clip);
     is_live_ = clip_->is_live();
     notes_ = remarks_with_options(remarks_of(*clip_));
     if (!options_.json) return {};
@@ -134,9 +134,8 @@ Result<void> Serving::open_clip() {
     add_inputs(inputs, options_.clip.file, *clip_);
     const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
     if (auto checked = check_outputs(outputs, inputs); !checked.ok()) return checked;
-    auto json = OutputFile::create("--json", *options_.json, options_.existing);
-    if (!json.ok()) return json.error();
-    json_ = std::move(*json);
+    TRY_ASSIGN(auto json, OutputFile::create("--json", *options_.json, options_.existing));
+    json_ = std::move(json);
     return {};
 }
 
@@ -162,20 +161,17 @@ Result<void> Serving::open_forms() {
     }
     const SceneDescription described = clip_->described();
     if (has_mpegts) {
-        auto muxer = make_mpegts_muxer(described);
-        if (!muxer.ok()) return muxer.error();
-        mpegts_.emplace().muxer = std::move(*muxer);
+        TRY_ASSIGN(auto muxer, make_mpegts_muxer(described));
+        mpegts_.emplace().muxer = std::move(muxer);
     }
     const auto heard = sound();
     if (options_.hls) {
-        auto writer = HlsWriter::open(*options_.hls, described, heard);
-        if (!writer.ok()) return writer.error();
-        hls_ = std::move(*writer);
+        TRY_ASSIGN(auto writer, HlsWriter::open(*options_.hls, described, heard));
+        hls_ = std::move(writer);
     }
     if (!has_matroska) return {};
-    auto muxer = open_matroska_stream(described, heard);
-    if (!muxer.ok()) return muxer.error();
-    matroska_.emplace().muxer = std::move(*muxer);
+    TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
+    matroska_.emplace().muxer = std::move(muxer);
     return {};
 }
 
@@ -186,14 +182,13 @@ Result<void> Serving::open_places() {
             listened.push_back(url);
             continue;
         }
-        auto output = SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_);
-        if (!output.ok()) return output.error();
-        outputs_.push_back(std::move(*output));
+        TRY_ASSIGN(auto output,
+                   SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_));
+        outputs_.push_back(std::move(output));
     }
     if (!listened.empty()) {
-        auto server = StreamServer::open(listened, matroska_->ring, audience_);
-        if (!server.ok()) return server.error();
-        server_ = std::move(*server);
+        TRY_ASSIGN(auto server, StreamServer::open(listened, matroska_->ring, audience_));
+        server_ = std::move(server);
         if (auto started = server_->start(); !started.ok()) return started;
     }
     say_where();

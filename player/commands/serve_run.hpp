@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/stream/hls_writer.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/session/clip_choice.hpp"

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

@@ -5,17 +5,18 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "haptics_cpu/tick_velocity.hpp"
+#include "player/commands/builder_options.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/live_camera_option.hpp"
+#include "player/commands/number_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/playback_options.hpp"
 #include "player/commands/touch_run.hpp"
-#include "player/options/builder_options.hpp"
-#include "player/options/clip_options.hpp"
-#include "player/options/file_option.hpp"
-#include "player/options/live_camera_option.hpp"
-#include "player/options/number_option.hpp"
-#include "player/options/outputs.hpp"
-#include "player/options/playback_options.hpp"
-#include "player/options/whole_option.hpp"
-#include "player/options/word_option.hpp"
+#include "player/commands/whole_option.hpp"
+#include "player/commands/word_option.hpp"
 
 namespace touchable {
 
@@ -58,7 +59,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     GuardSettings& guard = options.session.guard;
     guard.max_stiffness = words.max_stiffness_n_mm * 1000;
     if (words.slew->count() > 0) guard.rise.per_tick = words.stiffness_slew * 1000 * tick_seconds;
-    if (auto read = read_moments(words, options); !read.ok()) return read.error();
+    TRY(read_moments(words, options));
     if (options.replay) {
         for (const CLI::Option* option : words.fixed_by_recording)
             if (option->count() > 0)
@@ -68,19 +69,16 @@ Result<TouchOptions> read_words(const TouchWords& words) {
         return usage_error(
             "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
     }
-    auto clip = read_clip(words.clip);
-    if (!clip.ok()) return clip.error();
-    options.session.clip = std::move(*clip);
+    TRY_ASSIGN(auto clip, read_clip(words.clip));
+    options.session.clip = std::move(clip);
     options.session.recorded = options.record.has_value();
     options.session.device_log = options.device_log.has_value();
     if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
         !read.ok())
         return read.error();
-    if (auto read = read_live_stream(words.latency->count() > 0, options.session); !read.ok())
-        return read.error();
-    auto playback = read_playback(words.playback);
-    if (!playback.ok()) return playback.error();
-    options.session.playback = std::move(*playback);
+    TRY(read_live_stream(words.latency->count() > 0, options.session));
+    TRY_ASSIGN(auto playback, read_playback(words.playback));
+    options.session.playback = std::move(playback);
     options.play = words.playback.script;
     return options;
 }
@@ -233,9 +231,8 @@ void add_touch_command(CLI::App& app, Command& command) {
     group_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
-            const auto options = read_words(*words);
-            if (!options.ok()) return options.error();
-            return run_touch(*options);
+            TRY_ASSIGN(const auto options, read_words(*words));
+            return run_touch(options);
         };
     });
 }

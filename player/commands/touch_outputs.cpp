@@ -8,12 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/number_words.hpp"
-#include "engine/stop_request.hpp"
-#include "player/options/outputs.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/outputs.hpp"
 #include "player/run/field_probe.hpp"
+#include "player/run/standard_output.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/terminal/standard_output.hpp"
 
 namespace touchable {
 namespace {
@@ -44,12 +45,11 @@ std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64
 Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number,
                         const std::function<bool(std::int64_t)>& is_part, FrameAgain& frame) {
     for (;;) {
-        auto raw = reader.next();
-        if (!raw.ok()) return raw.error();
-        if (!*raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
-        const bool wanted = (*raw)->number == number;
-        if (!wanted && !is_part((*raw)->number)) continue;
-        frame.raw = **raw;
+        TRY_ASSIGN(auto raw, reader.next());
+        if (!raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
+        const bool wanted = raw->number == number;
+        if (!wanted && !is_part(raw->number)) continue;
+        frame.raw = *raw;
         if (auto built = builder.build(frame.raw, frame.surface); wanted || !built.ok()) return built;
     }
 }
@@ -104,23 +104,22 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
     const WorkAfterStop drawing;  // of a run that a person has ended
-    auto reader = setup.clip.open();
-    if (!reader.ok()) return reader.error();
+    TRY_ASSIGN(auto reader, setup.clip.open());
     // Frames of the GPU that also draws stay there; others are built here, whole.
     const bool on_gpu = setup.feed->builder_name() == "vulkan";
-    const auto builder = make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu);
-    if (!builder.ok()) return builder.error();
+    TRY_ASSIGN(const auto builder,
+               make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu));
     const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
-    if (auto there = (*reader)->seek(first); !there.ok()) return there;
+    if (auto there = reader->seek(first); !there.ok()) return there;
     FrameAgain prev, next;
     const auto is_part = [&](std::int64_t number) {
         return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
     };
-    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, is_part, prev); !read.ok())
+    if (auto read = read_frame(*reader, *builder, moment_->frame_prev, is_part, prev); !read.ok())
         return read;
     const bool between = moment_->frame_next != moment_->frame_prev;
     if (between)
-        if (auto read = read_frame(**reader, **builder, moment_->frame_next, is_part, next); !read.ok())
+        if (auto read = read_frame(*reader, *builder, moment_->frame_next, is_part, next); !read.ok())
             return read;
 
     FramePair pair;
@@ -173,9 +172,8 @@ Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
 template <class File, class Create>
 Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create create) {
     if (!path) return {};
-    auto created = create(*path);
-    if (!created.ok()) return created.error();
-    file = std::move(*created);
+    TRY_ASSIGN(auto created, create(*path));
+    file = std::move(created);
     return {};
 }
 
@@ -196,40 +194,37 @@ Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup&
 
 Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options, const TouchSetup& setup,
                                                          std::optional<std::int64_t> ticks) {
-    if (auto checked = check_picture_moment(options, setup, ticks); !checked.ok()) return checked.error();
+    TRY(check_picture_moment(options, setup, ticks));
     if (options.record && is_standard_output(*options.record))
         return usage_error("--record -: a recording does not go to standard output; give it a file's name");
-    if (auto free = check_outputs(outputs_of(options, setup), inputs_of(options, setup)); !free.ok())
-        return free.error();
+    TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
     const auto forces = [&](const auto& path) {
         return ForcesFile::create(path, options.existing, pace, "--forces");
     };
-    if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
+    TRY(open_if(options.forces, out->forces_, forces));
     if (options.device_log && !setup.device_log)
         return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
     const auto log = [&](const auto& path) {
         return DeviceLogFile::create(path, options.existing, *setup.device_log, "--device-log");
     };
-    if (auto opened = open_if(options.device_log, out->device_log_, log); !opened.ok()) return opened.error();
+    TRY(open_if(options.device_log, out->device_log_, log));
     const auto record = [&](const auto& path) {
         return RecordingFile::create(path, setup.settings.fingers, options.existing, pace, "--record");
     };
-    if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
+    TRY(open_if(options.record, out->record_, record));
     if (options.record && setup.film) {
         out->film_ = setup.film;
-        if (auto opened = setup.film->open(film_beside(*options.record), options.existing); !opened.ok())
-            return opened.error();
+        TRY(setup.film->open(film_beside(*options.record), options.existing));
     }
     const auto json = [&](const auto& path) {
         return OutputFile::create("--json", path, options.existing, pace);
     };
-    if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
-    auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
-    if (!order.ok()) return order.error();
+    TRY(open_if(options.json, out->json_, json));
+    TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.builder, *setup.gpu));
     const std::int64_t usual = ticks ? *ticks * 6 / 10 : usual_picture_tick(setup);
-    if (*order) out->picture_.emplace(std::move(**order), options.picture_tick.value_or(usual));
+    if (order) out->picture_.emplace(std::move(*order), options.picture_tick.value_or(usual));
     return out;
 }
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "player/commands/picture_options.hpp"
 #include "player/commands/touch_run.hpp"
-#include "player/options/picture_options.hpp"
-#include "player/record/forces_file.hpp"
-#include "player/record/output_file.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/forces_file.hpp"
+#include "player/run/output_file.hpp"
+#include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"

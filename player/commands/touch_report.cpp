@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/import/guess/known_camera.hpp"
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/formats/known_camera.hpp"
 #include "engine/stream/stream_url.hpp"
-#include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
-#include "player/options/setting_words.hpp"
+#include "player/commands/machine_facts.hpp"
+#include "player/commands/setting_words.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/session/playback_script.hpp"

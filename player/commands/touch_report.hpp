@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "player/draw/surface_painter.hpp"
 #include "player/run/live_session.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
-#include "player/view/surface_painter.hpp"
 
 namespace touchable {
 

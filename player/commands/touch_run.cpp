@@ -14,21 +14,22 @@
 #include <vector>
 
 #include "device/hand_control.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
-#include "engine/start_thread.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
+#include "player/commands/builder_options.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
-#include "player/options/builder_options.hpp"
+#include "player/run/live_line.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/memory.hpp"
+#include "player/run/progress.hpp"
+#include "player/run/standard_output.hpp"
 #include "player/session/live_port.hpp"
 #include "player/session/replay.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
-#include "player/terminal/live_line.hpp"
-#include "player/terminal/progress.hpp"
-#include "player/terminal/standard_output.hpp"
 
 namespace touchable {
 namespace {
@@ -98,8 +99,7 @@ constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 using FellBehind = std::function<Error(std::int64_t)>;
 
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, const FellBehind& fell_behind) {
-    auto port = open_port(s);
-    if (!port.ok()) return port.error();
+    TRY_ASSIGN(auto port, open_port(s));
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
@@ -117,7 +117,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
     settings.on_status = [&line](const LiveStatus& status) { line.show(status); };
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&line);
-    LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);
+    LiveSession session(s.scene, *s.feed, *port, *s.solver, settings);
     const auto ran = session.run(all);
     LiveFacts facts = session.facts();
     if (facts.sinks_fell_behind) return fell_behind(facts.loop.lost);
@@ -132,8 +132,7 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     TickProgress progress(s.ticks().value_or(0));
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&progress);
-    auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(all);
-    if (!ran.ok()) return ran.error();
+    TRY(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(all));
     return LiveFacts{};
 }
 
@@ -220,13 +219,12 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     std::optional<ReplayCheck> check;
     if (part) sinks.push_back(&check.emplace(*part));
     if (part) sinks.push_back(&figures);
-    const auto ran = run_session(s, live, sinks, [&](std::int64_t ticks) {
-        return fell_behind_error(outputs.name_of(one_run.slowest()), ticks);
-    });
-    if (!ran.ok()) return ran.error();
-    told.live = *ran;
+    TRY_ASSIGN(const auto ran, run_session(s, live, sinks, [&](std::int64_t ticks) {
+                   return fell_behind_error(outputs.name_of(one_run.slowest()), ticks);
+               }));
+    told.live = ran;
     told.reports.push_back(
-        make_report(s, part ? figures : told.all, live ? &*ran : nullptr, outputs.painter()));
+        make_report(s, part ? figures : told.all, live ? &ran : nullptr, outputs.painter()));
     if (!part) return {};
     told.replayed.push_back(compare_replay(*part, *check, figures.force_hash(), s));
     told.all.end_part();
@@ -243,9 +241,8 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
             if (auto ended = outputs.end_part(*setup); !ended.ok()) return ended;
             const auto gpu = setup->gpu;
             setup.reset();
-            auto next = setup_from_recording(part, options.session, gpu);
-            if (!next.ok()) return next.error();
-            setup = std::move(*next);
+            TRY_ASSIGN(auto next, setup_from_recording(part, options.session, gpu));
+            setup = std::move(next);
         }
         if (auto ran = run_part(options, &part, *setup, outputs, told); !ran.ok()) return ran;
     }
@@ -256,38 +253,34 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     auto checked = check_gpu_options(options.session.builder, options.picture.draws_on_gpu());
     if (!checked.ok()) return checked;
-    const auto recording = read_replayed(options);
-    if (!recording.ok()) return recording.error();
-    const bool replays = !recording->empty();
-    auto first = replays ? setup_from_recording(recording->front(), options.session)
-                         : setup_from_options(options.session);
-    if (!first.ok()) return first.error();
-    std::unique_ptr<TouchSetup> setup = std::move(*first);
+    TRY_ASSIGN(const auto recording, read_replayed(options));
+    const bool replays = !recording.empty();
+    TRY_ASSIGN(auto first, replays ? setup_from_recording(recording.front(), options.session)
+                                   : setup_from_options(options.session));
+    std::unique_ptr<TouchSetup> setup = std::move(first);
     at_work = frames_in_words(setup->scene) + ", or for a run of that length";
     std::optional<std::int64_t> ticks = setup->ticks();
-    if (recording->size() > 1) {
+    if (recording.size() > 1) {
         ticks = 0;
-        for (const RecordedPart& part : *recording) *ticks += ticks_of(part);
+        for (const RecordedPart& part : recording) *ticks += ticks_of(part);
     }
-    auto outputs = TouchOutputs::open(options, *setup, ticks);
-    if (!outputs.ok()) return outputs.error();
+    TRY_ASSIGN(auto outputs, TouchOutputs::open(options, *setup, ticks));
 
     Told told;
-    if (auto ran = run_parts(options, *recording, setup, **outputs, told); !ran.ok()) return ran;
+    if (auto ran = run_parts(options, recording, setup, *outputs, told); !ran.ok()) return ran;
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
     // Files first: whoever reads the table may go away half-way.
-    const auto done = (*outputs)->finish(report, told.all.force_hash(), *setup);
+    const auto done = outputs->finish(report, told.all.force_hash(), *setup);
     std::ostream& words = stream_of_words(options);
     if (options.verbose)
-        words << report_to_text(report) << (*outputs)->remark();
+        words << report_to_text(report) << outputs->remark();
     else
-        words << report_in_short(report, (*outputs)->written());
+        words << report_in_short(report, outputs->written());
     if (!done.ok()) return done;
     if (auto whole = ended_early(told.live); !whole.ok()) return whole;
     if (!replays) return strictly(options, report);
-    const auto same = judge_replay(told.replayed, told.all.force_hash());
-    if (!same.ok()) return same.error();
-    words << *same;
+    TRY_ASSIGN(const auto same, judge_replay(told.replayed, told.all.force_hash()));
+    words << same;
     return strictly(options, report);
 }
 

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
-#include "player/options/device_options.hpp"
-#include "player/options/picture_options.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
+#include "player/commands/device_options.hpp"
+#include "player/commands/picture_options.hpp"
 #include "player/session/session_options.hpp"
 
 namespace touchable {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/import/guess/known_camera.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/formats/known_camera.hpp"
 
 namespace touchable {
 namespace {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/number_words.hpp"
+#include "engine/authoring/clip_quality.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/quality/clip_quality.hpp"
 #include "player/commands/clip_findings.hpp"
-#include "player/options/outputs.hpp"
-#include "player/terminal/progress.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/run/progress.hpp"
 
 namespace touchable {
 namespace {
@@ -64,33 +65,29 @@ std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
 }  // namespace
 
 Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, const VerifyPicture& picture) {
-    auto clip = open_chosen(choice, Colour::wanted);
-    if (!clip.ok()) return clip.error();
+    TRY_ASSIGN(auto clip, open_chosen(choice, Colour::wanted));
     std::optional<NewFile> file;
     if (picture.file) {
         std::vector<NamedFile> inputs;
-        add_inputs(inputs, choice.file, *clip->reader);
-        if (auto fit = check_outputs({{{"--picture", *picture.file}}, picture.existing}, inputs); !fit)
-            return fit.error();
+        add_inputs(inputs, choice.file, *clip.reader);
+        TRY(check_outputs({{{"--picture", *picture.file}}, picture.existing}, inputs));
         file.emplace(*picture.file, picture.existing);
-        if (auto fit = file->check(); !fit) return fit.error();
+        TRY(file->check());
     }
     Scene scene = facts.scene;
     if (facts.measured) scene.filter.levels = facts.measured->levels;
     Progress progress("looking at frame", facts.frames.value_or(0));
-    const auto quality =
-        measure_quality(*clip->reader, scene, [&](std::int64_t frames) { progress.at(frames); });
-    if (!quality.ok()) return quality.error();
-    const auto findings = findings_of(facts, *quality);
-    if (file)
-        if (auto drawn = draw(findings, *quality, *file); !drawn) return drawn.error();
+    TRY_ASSIGN(const auto quality,
+               measure_quality(*clip.reader, scene, [&](std::int64_t frames) { progress.at(frames); }));
+    const auto findings = findings_of(facts, quality);
+    if (file) TRY(draw(findings, quality, *file));
     Verified verified;
     for (std::size_t k = 0; k < findings.size(); ++k)
         verified.findings.push_back({findings[k].name, findings[k].what, findings[k].mend,
                                      file ? colour_of(findings, k) : std::string()});
     verified.drawn = file.has_value();
-    verified.measures = measures_json(*quality);
-    verified.measures_in_words = measures_in_words(*quality, facts.has_track("colour"));
+    verified.measures = measures_json(quality);
+    verified.measures_in_words = measures_in_words(quality, facts.has_track("colour"));
     return verified;
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/session/clip_choice.hpp"
 

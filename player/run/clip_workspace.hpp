@@ -1,8 +1,8 @@
 #pragma once
 
-#include "device/workspace.hpp"
-#include "engine/frame/surface_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_frame.hpp"
+#include "haptics_cpu/workspace.hpp"
 
 namespace touchable {
 

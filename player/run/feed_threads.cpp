@@ -7,7 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
 #include "player/run/memory.hpp"
 
 namespace touchable {
@@ -101,10 +102,9 @@ Result<void> FeedThreads::read_on() {
     if (next_) return {};
     if (auto gone_on = go_on(now.epoch); !gone_on.ok() || all_is_read_) return gone_on;
     if (auto caught_up = feed_.catch_up(now); !caught_up.ok()) return caught_up;
-    auto frame = feed_.read_next();
-    if (!frame.ok()) return frame.error();
-    all_is_read_ = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);
-    next_ = Queued{feed_.place(), std::move(*frame), all_is_read_};
+    TRY_ASSIGN(auto frame, feed_.read_next());
+    all_is_read_ = !frame || (coming_ && frame->raw.time_ns >= coming_->left_ns);
+    next_ = Queued{feed_.place(), std::move(frame), all_is_read_};
     return {};
 }
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 #include "player/run/feed_threads.hpp"
 #include "player/run/playback_clock.hpp"
 

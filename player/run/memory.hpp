@@ -3,7 +3,7 @@
 #include <new>
 #include <string>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

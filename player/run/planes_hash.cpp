@@ -1,5 +1,7 @@
 #include "player/run/planes_hash.hpp"
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 void PlanesHash::add(const RawFrame& frame) {
@@ -15,12 +17,11 @@ void PlanesHash::add(const RawFrame& frame) {
 Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
     PlanesHash hash;
     for (const FrameRun& run : runs) {
-        if (auto there = clip.seek(run.first); !there.ok()) return there.error();
+        TRY(clip.seek(run.first));
         for (std::int64_t k = 0; k < run.count; ++k) {
-            const auto frame = clip.next();
-            if (!frame.ok()) return frame.error();
-            if (!*frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
-            hash.add(**frame);
+            TRY_ASSIGN(const auto frame, clip.next());
+            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
+            hash.add(*frame);
         }
     }
     return hash.hex();

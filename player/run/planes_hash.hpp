@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

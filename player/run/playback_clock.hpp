@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/surface_timeline.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_timeline.hpp"
 #include "player/run/playback_log.hpp"
 
 namespace touchable {

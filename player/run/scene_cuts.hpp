@@ -4,8 +4,8 @@
 #include <set>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
 #include "engine/scene/depth_coding.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

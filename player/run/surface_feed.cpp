@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <iterator>
 
-#include "engine/frame/valid_pixel.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "engine/scene/valid_pixel.hpp"
 #include "engine/surface/filter_plan.hpp"
 
 namespace touchable {
@@ -165,10 +166,9 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame) {
     const RawFrame& raw = frame.raw;
     SurfaceFrame* slot = timeline_.acquire();
     if (!slot) return false;
-    if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
+    TRY(builder_->build(raw, *slot));
     if (!frame.shown) return true;
-    if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok())
-        return published.error();
+    TRY(timeline_.publish(raw.number, raw.time_ns));
     if (!settles_ && raw.storage)
         newest_ = raw;
     else
@@ -191,22 +191,20 @@ FeedFigures SurfaceFeed::figures() const {
 }
 
 Result<void> SurfaceFeed::feed_next() {
-    const auto frame = read_next();
-    if (!frame.ok()) return frame.error();
-    if (!*frame) {
+    TRY_ASSIGN(const auto frame, read_next());
+    if (!frame) {
         ended_ = true;
         timeline_.end_epoch();
         return {};
     }
-    const auto published = publish(**frame);
-    if (!published.ok()) return published.error();
-    assert(*published && "the reader of virtual time never holds more than two pairs");
+    TRY_ASSIGN(const auto published, publish(*frame));
+    assert(published && "the reader of virtual time never holds more than two pairs");
     return {};
 }
 
 Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     if (moment.epoch > place_.epoch) {
-        if (auto there = read_from(moment.epoch, moment.start_ns); !there.ok()) return there.error();
+        TRY(read_from(moment.epoch, moment.start_ns));
         ended_ = false;
     }
     FramePair pair;
@@ -217,7 +215,7 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     while (!ended_ && !is_there()) {
         if (given_up_.stop_requested()) return interrupted_error();
         timeline_.pair_at(moment, pair);
-        if (auto fed = feed_next(); !fed.ok()) return fed.error();
+        TRY(feed_next());
     }
     if (!timeline_.pair_at(moment, pair))
         return input_error("the clip has no frames; there is nothing to touch");

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/surface_timeline.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/planes_hash.hpp"

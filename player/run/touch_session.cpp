@@ -1,6 +1,7 @@
 #include "player/run/touch_session.hpp"
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "player/run/field_probe.hpp"
 
 namespace touchable {
@@ -41,14 +42,14 @@ Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
 
 Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
     const std::int64_t time_ns = settings_.time_of_tick(tick);
-    const auto pair = settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(moment_of(tick));
-    if (!pair.ok()) return pair.error();
+    TRY_ASSIGN(const auto pair,
+               settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(moment_of(tick)));
     // A clip whose length only reading tells may turn out to have ended before this tick.
     if (is_over(tick)) return {};
-    const HeightField field(scene_, *pair);
+    const HeightField field(scene_, pair);
     hand_.goals_at(tick, FieldProbe(field), step_.goals());
     if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
-    const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, *pair);
+    const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
     for (TouchSink* sink : sinks)
         if (auto taken = sink->take(done); !taken.ok()) return taken;
     return {};

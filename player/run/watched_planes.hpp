@@ -6,7 +6,7 @@
 #include <mutex>
 #include <optional>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

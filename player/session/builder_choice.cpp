@@ -2,8 +2,9 @@
 
 #include <iostream>
 
+#include "engine/base/try.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 #include "engine/surface/fallback_builder.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
 
 namespace touchable {
 namespace {
@@ -13,11 +14,9 @@ void warn(const std::string& line) {
 }
 
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& gpu) {
-    auto device = gpu.open();
-    if (!device.ok()) return device.error();
-    auto builder = make_vulkan_builder(scene, std::move(*device));
-    if (!builder.ok()) return builder.error();
-    return make_fallback_builder(std::move(*builder), make_cpu_builder(scene), warn);
+    TRY_ASSIGN(auto device, gpu.open());
+    TRY_ASSIGN(auto builder, make_vulkan_builder(scene, std::move(device)));
+    return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
 }
 
 }  // namespace

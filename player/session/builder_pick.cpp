@@ -1,6 +1,6 @@
 #include "player/session/builder_pick.hpp"
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {

@@ -5,9 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/clip/reader_around.hpp"
-#include "engine/start_thread.hpp"
-#include "engine/video/matroska_writer.hpp"
 
 namespace touchable {
 namespace {
@@ -22,7 +23,7 @@ public:
     Result<std::optional<RawFrame>> next() override {
         auto frame = inner().next();
         if (!frame.ok() || !*frame) return frame;
-        if (auto kept = film_->keep(**frame); !kept.ok()) return kept.error();
+        TRY(film_->keep(**frame));
         return frame;
     }
     void interrupt() override {
@@ -77,9 +78,8 @@ CameraCapture::~CameraCapture() {
 }
 
 Result<void> CameraCapture::open(const std::filesystem::path& file, Existing existing) {
-    auto writer = create_clip(file, described_, {}, existing);
-    if (!writer.ok()) return writer.error();
-    writer_ = std::move(*writer);
+    TRY_ASSIGN(auto writer, create_clip(file, described_, {}, existing));
+    writer_ = std::move(writer);
     file_ = file;
     {
         const std::lock_guard lock(mutex_);

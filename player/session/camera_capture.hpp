@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/clip_writer.hpp"
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 
 namespace touchable {

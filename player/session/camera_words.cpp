@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "device/hand_options.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
 #include "engine/camera/live_bytes.hpp"
-#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -84,7 +85,7 @@ Result<LiveCamera> read_sender(const std::string& words) {
     FramesetChoice choice;
     if (words.starts_with(tcp_kind)) {
         choice.address = words.substr(tcp_kind.size());
-        if (auto checked = check_address(choice.address); !checked.ok()) return checked.error();
+        TRY(check_address(choice.address));
         return LiveCamera{std::move(choice), {}, {}};
     }
     choice.command = words.substr(pipe_kind.size());
@@ -96,9 +97,8 @@ Result<LiveCamera> read_sender(const std::string& words) {
 }
 
 Result<LiveCamera> read_stream(const std::string& words) {
-    auto url = read_stream_url(words.substr(stream_kind.size()));
-    if (!url.ok()) return url.error();
-    return LiveCamera{StreamChoice{.url = std::move(*url)}, {}, {}};
+    TRY_ASSIGN(auto url, read_stream_url(words.substr(stream_kind.size())));
+    return LiveCamera{StreamChoice{.url = std::move(url)}, {}, {}};
 }
 
 Result<LiveCamera> read_replay(const std::string& words) {

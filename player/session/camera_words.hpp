@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/camera/plugged_camera.hpp"
 #include "engine/clip/replay_camera.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 
@@ -18,9 +18,9 @@ struct LiveCamera {
     CameraDelivery delivery;
 };
 
-/// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or "replay:PATH[,key=value...]"
-/// (docs/camera.md); PATH ends with the first comma. Starts and opens nothing. Refuses (ErrorKind::usage)
-/// what is no such description, and names what would be right.
+/// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
+/// "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Starts and opens nothing.
+/// Refuses (ErrorKind::usage) what is no such description, and names what would be right.
 Result<LiveCamera> read_live_camera(const std::string& words);
 
 }  // namespace touchable

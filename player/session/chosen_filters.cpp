@@ -2,9 +2,10 @@
 
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/prefetch.hpp"
 #include "engine/surface/filter_choice.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "player/run/interrupt.hpp"
 
 namespace touchable {
 
@@ -21,9 +22,8 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
         if (!frame.ok() || !*frame) break;
         estimator.add(**frame);
     }
-    auto clip = ahead.finish();
-    if (!clip.ok()) return clip.error();
-    reader = std::move(*clip);
+    TRY_ASSIGN(auto clip, ahead.finish());
+    reader = std::move(clip);
     MeasuredFrames measured{estimator.measured(), damage};
     if (interrupted() || given_up.stop_requested()) return interrupted_error();
     return measured;
@@ -37,12 +37,11 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     const bool automatic = scene.filter.terraces == TerraceRemoval::automatic;
     ChosenFilters chosen{unstated, {}};
     chosen.chosen.terraces = chosen.chosen.terraces || automatic;
-    auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up);
-    if (!measured.ok()) return measured.error();
-    if (auto settled = settle_filters(measured->depth, unstated, scene); !settled.ok())
-        return settled.error();
-    chosen.measured = measured->depth;
-    chosen.damage = measured->damage;
+    TRY_ASSIGN(auto measured,
+               known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up));
+    TRY(settle_filters(measured.depth, unstated, scene));
+    chosen.measured = measured.depth;
+    chosen.damage = measured.damage;
     return std::optional(chosen);
 }
 

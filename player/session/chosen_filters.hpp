@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/surface/depth_estimator.hpp"
 

@@ -2,9 +2,10 @@
 
 #include <utility>
 
-#include "engine/content/background/filled_clip.hpp"
-#include "engine/content/materials/painted_clip.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/authoring/filled_clip.hpp"
+#include "engine/authoring/painted_clip.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 
@@ -117,13 +118,11 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
 
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {
     const WorkUntil until(given_up);
-    auto reader = choice.open(colour);
-    if (!reader.ok()) return reader.error();
-    auto wanted = applied(choice, (*reader)->described());
-    if (!wanted.ok()) return wanted.error();
-    auto chosen = settle_filters(*reader, wanted->unstated.filters, wanted->scene, choice.measured, given_up);
-    if (!chosen.ok()) return chosen.error();
-    return OpenClip{std::move(*reader), std::move(wanted->scene), std::move(*chosen)};
+    TRY_ASSIGN(auto reader, choice.open(colour));
+    TRY_ASSIGN(auto wanted, applied(choice, reader->described()));
+    TRY_ASSIGN(auto chosen,
+               settle_filters(reader, wanted.unstated.filters, wanted.scene, choice.measured, given_up));
+    return OpenClip{std::move(reader), std::move(wanted.scene), std::move(chosen)};
 }
 
 }  // namespace touchable

@@ -6,14 +6,14 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/authoring/material_brush.hpp"
+#include "engine/base/result.hpp"
 #include "engine/camera/plugged_camera.hpp"
 #include "engine/camera/shared_camera.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/clip/replay_camera.hpp"
-#include "engine/content/materials/material_brush.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/import/touch_maps/still_maps.hpp"
-#include "engine/result.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/formats/still_maps.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "player/session/camera_capture.hpp"
 #include "player/session/camera_words.hpp"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "device/hand_control.hpp"
 #include "haptics_cpu/haptic_port.hpp"
-#include "player/record/device_tick_log.hpp"
+#include "player/run/device_tick_log.hpp"
 
 namespace touchable {
 

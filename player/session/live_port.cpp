@@ -1,5 +1,6 @@
 #include "player/session/live_port.hpp"
 
+#include "engine/base/try.hpp"
 #include "player/run/device_port.hpp"
 #include "player/session/held_port.hpp"
 
@@ -14,8 +15,7 @@ HapticDevice* device_of(const TouchSetup& setup) {
 }  // namespace
 
 Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
-    if (HapticDevice* device = device_of(setup))
-        if (auto opened = device->open(); !opened.ok()) return opened.error();
+    if (HapticDevice* device = device_of(setup)) TRY(device->open());
     std::unique_ptr<HapticPort> port;
     if (setup.control)
         port = std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());

@@ -4,8 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine/content/materials/material_clip.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/authoring/material_clip.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 
@@ -20,9 +21,8 @@ Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
     own.shared_clip.reset();
     own.relief.reset();  // heights tell nothing of segments
     own.painted.reset();
-    const auto reader = own.open();
-    if (!reader.ok()) return reader.error();
-    return read_segments(**reader, begin_segments, progress);
+    TRY_ASSIGN(const auto reader, own.open());
+    return read_segments(*reader, begin_segments, progress);
 }
 
 std::string segments_depend_on(const ClipChoice& choice) {

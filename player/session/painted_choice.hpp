@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <string>
 
-#include "engine/content/materials/segment_store.hpp"
-#include "engine/result.hpp"
+#include "engine/authoring/segment_store.hpp"
+#include "engine/base/result.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <sstream>
 
-#include "engine/given_file.hpp"
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
 
 namespace touchable {
 

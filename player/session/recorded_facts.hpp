@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "player/session/touch_setup.hpp"
 

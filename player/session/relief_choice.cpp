@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
 #include "engine/surface/code_picture.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/clip_workspace.hpp"
@@ -22,26 +23,25 @@ struct InTheHand {
 };
 
 Result<InTheHand> in_the_hand(ClipReader& clip) {
-    const auto first = clip.next();
-    if (!first.ok()) return first.error();
-    if (!*first) return input_error(clip.inputs().front().string() + ": has no frames");
+    TRY_ASSIGN(const auto first, clip.next());
+    if (!first) return input_error(clip.inputs().front().string() + ": has no frames");
     const Scene& scene = clip.scene();
     InTheHand hand;
     if (scene.device_metres_per_unit) {
         hand.metres_per_unit = *scene.device_metres_per_unit;
     } else {
         SurfaceFrame surface;
-        if (auto built = make_cpu_builder(scene)->build(**first, surface); !built.ok()) return built.error();
+        TRY(make_cpu_builder(scene)->build(*first, surface));
         hand.metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
     }
-    std::vector<int> codes = code_picture((*first)->depth, scene.depth).codes;
+    std::vector<int> codes = code_picture(first->depth, scene.depth).codes;
     std::erase(codes, CodePicture::invalid);
     if (!codes.empty()) {
         const auto middle = codes.begin() + static_cast<std::ptrdiff_t>(codes.size() / 2);
         std::nth_element(codes.begin(), middle, codes.end());
         hand.pixel = scene.depth.depth(static_cast<std::uint16_t>(*middle)) / scene.camera.fx;
     }
-    if (auto back = clip.rewind(); !back.ok()) return back.error();
+    TRY(clip.rewind());
     return hand;
 }
 
@@ -79,22 +79,20 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
     if (clip->is_live())
         return usage_error(
             "relief is made of clips, whose colour can be looked at beforehand; this is a camera");
-    const auto hand = in_the_hand(*clip);
-    if (!hand.ok()) return hand.error();
-    const double metres_per_unit = choice.is_of_world ? clip->scene().metres_per_unit : hand->metres_per_unit;
+    TRY_ASSIGN(const auto hand, in_the_hand(*clip));
+    const double metres_per_unit = choice.is_of_world ? clip->scene().metres_per_unit : hand.metres_per_unit;
     const double max_height = choice.height_mm / 1000 / metres_per_unit;
     std::vector<std::string> notes;
     notes.push_back(formatted("relief: %.3g mm of the hand are %.3g mm of what was recorded",
-                              max_height * hand->metres_per_unit * 1000,
+                              max_height * hand.metres_per_unit * 1000,
                               max_height * clip->scene().metres_per_unit * 1000));
-    if (hand->pixel > 0) notes.push_back(finest_in_words(*hand, *clip));
+    if (hand.pixel > 0) notes.push_back(finest_in_words(hand, *clip));
     const auto& bands = choice.settings.bands;
     const auto known = memory ? memory->range(bands) : std::nullopt;
     auto looked = known ? LookedAt{std::move(clip), *known} : LookedAt{};
     if (!known) {
-        auto found = look_at_relief(std::move(clip), choice.settings);
-        if (!found.ok()) return found.error();
-        looked = std::move(*found);
+        TRY_ASSIGN(auto found, look_at_relief(std::move(clip), choice.settings));
+        looked = std::move(found);
         if (memory) memory->keep(bands, looked.range);
     }
     return with_relief(std::move(looked.clip), choice.settings, looked.range, max_height, std::move(notes));

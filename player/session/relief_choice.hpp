@@ -6,11 +6,11 @@
 #include <mutex>
 #include <optional>
 
+#include "engine/authoring/relief_clip.hpp"
+#include "engine/authoring/relief_estimator.hpp"
+#include "engine/authoring/relief_filter.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/content/relief/relief_clip.hpp"
-#include "engine/content/relief/relief_estimator.hpp"
-#include "engine/content/relief/relief_filter.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

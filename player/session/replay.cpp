@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 #include "haptics_cpu/force_rules.hpp"
 #include "player/run/planes_hash.hpp"
 #include "player/session/recorded_facts.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "device/hand.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 

@@ -11,10 +11,10 @@
 
 #include "device/hand_control.hpp"
 #include "device/haptic_device.hpp"
-#include "device/workspace.hpp"
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "haptics_cpu/workspace.hpp"
 #include "player/run/playback_clock.hpp"
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
@@ -35,9 +35,9 @@ struct SessionOptions {
     TouchMetric metric = TouchMetric::world;
     double stribeck_speed = 0;  ///< m/s; 0: friction does not depend on speed
     GuardSettings guard;
-    bool live = false;                  ///< on the wall clock, in real time
-    bool start_buried = false;          ///< live: force from the start for a finger that begins inside, too
-    bool recorded = false;              ///< frames are hashed, so that a replay knows whether it has the same
+    bool live = false;          ///< on the wall clock, in real time
+    bool start_buried = false;  ///< live: force from the start for a finger that begins inside, too
+    bool recorded = false;      ///< frames are hashed, so that a replay knows whether it has the same
     /// Live source: as GuardSettings has it; nothing: 250 ms of a stream, never of a camera.
     std::optional<std::int64_t> stale_after_ns;
     std::optional<std::string> camera;  ///< live: what `clip` is as a camera, in words; nothing: it is a clip

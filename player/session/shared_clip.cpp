@@ -5,7 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
@@ -101,8 +102,7 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     // nothing.
     const WorkForAll work;
     // Not known where reading fails.
-    if (std::exchange(position_, std::nullopt) != number)
-        if (auto sought = clip_->seek(number); !sought.ok()) return sought.error();
+    if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
     auto frame = clip_->next();
     if (!frame.ok()) return frame;
     position_ = *frame ? (*frame)->number + 1 : number;

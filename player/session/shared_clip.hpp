@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/frame/raw_frame.hpp"
-#include "engine/result.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 

@@ -5,13 +5,14 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/field_probe.hpp"
+#include "player/run/progress.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/chosen_filters.hpp"
-#include "player/terminal/progress.hpp"
 
 namespace touchable {
 
@@ -45,35 +46,30 @@ public:
 Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
     reader->leave_out_colour();
     Scene scene = reader->scene();
-    if (auto settled = settle_filters(reader, reader->unstated_filters(), scene); !settled.ok())
-        return settled.error();
+    TRY(settle_filters(reader, reader->unstated_filters(), scene));
     auto builder = make_cpu_builder(scene);
     SurfaceFeed feed(std::move(reader), std::move(builder), scene);
     feed.leave_out_hash();
-    const auto first = feed.pair_at(0);
-    if (!first.ok()) return first.error();
-    Workspace workspace = clip_workspace(scene, *first->prev.frame);
+    TRY_ASSIGN(const auto first, feed.pair_at(0));
+    Workspace workspace = clip_workspace(scene, *first.prev.frame);
     if (before) workspace.metres_per_scene_unit = before->metres_per_scene_unit;
 
     std::unique_ptr<Hand> hand;
     if (before) {
         hand = std::make_unique<GoalsAgain>(before->forces);
     } else {
-        const HeightField field(scene, *first);
-        auto made = make_hand(wandering, 1, workspace, FieldProbe(field));
-        if (!made.ok()) return made.error();
-        hand = std::move(*made);
+        const HeightField field(scene, first);
+        TRY_ASSIGN(auto made, make_hand(wandering, 1, workspace, FieldProbe(field)));
+        hand = std::move(made);
     }
     TouchSessionSettings settings;
     settings.ticks = standard_stroke_ticks;
     settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
-    const auto solver = TouchSolver::create(scene, settings.touch);
-    if (!solver.ok()) return solver.error();
+    TRY_ASSIGN(const auto solver, TouchSolver::create(scene, settings.touch));
     ForcesInHand forces;
     TickProgress progress(standard_stroke_ticks);
     std::array<TouchSink*, 2> sinks{&forces, &progress};
-    if (auto ran = TouchSession(scene, feed, *hand, *solver, settings).run(sinks); !ran.ok())
-        return ran.error();
+    TRY(TouchSession(scene, feed, *hand, solver, settings).run(sinks));
     return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};
 }
 
@@ -84,9 +80,8 @@ Result<Stroke> standard_stroke(std::unique_ptr<ClipReader> clip) {
 }
 
 Result<ForceComparison> compare_by_stroke(const Stroke& first, std::unique_ptr<ClipReader> second) {
-    const auto repeated = stroke(std::move(second), &first);
-    if (!repeated.ok()) return repeated.error();
-    return compare_forces(first.forces, repeated->forces);
+    TRY_ASSIGN(const auto repeated, stroke(std::move(second), &first));
+    return compare_forces(first.forces, repeated.forces);
 }
 
 }  // namespace touchable

@@ -2,10 +2,10 @@
 
 #include <memory>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/result.hpp"
-#include "player/record/force_comparison.hpp"
-#include "player/record/force_table.hpp"
+#include "player/run/force_comparison.hpp"
+#include "player/run/force_table.hpp"
 
 namespace touchable {
 

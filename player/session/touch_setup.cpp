@@ -6,11 +6,12 @@
 #include <utility>
 #include <variant>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/record/repeating_hand.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/field_probe.hpp"
+#include "player/run/repeating_hand.hpp"
 #include "player/session/builder_pick.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
@@ -41,8 +42,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     }
     if (options.builder.name != "auto") return {};
     const bool named = options.builder.names_gpu();
-    if (named)
-        if (auto opened = setup.gpu->open(); !opened.ok()) return opened.error();
+    if (named) TRY(setup.gpu->open());
     const TouchLoad load{setup.scene, frames != 1, setup.settings.fingers, options.live};
     const auto pick = pick_builder(load, [&] {
         const auto device = setup.gpu->open();
@@ -75,10 +75,9 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     setup.filters = std::move(clip.chosen);
     if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
-    auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
-    if (!builder.ok()) return builder.error();
+    TRY_ASSIGN(auto builder, make_builder(setup.builder, setup.scene, *setup.gpu));
     const auto eye = options.watched ? SurfaceTimeline::Eye::one : SurfaceTimeline::Eye::none;
-    setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene,
+    setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(builder), setup.scene,
                                                setup.warm_up_frames, eye);
     if (!options.recorded) setup.feed->leave_out_hash();
     setup.feed->stop_at(options.given_up);
@@ -88,16 +87,15 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
 /// A hand that knows its goals already: how many fingers it has, and at what scale it touches.
 Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     if (options.held_device || !RepeatingHand::is_meant(options.hand)) return {};
-    auto hand = RepeatingHand::read(options.hand);
-    if (!hand.ok()) return hand.error();
-    const int fingers = (*hand)->fingers();
+    TRY_ASSIGN(auto hand, RepeatingHand::read(options.hand));
+    const int fingers = hand->fingers();
     if (options.fingers != 1 && options.fingers != fingers)
         return usage_error("fingers " + std::to_string(options.fingers) + ": " + options.hand + " has " +
                                std::to_string(fingers) + "; leave it out",
                            {{Setting::fingers}});
     setup.settings.fingers = fingers;
-    setup.settings.touch.metres_per_scene_unit = (*hand)->metres_per_scene_unit();
-    setup.hand = std::move(*hand);
+    setup.settings.touch.metres_per_scene_unit = hand->metres_per_scene_unit();
+    setup.hand = std::move(hand);
     return {};
 }
 
@@ -131,9 +129,8 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     } else if (options.world_from_camera) {
         setup.workspace = {setup.scene.metres_per_unit, glm::dvec3(0)};
     } else {
-        const auto first = setup.feed->pair_at(0);
-        if (!first.ok()) return first.error();
-        const SurfaceFrame& frame = *first->prev.frame;
+        TRY_ASSIGN(const auto first, setup.feed->pair_at(0));
+        const SurfaceFrame& frame = *first.prev.frame;
         setup.workspace = setup.control
                               ? held_workspace(setup.scene, frame, setup.held_device->capabilities().reach)
                               : clip_workspace(setup.scene, frame);
@@ -156,8 +153,8 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     if (auto placed = place_workspace(setup, options); !placed.ok()) return placed;
     setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
-    const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
-    if (!begin.ok()) return begin.error();
+    TRY_ASSIGN(const auto begin,
+               setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0)));
     if (setup.held_device) {
         setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
         return {};
@@ -166,10 +163,9 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
         setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
         return {};
     }
-    const HeightField field(setup.scene, *begin);
-    auto hand = make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field));
-    if (!hand.ok()) return hand.error();
-    setup.hand = std::move(*hand);
+    const HeightField field(setup.scene, begin);
+    TRY_ASSIGN(auto hand, make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field)));
+    setup.hand = std::move(hand);
     setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
     return {};
 }
@@ -200,18 +196,16 @@ Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) 
 
 Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.device) return {};
-    auto device = make_simulated_device(*options.device, setup.settings.fingers);
-    if (!device.ok()) return device.error();
-    keep_within((*device)->limits(), setup.settings.guard);
-    setup.device = std::move(*device);
+    TRY_ASSIGN(auto device, make_simulated_device(*options.device, setup.settings.fingers));
+    keep_within(device->limits(), setup.settings.guard);
+    setup.device = std::move(device);
     setup.device_words = *options.device;
     return {};
 }
 
 Result<void> make_solver(TouchSetup& setup) {
-    auto solver = TouchSolver::create(setup.scene, setup.settings.touch);
-    if (!solver.ok()) return solver.error();
-    setup.solver = *solver;
+    TRY_ASSIGN(auto solver, TouchSolver::create(setup.scene, setup.settings.touch));
+    setup.solver = solver;
     return {};
 }
 
@@ -219,7 +213,7 @@ Result<void> make_solver(TouchSetup& setup) {
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
     const WorkUntil until(options.given_up);
-    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    TRY(validate(options));
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
     setup->camera_words = options.camera.value_or("");
@@ -233,22 +227,21 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->settings.guard = options.guard;
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 
-    if (auto taken = take_held_device(*setup, options); !taken.ok()) return taken.error();
-    if (auto read = repeat_hand(*setup, options); !read.ok()) return read.error();
-    auto clip =
-        open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out, options.given_up);
-    if (!clip.ok()) return clip.error();
+    TRY(take_held_device(*setup, options));
+    TRY(repeat_hand(*setup, options));
+    TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out,
+                                      options.given_up));
     if (options.recorded && options.clip.plugged) {
-        setup->film = std::make_shared<CameraCapture>(clip->reader->described());
-        clip->reader = with_film(std::move(clip->reader), setup->film);
+        setup->film = std::make_shared<CameraCapture>(clip.reader->described());
+        clip.reader = with_film(std::move(clip.reader), setup->film);
     }
-    if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    TRY(make_feed(*setup, std::move(clip), options));
     setup->settings.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
     if (options.late_playback) setup->settings.playback = options.late_playback();
-    if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
-    if (auto checked = check_playback(*setup, options); !checked.ok()) return checked.error();
-    if (auto held = hold_device(*setup, options); !held.ok()) return held.error();
-    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    TRY(place_hand(*setup, options));
+    TRY(check_playback(*setup, options));
+    TRY(hold_device(*setup, options));
+    TRY(make_solver(*setup));
     return setup;
 }
 
@@ -333,17 +326,15 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
     auto setup = std::make_unique<TouchSetup>();
     setup->gpu = std::move(gpu);
     setup->settings.fingers = part.fingers;
-    const auto scene = read_recorded_facts(part.facts, part.name, *setup);
-    if (!scene.ok()) return scene.error();
-    auto clip = open_recorded(*setup, *scene, part.name, options.clip);
-    if (!clip.ok()) return clip.error();
+    TRY_ASSIGN(const auto scene, read_recorded_facts(part.facts, part.name, *setup));
+    TRY_ASSIGN(auto clip, open_recorded(*setup, scene, part.name, options.clip));
     SessionOptions as_recorded = options;
     as_recorded.recorded = true;
-    if (auto made = make_feed(*setup, std::move(*clip), as_recorded); !made.ok()) return made.error();
+    TRY(make_feed(*setup, std::move(clip), as_recorded));
     setup->feed->leave_out(setup->dropped);
     setup->hand = std::make_unique<ReplayHand>(part);
     follow(part, *setup);
-    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    TRY(make_solver(*setup));
     return setup;
 }
 

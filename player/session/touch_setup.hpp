@@ -8,10 +8,10 @@
 
 #include "device/hand.hpp"
 #include "device/simulated_device.hpp"
-#include "device/workspace.hpp"
 #include "engine/scene/temporal.hpp"
-#include "player/record/device_tick_log.hpp"
-#include "player/record/recording.hpp"
+#include "haptics_cpu/workspace.hpp"
+#include "player/run/device_tick_log.hpp"
+#include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/session_options.hpp"
 

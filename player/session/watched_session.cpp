@@ -6,7 +6,8 @@
 #include <new>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/live_port.hpp"
 #include "player/session/playback_script.hpp"
@@ -21,9 +22,8 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
                                "': where somebody watches, commands are given as the clip plays; right would "
                                "be what takes effect at 0 s");
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
-    auto port = open_port(*session->setup_);
-    if (!port.ok()) return port.error();
-    session->port_ = std::move(*port);
+    TRY_ASSIGN(auto port, open_port(*session->setup_));
+    session->port_ = std::move(port);
     TouchSetup& s = *session->setup_;
     session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.settings, session->log_);
     session->running_.store(true, std::memory_order_release);

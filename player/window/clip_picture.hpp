@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "engine/result.hpp"
-#include "player/overlay/overlays.hpp"
-#include "player/screen/window_graphics.hpp"
+#include "engine/base/result.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/session/watched_session.hpp"
 #include "player/window/segment_tint.hpp"
+#include "player/window/window_graphics.hpp"
 
 namespace touchable {
 

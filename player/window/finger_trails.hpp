@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "haptics_cpu/height_field.hpp"
+#include "player/draw/finger_marks.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/view/finger_marks.hpp"
 
 namespace touchable {
 

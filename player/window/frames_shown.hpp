@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

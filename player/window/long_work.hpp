@@ -15,8 +15,8 @@
 #include <thread>
 #include <utility>
 
-#include "engine/result.hpp"
-#include "engine/start_thread.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/start_thread.hpp"
 
 namespace touchable {
 

@@ -4,10 +4,11 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "player/draw/surface_dents.hpp"
+#include "player/draw/view_surface.hpp"
 #include "player/session/filter_words.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/view/surface_dents.hpp"
-#include "player/view/view_surface.hpp"
 
 namespace touchable {
 namespace {
@@ -58,7 +59,7 @@ Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options,
                                                      const SessionSettings& settings, WindowSound& sound,
                                                      const std::stop_token& given_up) {
     std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip, sound));
-    if (auto ready = made->make_ready(settings, given_up); !ready.ok()) return ready.error();
+    TRY(made->make_ready(settings, given_up));
     return made;
 }
 
@@ -128,9 +129,8 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::
         if (auto opened = options_.hand->open(); !opened.ok()) return opened;
     SessionOptions session = session_options(settings, clip_.painted);
     session.given_up = given_up;
-    auto setup = setup_from_options(session);
-    if (!setup.ok()) return setup.error();
-    TouchSetup& s = **setup;
+    TRY_ASSIGN(auto setup, setup_from_options(session));
+    TouchSetup& s = *setup;
     name_ = s.clip.file.filename().empty() ? s.clip.file.parent_path().filename().string()
                                            : s.clip.file.filename().string();
     frames_ = s.feed->reader().frame_count().value_or(0);
@@ -140,13 +140,12 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::
     // No surface is before the clip's camera.
     device_->set_refuge(workspace_.to_device({0, 0, 0}));
     fingers_.emplace(*device_, workspace_);
-    const auto first = s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0));
-    if (!first.ok()) return first.error();
-    const Subject subject = subject_of(HeightField(*scene_, *first));
+    TRY_ASSIGN(const auto first, s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0)));
+    const Subject subject = subject_of(HeightField(*scene_, first));
     view_.emplace(*scene_, subject.middle);
     middle_ = subject.middle;
     sizes_ = sizes_for(s.settings.guard.max_force);
-    ready_ = std::move(*setup);
+    ready_ = std::move(setup);
     return {};
 }
 
@@ -181,10 +180,9 @@ std::optional<Error> OpenedClip::record_fault() const {
 
 Result<void> OpenedClip::begin() {
     if (options_.record) {
-        auto file = RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing,
-                                          Pace::wall_clock, options_.names.record);
-        if (!file.ok()) return file.error();
-        record_ = std::make_unique<Record>(std::move(*file));
+        TRY_ASSIGN(auto file, RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing,
+                                                    Pace::wall_clock, options_.names.record));
+        record_ = std::make_unique<Record>(std::move(file));
         if (auto film = open_film(*ready_); !film.ok()) return film;
     }
     return start_session(std::move(ready_));
@@ -217,9 +215,8 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     std::vector<TouchSink*> sinks{&*listener_};
     if (record_) sinks.push_back(record_.get());
     if (options_.meter) sinks.push_back(options_.meter.get());
-    auto started = WatchedSession::start(std::move(setup), std::move(sinks));
-    if (!started.ok()) return started.error();
-    session_ = std::move(*started);
+    TRY_ASSIGN(auto started, WatchedSession::start(std::move(setup), std::move(sinks)));
+    session_ = std::move(started);
     control_ = session_->setup().control.get();
     return {};
 }
@@ -257,9 +254,8 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
         change.state = session_->playback();
         return {};
     };
-    auto setup = setup_from_options(session);
-    if (!setup.ok()) return setup.error();
-    change.setup = std::move(*setup);
+    TRY_ASSIGN(auto setup, setup_from_options(session));
+    change.setup = std::move(setup);
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
     if (!clip_.is_camera() && is_left_behind(change)) {
         // Once more, now that it is known how long that takes; for the clip it is a seek from there.
@@ -267,9 +263,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
         std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
         commands.insert(commands.begin(), playback[1]);
         playback = std::move(commands);
-        const auto begin =
-            change.setup->feed->pair_at(PlaybackClock(change.setup->scene.rate, playback).at(0));
-        if (!begin.ok()) return begin.error();
+        TRY(change.setup->feed->pair_at(PlaybackClock(change.setup->scene.rate, playback).at(0)));
     }
     return change;
 }

@@ -13,14 +13,14 @@
 #include "device/pointer_device.hpp"
 #include "haptics_cpu/force_hash.hpp"
 #include "player/audio/touch_listener.hpp"
-#include "player/control/pointer_fingers.hpp"
-#include "player/control/session_settings.hpp"
-#include "player/control/window_view.hpp"
-#include "player/record/recording.hpp"
+#include "player/draw/finger_marks.hpp"
+#include "player/run/recording.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/view/finger_marks.hpp"
 #include "player/window/finger_trails.hpp"
 #include "player/window/play_window.hpp"
+#include "player/window/pointer_fingers.hpp"
+#include "player/window/session_settings.hpp"
+#include "player/window/window_view.hpp"
 
 namespace touchable {
 

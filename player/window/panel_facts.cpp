@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 #include "haptics_cpu/force_guard.hpp"
-#include "player/control/pixel_words.hpp"
-#include "player/view/surface_pick.hpp"
+#include "player/draw/surface_pick.hpp"
+#include "player/window/pixel_words.hpp"
 
 namespace touchable {
 namespace {

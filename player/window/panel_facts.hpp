@@ -1,8 +1,8 @@
 #pragma once
 
-#include "player/panel/panel_contents.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/panel_contents.hpp"
 
 namespace touchable {
 

@@ -8,20 +8,20 @@
 #include <string>
 #include <vector>
 
-#include "engine/new_file.hpp"
-#include "engine/result.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/scene/remark.hpp"
 #include "player/audio/spoken_sound.hpp"
-#include "player/control/kiosk.hpp"
-#include "player/control/kiosk_texts.hpp"
-#include "player/control/persistent_device.hpp"
-#include "player/control/playlist.hpp"
-#include "player/control/touch_labels.hpp"
-#include "player/control/window_script.hpp"
-#include "player/screen/screen.hpp"
 #include "player/session/session_options.hpp"
-#include "player/study/study.hpp"
-#include "player/study/touch_meter.hpp"
+#include "player/window/kiosk.hpp"
+#include "player/window/kiosk_texts.hpp"
+#include "player/window/persistent_device.hpp"
+#include "player/window/playlist.hpp"
+#include "player/window/screen.hpp"
+#include "player/window/study.hpp"
+#include "player/window/touch_labels.hpp"
+#include "player/window/touch_meter.hpp"
+#include "player/window/window_script.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "player/window/opened_clip.hpp"
 
 namespace touchable {

@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -78,9 +80,8 @@ Screenshots::Screenshots(Existing existing)
 
 Result<void> Screenshots::keep(Image image, fs::path name) {
     if (!disk_) {
-        auto started = DiskWork::start("screenshots", "that writes pictures of the window");
-        if (!started.ok()) return started.error();
-        disk_ = std::move(*started);
+        TRY_ASSIGN(auto started, DiskWork::start("screenshots", "that writes pictures of the window"));
+        disk_ = std::move(started);
     }
     {
         const std::lock_guard lock(files_->mutex);

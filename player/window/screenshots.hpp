@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "engine/new_file.hpp"
+#include "engine/base/new_file.hpp"
+#include "engine/base/result.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
-#include "player/control/disk_work.hpp"
+#include "player/window/disk_work.hpp"
 
 namespace touchable {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "engine/content/segments/pixel_features.hpp"
-#include "player/control/material_colours.hpp"
+#include "engine/authoring/pixel_features.hpp"
+#include "player/window/material_colours.hpp"
 
 namespace touchable {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/content/materials/material_brush.hpp"
-#include "engine/frame/plane_view.hpp"
+#include "engine/authoring/material_brush.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable {
 

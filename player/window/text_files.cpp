@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/new_file.hpp"
+#include "engine/base/new_file.hpp"
 
 namespace touchable {
 namespace {

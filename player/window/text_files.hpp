@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/result.hpp"
-#include "player/control/disk_work.hpp"
+#include "engine/base/result.hpp"
+#include "player/window/disk_work.hpp"
 
 namespace touchable {
 

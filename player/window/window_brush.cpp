@@ -6,11 +6,12 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/given_file.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/given_file.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "player/session/painted_choice.hpp"
-#include "player/view/surface_pick.hpp"
 
 namespace touchable {
 namespace {
@@ -44,9 +45,9 @@ Result<std::string> done_by(MaterialBrush& brush, const WindowCommand& command) 
 Result<void> check_saved(const std::filesystem::path& file) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed) && !failed) return {};
-    const auto text = read_given_file(file, file.string(), "a file of segments", largest_segment_names);
-    if (!text.ok()) return text.error();
-    if (parse_segment_names(*text, file.string()).ok()) return {};
+    TRY_ASSIGN(const auto text,
+               read_given_file(file, file.string(), "a file of segments", largest_segment_names));
+    if (parse_segment_names(text, file.string()).ok()) return {};
     return input_error(file.string() +
                        ": is there, and says nothing of segments; materials are not saved in its place");
 }
@@ -119,19 +120,19 @@ void WindowBrush::begin() {
                            .history_folder = options_.brush_history.value_or(""),
                            .opened_as = segments_depend_on(choice)};
     frames_read_ = std::make_shared<std::atomic<std::int64_t>>(0);
-    work_.ask("segments",
-              [choice, files, read = frames_read_](const std::stop_token& given_up) -> Result<Work> {
-                  const WorkUntil until(given_up);
-                  auto segments = read_chosen_segments(
-                      choice, [&read](std::int64_t frame) { read->store(frame, std::memory_order_relaxed); },
-                      given_up);
-                  if (!segments.ok()) return segments.error();
-                  auto begun = KeptBrush::begin(std::move(*segments), files);
-                  if (!begun.ok()) return begun.error();
-                  std::string words = begun->begun_with();
-                  if (words.empty()) words = "each segment feels as guessed: choose a material and click one";
-                  return Work{std::make_shared<KeptBrush>(std::move(*begun)), std::move(words)};
-              });
+    work_.ask(
+        "segments", [choice, files, read = frames_read_](const std::stop_token& given_up) -> Result<Work> {
+            const WorkUntil until(given_up);
+            TRY_ASSIGN(
+                auto segments,
+                read_chosen_segments(
+                    choice, [&read](std::int64_t frame) { read->store(frame, std::memory_order_relaxed); },
+                    given_up));
+            TRY_ASSIGN(auto begun, KeptBrush::begin(std::move(segments), files));
+            std::string words = begun.begun_with();
+            if (words.empty()) words = "each segment feels as guessed: choose a material and click one";
+            return Work{std::make_shared<KeptBrush>(std::move(begun)), std::move(words)};
+        });
 }
 
 /// The oldest command, once all before it are done.

@@ -12,14 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "player/control/brush_tool.hpp"
-#include "player/control/kept_brush.hpp"
-#include "player/panel/materials_panel.hpp"
-#include "player/screen/screen.hpp"
+#include "player/window/brush_tool.hpp"
+#include "player/window/kept_brush.hpp"
 #include "player/window/long_work.hpp"
+#include "player/window/materials_panel.hpp"
 #include "player/window/notices.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
+#include "player/window/screen.hpp"
 #include "player/window/text_files.hpp"
 
 namespace touchable {

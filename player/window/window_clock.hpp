@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "engine/boot_time.hpp"
+#include "engine/base/boot_time.hpp"
 
 namespace touchable {
 

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 
 Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::path& file, Existing existing) {
-    auto film = FilmWriter::create(file, existing);
-    if (!film.ok()) return film.error();
-    std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(*film)));
-    auto begun =
-        start_thread(made->thread_, "film-encoder", "of the film", [it = made.get()] { it->encode(); });
-    if (!begun.ok()) return begun.error();
+    TRY_ASSIGN(auto film, FilmWriter::create(file, existing));
+    std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(film)));
+    TRY(start_thread(made->thread_, "film-encoder", "of the film", [it = made.get()] { it->encode(); }));
     return made;
 }
 

@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "engine/film/film_writer.hpp"
+#include "engine/base/result.hpp"
+#include "engine/clip/film_writer.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

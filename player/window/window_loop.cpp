@@ -8,9 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "engine/printable.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/window/words_scale.hpp"
 
 namespace touchable {
@@ -23,10 +24,9 @@ Result<void> WindowLoop::open() {
     const KeptSettings& kept = settings_file_.read();
     if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
     if (!settings_file_.message().empty()) say(settings_file_.message(), Tone::fault);
-    auto sound =
-        WindowSound::create(!options_.headless, options_.sound, options_.existing, options_.names.sound);
-    if (!sound.ok()) return sound.error();
-    sound_ = std::move(*sound);
+    TRY_ASSIGN(auto sound, WindowSound::create(!options_.headless, options_.sound, options_.existing,
+                                               options_.names.sound));
+    sound_ = std::move(sound);
     sound_->set_volume(kept.volume);
     if (options_.kiosk) sound_->set_spoken(options_.kiosk->label_sounds);
     if (options_.rumble && !options_.headless) sound_->begin_rumble();
@@ -63,9 +63,8 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
     } else if (options_.headless) {
         screen_ = make_headless_screen(wanted);
     } else {
-        auto screen = open_glfw_screen(wanted);
-        if (!screen.ok()) return screen.error();
-        screen_ = std::move(*screen);
+        TRY_ASSIGN(auto screen, open_glfw_screen(wanted));
+        screen_ = std::move(screen);
     }
     if (!options_.gpu)
         options_.gpu = std::make_shared<RunGpu>(options_.session.builder.gpu, screen_->extensions());
@@ -95,9 +94,8 @@ Result<void> WindowLoop::open_parts() {
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
     if (!options_.video) return {};
-    auto film = WindowFilm::create(*options_.video, options_.existing);
-    if (!film.ok()) return film.error();
-    film_ = std::move(*film);
+    TRY_ASSIGN(auto film, WindowFilm::create(*options_.video, options_.existing));
+    film_ = std::move(film);
     return {};
 }
 

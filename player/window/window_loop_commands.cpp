@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/try.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -337,9 +338,8 @@ KeptSettings WindowLoop::to_keep() const {
 }
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
-    auto image = picture_.graphics().picture();
-    if (!image.ok()) return image.error();
-    return screenshots_.keep(std::move(*image), name);
+    TRY_ASSIGN(auto image, picture_.graphics().picture());
+    return screenshots_.keep(std::move(image), name);
 }
 
 }  // namespace touchable

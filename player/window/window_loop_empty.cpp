@@ -1,7 +1,7 @@
 #include <chrono>
 #include <utility>
 
-#include "player/terminal/interrupt.hpp"
+#include "player/run/interrupt.hpp"
 #include "player/window/window_loop.hpp"
 
 // What differs in a window as long as there is no clip: nobody has named one yet, or it is being opened.

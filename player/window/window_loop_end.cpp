@@ -5,10 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "engine/printable.hpp"
-#include "engine/unless_stopped.hpp"
-#include "player/record/output_file.hpp"
-#include "player/terminal/interrupt.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/output_file.hpp"
 #include "player/window/window_loop.hpp"
 
 // How a window ends: when it may, what is finished then, and what is told of it.
@@ -68,8 +69,7 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     const bool has_failed =
         failure_ && failure_->kind != ErrorKind::interrupted && !(kiosk_ && interrupted());
     const Result<void> failed = has_failed ? Result<void>(*failure_) : Result<void>();
-    if (auto done = all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}); !done.ok())
-        return done.error();
+    TRY(all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}));
     if (interrupted()) return interruption();
     return std::move(figures_);
 }

@@ -1,6 +1,8 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 #include "player/window/window_loop.hpp"
 
 // On what the window draws, and what it does where that is lost.
@@ -20,17 +22,16 @@ Result<std::unique_ptr<WindowGraphics>> WindowLoop::make_graphics() {
     const bool is_asked_for = options_.painter != "auto" || options_.session.builder.names_gpu();
     if (!device.ok() && options_.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device.ok()) return device.error();
-    if (auto attached = screen_->attach(*device); !attached.ok()) return attached.error();
+    TRY(screen_->attach(*device));
     return make_gpu_graphics(std::move(*device), options_.painter, *screen_);
 }
 
 Result<void> WindowLoop::open_graphics() {
-    auto graphics = make_graphics();
-    if (!graphics.ok()) return graphics.error();
-    figures_.painter = (*graphics)->painter();
-    figures_.gpu = (*graphics)->gpu();
-    governor_ = PictureGovernor((*graphics)->thins_vertices() ? LessOf::vertices : LessOf::pixels);
-    picture_.use(std::move(*graphics));
+    TRY_ASSIGN(auto graphics, make_graphics());
+    figures_.painter = graphics->painter();
+    figures_.gpu = graphics->gpu();
+    governor_ = PictureGovernor(graphics->thins_vertices() ? LessOf::vertices : LessOf::pixels);
+    picture_.use(std::move(graphics));
     return {};
 }
 

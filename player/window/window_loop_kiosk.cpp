@@ -6,9 +6,10 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "engine/number_words.hpp"
-#include "player/overlay/colour_ramp.hpp"
-#include "player/view/surface_pick.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/try.hpp"
+#include "player/draw/colour_ramp.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
 
 // A window that nobody watches over.
@@ -53,9 +54,8 @@ Result<void> WindowLoop::open_kiosk() {
     kiosk_.emplace(options_.kiosk->times);
     if (auto opened = open_study(); !opened.ok()) return opened;
     if (!options_.kiosk->use_log) return {};
-    auto log = UseLog::open(*options_.kiosk->use_log);
-    if (!log.ok()) return log.error();
-    use_log_ = std::move(*log);
+    TRY_ASSIGN(auto log, UseLog::open(*options_.kiosk->use_log));
+    use_log_ = std::move(log);
     use_log_->start(std::chrono::system_clock::now());
     return {};
 }

@@ -3,9 +3,10 @@
 #include <iostream>
 #include <utility>
 
-#include "engine/import/guess/known_camera.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/unless_stopped.hpp"
+#include "engine/formats/known_camera.hpp"
 #include "engine/scene/remark.hpp"
-#include "engine/unless_stopped.hpp"
 #include "player/window/window_loop.hpp"
 
 // Clips, and other settings of one: made ready on a thread of their own, while the clip that is there goes
@@ -130,9 +131,8 @@ void WindowLoop::ask_for_named(std::vector<std::string> named) {
 void WindowLoop::ask_for_change(const WindowSettings& wanted) {
     opening_.ask("changing to " + in_words(wanted),
                  [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
-                     auto change = clip->prepare(wanted.in_effect.now(), wanted.painted, given_up);
-                     if (!change.ok()) return change.error();
-                     return Ready{.clip = nullptr, .change = std::move(*change), .settings = wanted};
+                     TRY_ASSIGN(auto change, clip->prepare(wanted.in_effect.now(), wanted.painted, given_up));
+                     return Ready{.clip = nullptr, .change = std::move(change), .settings = wanted};
                  });
 }
 

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <utility>
 
-#include "player/view/decimation.hpp"
-#include "player/view/surface_pick.hpp"
+#include "engine/base/try.hpp"
+#include "player/draw/decimation.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -159,9 +160,8 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
         figures_.shown_ms.add(1000 * seconds_between(worded, Clock::now()));
     }
     if (film_ && film_->wants(now_s())) {
-        auto picture = graphics.picture();
-        if (!picture.ok()) return picture.error();
-        film_->add(std::move(*picture));
+        TRY_ASSIGN(auto picture, graphics.picture());
+        film_->add(std::move(picture));
     }
     note_picture(facts, begin);
     note_frame(moment, is_new);

@@ -2,7 +2,8 @@
 #include <cmath>
 #include <utility>
 
-#include "player/view/under_finger.hpp"
+#include "engine/base/try.hpp"
+#include "player/draw/under_finger.hpp"
 #include "player/window/window_loop.hpp"
 
 // A kiosk whose visitors are the participants of a study.
@@ -50,13 +51,12 @@ Result<void> WindowLoop::open_study() {
     if (!options_.study) return {};
     const KioskOptions& kiosk = *options_.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
-    auto disk = DiskWork::start("study", "that writes a study's results");
-    if (!disk.ok()) return disk.error();
-    auto run = StudyRun::open(options_.study->study, options_.study->results, kiosk.texts.language,
+    TRY_ASSIGN(auto disk, DiskWork::start("study", "that writes a study's results"));
+    TRY_ASSIGN(auto run,
+               StudyRun::open(options_.study->study, options_.study->results, kiosk.texts.language,
                               options_.hand ? options_.hand->name() : (by_touch ? "touch-screen" : "mouse"),
-                              std::move(*disk));
-    if (!run.ok()) return run.error();
-    study_ = std::move(*run);
+                              std::move(disk)));
+    study_ = std::move(run);
     options_.meter = study_->meter();
     const double idle_s = study_->study().idle_s;
     kiosk_.emplace(KioskTimes{idle_s, idle_s});

@@ -1,8 +1,8 @@
 #include <chrono>
 #include <utility>
 
-#include "player/screen/touch_screens.hpp"
-#include "player/view/surface_pick.hpp"
+#include "player/draw/surface_pick.hpp"
+#include "player/window/touch_screens.hpp"
 #include "player/window/window_loop.hpp"
 
 // Fingers on a touch screen.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "player/screen/screen.hpp"
+#include "player/window/screen.hpp"
 
 namespace touchable {
 

@@ -1,5 +1,5 @@
 // Depth that was guessed picture by picture gets one scale, and what truly moves goes on moving.
-#include "engine/content/alignment/aligned_clip.hpp"
+#include "engine/clip/aligned_clip.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <ctime>
 #include <iostream>
 
-#include "engine/byte_hash.hpp"
-#include "engine/content/alignment/shot_alignment.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/clip/shot_alignment.hpp"
 #include "engine/picture/png_bytes.hpp"
 #include "engine/scene/terraces.hpp"
 #include "tests/alignment/pumping_clip.hpp"

@@ -1,5 +1,5 @@
 // The line on which most points lie.
-#include "engine/content/alignment/line_fit.hpp"
+#include "engine/clip/line_fit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Holes get the depth that is behind them where other frames saw it, and nothing else does.
-#include "engine/content/background/filled_clip.hpp"
+#include "engine/authoring/filled_clip.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <functional>
 #include <iostream>
 
-#include "engine/byte_hash.hpp"
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/background/still_scene.hpp"
 #include "tests/real_data.hpp"
 

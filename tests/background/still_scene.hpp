@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
+#include "engine/authoring/filled_clip.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/content/background/filled_clip.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 
 namespace touchable::test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 namespace touchable {
 namespace {

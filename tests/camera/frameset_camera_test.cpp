@@ -14,8 +14,8 @@
 #include <future>
 #include <thread>
 
+#include "engine/base/stop_request.hpp"
 #include "engine/camera/live_bytes.hpp"
-#include "engine/stop_request.hpp"
 #include "tests/camera/frameset_bytes.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -1,5 +1,5 @@
 // Clips as folders of pictures.
-#include "engine/clip/image_folder_writer.hpp"
+#include "engine/formats/image_folder_writer.hpp"
 
 #include <gtest/gtest.h>
 

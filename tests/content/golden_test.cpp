@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
 #include "engine/content/strokes.hpp"
 #include "tests/content/made.hpp"
 

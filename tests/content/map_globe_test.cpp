@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/cube_pyramid.hpp"
 #include "engine/content/displaced_sphere.hpp"
 #include "engine/content/mapped_ground.hpp"
 #include "engine/content/presets.hpp"
-#include "engine/trigonometry.hpp"
 #include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "device/device_watch.hpp"
 #include "device/held_handle.hpp"
-#include "device/measure/device_watch.hpp"
 
 namespace touchable::test {
 

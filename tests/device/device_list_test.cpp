@@ -1,4 +1,4 @@
-#include "device/catalog/device_list.hpp"
+#include "device/device_list.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <set>
 #include <string>
 
-#include "device/catalog/device_catalog.hpp"
-#include "device/catalog/known_devices.hpp"
-#include "device/catalog/udev_rules.hpp"
+#include "device/device_catalog.hpp"
+#include "device/known_devices.hpp"
+#include "device/udev_rules.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable {

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/falcon/usb_port.hpp"
+#include "device/usb_port.hpp"
 
 namespace touchable::test {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/hid/report_transport.hpp"
+#include "device/report_transport.hpp"
 
 namespace touchable {
 

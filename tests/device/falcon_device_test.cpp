@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string>
 
-#include "device/falcon/falcon_device.hpp"
-#include "device/falcon/libusb_port.hpp"
+#include "device/falcon_device.hpp"
+#include "device/libusb_port.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

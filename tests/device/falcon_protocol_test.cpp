@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "device/falcon/falcon_protocol.hpp"
-#include "device/falcon/ftdi_transport.hpp"
+#include "device/falcon_protocol.hpp"
+#include "device/ftdi_transport.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,10 +1,10 @@
-#include "device/hid/hid_node.hpp"
+#include "device/hid_node.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "device/hid/hid_transport.hpp"
+#include "device/hid_transport.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/temporary_folder.hpp"
 

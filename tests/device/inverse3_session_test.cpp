@@ -8,7 +8,7 @@
 #include <functional>
 #include <thread>
 
-#include "device/inverse3/inverse3_device.hpp"
+#include "device/inverse3_device.hpp"
 #include "tests/device/fake_haply_service.hpp"
 #include "tests/unused_port.hpp"
 

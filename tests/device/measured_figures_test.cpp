@@ -1,11 +1,11 @@
 // Figures of moments and places, worked out by hand.
-#include "device/measure/measured_figures.hpp"
+#include "device/measured_figures.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "device/measure/drive_times.hpp"
+#include "device/drive_times.hpp"
 
 namespace touchable::test {
 namespace {

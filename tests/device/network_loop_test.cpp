@@ -11,7 +11,7 @@
 
 #include "device/driven_device.hpp"
 #include "device/held_handle.hpp"
-#include "device/network/network_driver.hpp"
+#include "device/network_driver.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

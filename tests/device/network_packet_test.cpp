@@ -1,4 +1,4 @@
-#include "device/network/network_packet.hpp"
+#include "device/network_packet.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Logs are written by hand, by the definition of docs/devices.md.
-#include "device/recorded/recorded_device.hpp"
+#include "device/recorded_device.hpp"
 
 #include <gtest/gtest.h>
 

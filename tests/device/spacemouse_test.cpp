@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "device/driven_device.hpp"
-#include "device/hid/spacemouse_device.hpp"
-#include "device/hid/spacemouse_driver.hpp"
-#include "device/hid/spacemouse_motion.hpp"
-#include "device/hid/spacemouse_protocol.hpp"
+#include "device/spacemouse_device.hpp"
+#include "device/spacemouse_driver.hpp"
+#include "device/spacemouse_motion.hpp"
+#include "device/spacemouse_protocol.hpp"
 #include "tests/device/fake_reports.hpp"
 
 namespace touchable {

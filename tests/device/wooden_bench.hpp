@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "device/hid/woodenhaptics_driver.hpp"
+#include "device/woodenhaptics_driver.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/wooden_build.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/hid/woodenhaptics_parameters.hpp"
+#include "device/woodenhaptics_parameters.hpp"
 
 namespace touchable {
 

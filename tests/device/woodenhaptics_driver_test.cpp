@@ -1,4 +1,4 @@
-#include "device/hid/woodenhaptics_driver.hpp"
+#include "device/woodenhaptics_driver.hpp"
 
 #include <gtest/gtest.h>
 

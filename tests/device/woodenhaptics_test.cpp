@@ -11,10 +11,10 @@
 #include <random>
 #include <string>
 
-#include "device/hid/woodenhaptics_device.hpp"
-#include "device/hid/woodenhaptics_kinematics.hpp"
-#include "device/hid/woodenhaptics_parameters.hpp"
-#include "device/hid/woodenhaptics_protocol.hpp"
+#include "device/woodenhaptics_device.hpp"
+#include "device/woodenhaptics_kinematics.hpp"
+#include "device/woodenhaptics_parameters.hpp"
+#include "device/woodenhaptics_protocol.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_build.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 
 namespace touchable {
 namespace {

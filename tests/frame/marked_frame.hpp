@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 namespace touchable::test {
 

@@ -1,4 +1,4 @@
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/surface_timeline.hpp"
 #include "tests/frame/marked_frame.hpp"
 #include "tests/frame/random.hpp"
 

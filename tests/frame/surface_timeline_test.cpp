@@ -1,4 +1,4 @@
-#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/surface_timeline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/frame/vertex_source.hpp"
+#include "engine/scene/vertex_source.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 #include "tests/frame/random.hpp"
 
 namespace touchable {

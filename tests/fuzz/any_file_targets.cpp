@@ -1,6 +1,6 @@
 // What a person gives the program: any file.
-#include "engine/import/guessed_video.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/guessed_video.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,11 +1,11 @@
 // Recordings of cameras in files of their own makers.
 #include <cmath>
 
-#include "engine/import/azure_kinect_calibration.hpp"
-#include "engine/import/bag/bag_clip.hpp"
-#include "engine/import/bag/rvl.hpp"
-#include "engine/import/open_clip.hpp"
-#include "engine/video/frame_times_text.hpp"
+#include "engine/clip/frame_times_text.hpp"
+#include "engine/formats/azure_kinect_calibration.hpp"
+#include "engine/formats/bag_clip.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/formats/rvl.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

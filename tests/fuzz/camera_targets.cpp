@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/camera/colour_converter.hpp"
-#include "engine/import/colour_registration.hpp"
-#include "engine/import/guess/frame_cameras.hpp"
+#include "engine/formats/colour_registration.hpp"
+#include "engine/formats/frame_cameras.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

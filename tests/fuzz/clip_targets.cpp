@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/ffmpeg/matroska_check.hpp"
-#include "engine/video/block_addition.hpp"
-#include "engine/video/clip_file_reader.hpp"
-#include "engine/video/clip_tags.hpp"
+#include "engine/clip/block_addition.hpp"
+#include "engine/clip/clip_file_reader.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/matroska_check.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/import/guess/depth_values.hpp"
+#include "engine/formats/depth_values.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

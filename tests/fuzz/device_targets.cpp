@@ -2,9 +2,9 @@
 #include <cmath>
 #include <span>
 
-#include "device/inverse3/inverse3_protocol.hpp"
-#include "device/network/network_packet.hpp"
-#include "device/recorded/device_log.hpp"
+#include "device/device_log.hpp"
+#include "device/inverse3_protocol.hpp"
+#include "device/network_packet.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

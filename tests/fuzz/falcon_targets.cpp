@@ -7,9 +7,9 @@
 #include <memory>
 #include <span>
 
-#include "device/falcon/falcon_kinematics.hpp"
-#include "device/falcon/falcon_loader.hpp"
-#include "device/falcon/falcon_protocol.hpp"
+#include "device/falcon_kinematics.hpp"
+#include "device/falcon_loader.hpp"
+#include "device/falcon_protocol.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

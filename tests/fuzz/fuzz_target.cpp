@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/printable.hpp"
+#include "engine/base/printable.hpp"
 #include "tests/fuzz/live_memory.hpp"
 
 namespace touchable::fuzz {

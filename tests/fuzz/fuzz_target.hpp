@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/clip/clip_reader.hpp"
 #include "engine/picture/stored_image.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::fuzz {
 

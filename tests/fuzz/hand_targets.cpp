@@ -4,7 +4,7 @@
 #include "device/csv_table.hpp"
 #include "device/hand.hpp"
 #include "device/recorded_motion.hpp"
-#include "player/record/force_table.hpp"
+#include "player/run/force_table.hpp"
 #include "tests/device/fake_probe.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

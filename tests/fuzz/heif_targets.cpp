@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "engine/import/photo/heic_image.hpp"
-#include "engine/import/photo/heif_depth_meaning.hpp"
-#include "engine/import/photo/heif_properties.hpp"
+#include "engine/formats/heic_image.hpp"
+#include "engine/formats/heif_depth_meaning.hpp"
+#include "engine/formats/heif_properties.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {
@@ -15,8 +15,9 @@ bool parse_heif_boxes(std::string_view bytes) {
     const auto turns = read_heif_turns(bytes);
     const auto sizes = read_heif_coded_sizes(bytes);
     const auto parts = read_heif_parts(bytes);
-    require(turns.size() <= bytes.size() && sizes.size() <= bytes.size() && parts.tiles.size() <= bytes.size(),
-            "more pictures than bytes");
+    require(
+        turns.size() <= bytes.size() && sizes.size() <= bytes.size() && parts.tiles.size() <= bytes.size(),
+        "more pictures than bytes");
     return !turns.empty() || !sizes.empty() || !parts.tiles.empty();
 }
 

@@ -3,10 +3,10 @@
 #include <cstdlib>
 #include <span>
 
-#include "device/hid/hid_node.hpp"
-#include "device/hid/spacemouse_protocol.hpp"
-#include "device/hid/woodenhaptics_kinematics.hpp"
-#include "device/hid/woodenhaptics_protocol.hpp"
+#include "device/hid_node.hpp"
+#include "device/spacemouse_protocol.hpp"
+#include "device/woodenhaptics_kinematics.hpp"
+#include "device/woodenhaptics_protocol.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

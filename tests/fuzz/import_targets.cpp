@@ -3,10 +3,10 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/import/depthkit_clip.hpp"
-#include "engine/import/depthkit_metadata.hpp"
-#include "engine/import/guess/camera_file.hpp"
-#include "engine/import/guess/picture_files.hpp"
+#include "engine/formats/camera_file.hpp"
+#include "engine/formats/depthkit_clip.hpp"
+#include "engine/formats/depthkit_metadata.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

@@ -1,12 +1,12 @@
 // What stands in a JPEG beside its picture: segments, EXIF, XMP, a depth map.
 #include <cmath>
 
-#include "engine/ffmpeg/base64.hpp"
-#include "engine/import/photo/dynamic_depth.hpp"
-#include "engine/import/photo/exif.hpp"
-#include "engine/import/photo/jpeg_depth.hpp"
-#include "engine/import/photo/jpeg_segments.hpp"
-#include "engine/import/photo/xmp.hpp"
+#include "engine/formats/dynamic_depth.hpp"
+#include "engine/formats/exif.hpp"
+#include "engine/formats/jpeg_depth.hpp"
+#include "engine/formats/jpeg_segments.hpp"
+#include "engine/formats/xmp.hpp"
+#include "engine/picture/base64.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "player/control/kiosk_texts.hpp"
-#include "player/control/plain_line.hpp"
-#include "player/control/touch_labels.hpp"
-#include "player/study/study_screen.hpp"
+#include "player/window/kiosk_texts.hpp"
+#include "player/window/plain_line.hpp"
+#include "player/window/study_screen.hpp"
+#include "player/window/touch_labels.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

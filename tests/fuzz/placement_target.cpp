@@ -3,7 +3,7 @@
 #include <glm/matrix.hpp>
 #include <string>
 
-#include "player/options/device_options.hpp"
+#include "player/commands/device_options.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,5 +1,5 @@
-#include "engine/byte_hash.hpp"
-#include "player/record/recording.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "player/run/recording.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/sound/sound_track.hpp"
-#include "engine/sound/stored_sound.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/sound_track.hpp"
+#include "engine/picture/stored_sound.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,6 +1,6 @@
 // Maps of touch in the files of other programs, and clips as glTF scenes.
-#include "engine/import/gltf_clip.hpp"
-#include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/formats/gltf_clip.hpp"
+#include "engine/formats/still_maps.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -1,15 +1,15 @@
 // Words of a person: options, scripts of the window and its settings, and text as messages quote it.
 #include <cmath>
 
-#include "engine/printable.hpp"
-#include "player/control/kept_settings.hpp"
-#include "player/control/window_script.hpp"
-#include "player/options/camera_options.hpp"
-#include "player/options/filters_option.hpp"
-#include "player/options/temporal_option.hpp"
-#include "player/options/typed_numbers.hpp"
+#include "engine/base/printable.hpp"
+#include "player/commands/camera_options.hpp"
+#include "player/commands/filters_option.hpp"
+#include "player/commands/temporal_option.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/draw/view_camera.hpp"
 #include "player/session/camera_words.hpp"
-#include "player/view/view_camera.hpp"
+#include "player/window/kept_settings.hpp"
+#include "player/window/window_script.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,5 +1,5 @@
 // The still surface that programs show which know no depth video.
-#include "engine/gltf/fallback_mesh.hpp"
+#include "engine/formats/fallback_mesh.hpp"
 
 #include <cmath>
 

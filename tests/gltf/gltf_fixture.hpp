@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/gltf/gltf_clip_writer.hpp"
+#include "engine/formats/gltf_clip_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/gpu/gpu_program.hpp"
-#include "engine/result.hpp"
 
 namespace touchable {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/trigonometry.hpp"
 #include "engine/content/random.hpp"
-#include "engine/trigonometry.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/force_hash.hpp"
 #include "tests/haptics/force_path.hpp"

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/guess/guessed_scene.hpp"
+#include "engine/formats/guessed_scene.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/npy_bytes.hpp"

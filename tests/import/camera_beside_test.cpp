@@ -1,5 +1,5 @@
 // Files of cameras that lie beside pictures, as other programs write them: which is taken, and what it means.
-#include "engine/import/guess/camera_beside.hpp"
+#include "engine/formats/camera_beside.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <opencv2/core.hpp>
 #endif
 
-#include "engine/import/guess/guessed_scene.hpp"
-#include "engine/import/guess/known_camera.hpp"
+#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/known_camera.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
@@ -203,9 +203,9 @@ TEST_F(CameraBesides, ThatAreNotUnderstoodAreNamed) {
     write_bytes(folder / "calibration.toml", "[lens]\nwide = true\n");
     write_bytes(folder / "labels.json", R"({"fx": "none"})");
     write_bytes(folder / "camera_poses.txt", "1 2 3\n");
-    EXPECT_EQ(said_of_camera(),
-              guessed_field_of_view(60) + "; not understood as a camera's file: "
-              "calib.cal, calibration.toml, camera.bin");
+    EXPECT_EQ(said_of_camera(), guessed_field_of_view(60) +
+                                    "; not understood as a camera's file: "
+                                    "calib.cal, calibration.toml, camera.bin");
     write_bytes(folder / "intrinsics.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25})");
     EXPECT_EQ(said_of_camera(),
               "the camera is that of intrinsics.json; not understood as a camera's file: calib.cal, "

@@ -1,8 +1,8 @@
-#include "engine/import/guess/camera_file.hpp"
+#include "engine/formats/camera_file.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/import/guess/camera_beside.hpp"
+#include "engine/formats/camera_beside.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

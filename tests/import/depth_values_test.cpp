@@ -1,4 +1,4 @@
-#include "engine/import/guess/depth_values.hpp"
+#include "engine/formats/depth_values.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <stop_token>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/guess/value_estimator.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/formats/value_estimator.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

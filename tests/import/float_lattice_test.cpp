@@ -1,4 +1,4 @@
-#include "engine/import/guess/float_lattice.hpp"
+#include "engine/formats/float_lattice.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,8 @@ TEST(FloatLattice, MultiplesOfAnyUnitAreFoundHoweverTheyWereMade) {
     for (int round = 0; round < 300; round += static_cast<int>(sweep_step())) {
         // From 10 um to 1 cm, of any digits; and what people use.
         constexpr double usual[] = {0.001, 0.000125, 0.0001, 1.0 / 5000, 0.00025, 1.0 / 256, 1.0 / 3000};
-        const double unit = round % 2 == 0 ? usual[(round / 2 + round / 14) % 7] : 1e-5 * std::exp(6.9 * random.unit());
+        const double unit =
+            round % 2 == 0 ? usual[(round / 2 + round / 14) % 7] : 1e-5 * std::exp(6.9 * random.unit());
         const int most = 2000 + static_cast<int>(60000 * random.unit()), least = most / 3;
         const auto codes = scene_codes(random, least, most);
         for (const int way : {0, 1, 2}) {

@@ -15,7 +15,7 @@
 #include <functional>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

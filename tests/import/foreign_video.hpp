@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable::test {
 

@@ -1,5 +1,5 @@
 // Frames with a camera each: brought onto the clip's, beside a plain twin and a plane in the world.
-#include "engine/import/guess/frame_cameras.hpp"
+#include "engine/formats/frame_cameras.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cstring>
 #include <functional>
 
-#include "engine/clip/image_folder_writer.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/formats/image_folder_writer.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "engine/clip/clip_part.hpp"
-#include "engine/clip/image_folder_writer.hpp"
+#include "engine/clip/mp4_writer.hpp"
+#include "engine/formats/image_folder_writer.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/video/mp4_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/import/guess/guessed_scene.hpp"
-#include "engine/import/guess/known_camera.hpp"
+#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/known_camera.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/guessed_video.hpp"
+#include "engine/formats/guessed_video.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 

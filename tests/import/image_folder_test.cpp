@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/raw_png.hpp"
 

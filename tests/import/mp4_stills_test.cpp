@@ -1,5 +1,5 @@
 // A static MPEG-4 scene in one MP4 file: its textures are pictures, each a track with one sample.
-#include "engine/import/mp4_stills.hpp"
+#include "engine/formats/mp4_stills.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <map>
 
 #include "engine/clip/plane_role.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"

@@ -1,4 +1,4 @@
-#include "engine/import/guess/picture_files.hpp"
+#include "engine/formats/picture_files.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

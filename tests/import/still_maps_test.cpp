@@ -1,5 +1,5 @@
 // Maps that serve a whole clip: pictures, and surfaces of X3D and glTF, whose texts are written here by hand.
-#include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/formats/still_maps.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What every stored clip promises, whatever its pictures come from.
-#include "engine/import/guess/stored_clip.hpp"
+#include "engine/formats/stored_clip.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <functional>
 #include <stop_token>
 
+#include "engine/base/stop_request.hpp"
 #include "engine/clip/far_plane.hpp"
-#include "engine/stop_request.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -1,5 +1,5 @@
 // Integers that show how they were stored, and what stands for no depth. FFmpeg and NumPy write the files.
-#include "engine/import/guess/value_evidence.hpp"
+#include "engine/formats/value_evidence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

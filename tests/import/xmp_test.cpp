@@ -1,8 +1,8 @@
-#include "engine/import/photo/xmp.hpp"
+#include "engine/formats/xmp.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/ffmpeg/base64.hpp"
+#include "engine/picture/base64.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "engine/content/materials/segment_search.hpp"
+#include "engine/authoring/segment_search.hpp"
 
 namespace touchable::test {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/materials/segment_store.hpp"
+#include "engine/authoring/segment_store.hpp"
 
 namespace touchable::test {
 

@@ -1,9 +1,9 @@
 // Materials painted by a person: joined, cut, undone, saved, and brought back.
-#include "engine/content/materials/material_brush.hpp"
+#include "engine/authoring/material_brush.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/content/materials/material_clip.hpp"
+#include "engine/authoring/material_clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/materials/colour_segments.hpp"
 #include "tests/materials/drawn_segments.hpp"

@@ -1,12 +1,12 @@
 // A clip whose segments feel like materials: all its other planes as they were, and what a person says of it.
-#include "engine/content/materials/material_clip.hpp"
+#include "engine/authoring/material_clip.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine/byte_hash.hpp"
-#include "engine/content/materials/haptic_painter.hpp"
+#include "engine/authoring/haptic_painter.hpp"
+#include "engine/base/byte_hash.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/materials/colour_segments.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/content/materials/palette.hpp"
+#include "engine/authoring/palette.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "engine/content/materials/haptic_painter.hpp"
-#include "engine/content/materials/material_guess.hpp"
+#include "engine/authoring/haptic_painter.hpp"
+#include "engine/authoring/material_guess.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

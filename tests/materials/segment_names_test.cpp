@@ -1,4 +1,4 @@
-#include "engine/content/materials/segment_names.hpp"
+#include "engine/authoring/segment_names.hpp"
 
 #include <gtest/gtest.h>
 

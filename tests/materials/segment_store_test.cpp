@@ -1,5 +1,5 @@
 // Labels of whole clips in little memory, and segments that a stroke cuts in two.
-#include "engine/content/materials/segment_store.hpp"
+#include "engine/authoring/segment_store.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/byte_source.hpp"
+#include "engine/base/byte_source.hpp"
 #include "engine/mpeg4/clip_nodes.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
 #include "tests/mpeg4/example_scenes.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 
 extern "C" {

@@ -12,10 +12,10 @@
 #include <sstream>
 #include <utility>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "player/commands/commands.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"

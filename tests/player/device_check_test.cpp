@@ -16,9 +16,9 @@
 #include <thread>
 #include <vector>
 
-#include "device/catalog/device_catalog.hpp"
-#include "device/network/network_packet.hpp"
-#include "player/check/device_check_report.hpp"
+#include "device/device_catalog.hpp"
+#include "device/network_packet.hpp"
+#include "player/commands/device_check_report.hpp"
 #include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"
 

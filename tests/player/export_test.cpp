@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/content/random.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

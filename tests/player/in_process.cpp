@@ -1,8 +1,8 @@
 #include "tests/player/in_process.hpp"
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/video/matroska_writer.hpp"
-#include "player/record/recording.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "player/run/recording.hpp"
 #include "player/session/replay.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"

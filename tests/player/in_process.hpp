@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/base/result.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/result.hpp"
 
 namespace touchable::test {
 

@@ -1,4 +1,4 @@
-#include "player/terminal/interrupt.hpp"
+#include "player/run/interrupt.hpp"
 
 #include <gtest/gtest.h>
 

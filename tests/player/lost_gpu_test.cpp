@@ -9,10 +9,10 @@
 
 #include "device/hand.hpp"
 #include "engine/clip/clip_reader.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 #include "engine/surface/fallback_builder.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
-#include "player/options/picture_options.hpp"
+#include "player/commands/picture_options.hpp"
 #include "player/run/field_probe.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_figures.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "player/check/machine_facts.hpp"
-#include "player/check/touch_trial.hpp"
-#include "player/check/vulkan_facts.hpp"
+#include "player/commands/machine_facts.hpp"
+#include "player/commands/touch_trial.hpp"
+#include "player/commands/vulkan_facts.hpp"
 
 // What `touchable check` makes of what it has measured.
 namespace touchable::test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "player/commands/globe_options.hpp"
 #include "tests/player/program.hpp"

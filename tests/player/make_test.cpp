@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
 

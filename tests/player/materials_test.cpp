@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/byte_hash.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/base/byte_hash.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"

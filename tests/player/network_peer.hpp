@@ -13,8 +13,8 @@
 #include <optional>
 #include <span>
 
-#include "device/network/network_packet.hpp"
-#include "device/network/udp_socket.hpp"
+#include "device/network_packet.hpp"
+#include "device/udp_socket.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "player/terminal/progress.hpp"
+#include "player/run/progress.hpp"
 
 namespace touchable::test {
 namespace {

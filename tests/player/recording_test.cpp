@@ -1,4 +1,4 @@
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/picture/image_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "haptics_cpu/force_rules.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"

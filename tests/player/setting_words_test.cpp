@@ -1,5 +1,5 @@
 // How the program names the settings that the rooms below it speak of.
-#include "player/options/setting_words.hpp"
+#include "player/commands/setting_words.hpp"
 
 #include <gtest/gtest.h>
 

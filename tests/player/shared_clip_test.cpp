@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/frame/random.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/terminal/standard_output.hpp"
+#include "player/run/standard_output.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 
 namespace touchable::test {
 namespace {

@@ -2,7 +2,7 @@
 // hash of its forces. It links the room `player/run` and what opens files: no window, no Vulkan, no options.
 #include <cstdio>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "haptics_cpu/force_hash.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/field_probe.hpp"

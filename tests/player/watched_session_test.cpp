@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/touch_figures.hpp"
 #include "tests/frame/random.hpp"

@@ -153,7 +153,7 @@ class Libraries(unittest.TestCase):
                         "-DTOUCHABLE_PARTS=libraries"], check=True, capture_output=True)
         headers = {f"{folder}/{name}/source/{path}" for path in
                    re.findall(r'#include "([a-z_]+/[^"]+)"', "".join(
-                       file.read_text() for part in ("capi", "haptics_cpu", "engine/import", "engine/surface")
+                       file.read_text() for part in ("capi", "haptics_cpu", "engine/formats", "engine/surface")
                        for file in (source / part).rglob("*.[ch]pp")))}
         self.assertEqual([header for header in headers if not os.path.exists(header)], [])
         done = subprocess.run([sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-index",

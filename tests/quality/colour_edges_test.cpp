@@ -1,5 +1,5 @@
 // Where edges of colour are, against edges of depth that are known.
-#include "engine/quality/colour_edges.hpp"
+#include "engine/authoring/colour_edges.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How frames follow each other.
-#include "engine/quality/frame_times.hpp"
+#include "engine/authoring/frame_times.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What haptic pictures ask of a device.
-#include "engine/quality/haptic_values.hpp"
+#include "engine/authoring/haptic_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Depth that goes to and fro as a whole.
-#include "engine/quality/pumping.hpp"
+#include "engine/authoring/pumping.hpp"
 
 #include <gtest/gtest.h>
 

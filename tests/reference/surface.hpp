@@ -6,8 +6,8 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/scene/surface_timeline.hpp"
 
 /// A second touch solver, written from docs/conventions.md and docs/solver.md alone: long double, nothing
 /// skipped, nothing cached, no arithmetic shared with haptics_cpu. Tests and benchmarks measure the fast one

@@ -1,12 +1,12 @@
 // A clip with relief: its other planes as they were, heights that are the same bits everywhere.
-#include "engine/content/relief/relief_clip.hpp"
+#include "engine/authoring/relief_clip.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"

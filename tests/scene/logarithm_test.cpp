@@ -1,4 +1,4 @@
-#include "engine/logarithm.hpp"
+#include "engine/base/logarithm.hpp"
 
 #include <gtest/gtest.h>
 

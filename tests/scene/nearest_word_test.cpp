@@ -1,4 +1,4 @@
-#include "engine/nearest_word.hpp"
+#include "engine/base/nearest_word.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/number_words.hpp"
+#include "engine/base/number_words.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/row_bands.hpp"
+#include "engine/base/row_bands.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/start_thread.hpp"
+#include "engine/base/start_thread.hpp"
 
 #include <gtest/gtest.h>
 #include <pthread.h>

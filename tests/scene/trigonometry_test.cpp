@@ -1,4 +1,4 @@
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 #include <gtest/gtest.h>
 

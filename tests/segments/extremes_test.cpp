@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "engine/content/segments/segmentation.hpp"
+#include "engine/authoring/segmentation.hpp"
 #include "tests/segments/generated_table.hpp"
 
 namespace touchable::test {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

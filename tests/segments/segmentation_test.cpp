@@ -1,5 +1,5 @@
 // Segments of generated clips, of which it is known what every pixel shows.
-#include "engine/content/segments/segmentation.hpp"
+#include "engine/authoring/segmentation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-#include "engine/byte_hash.hpp"
+#include "engine/base/byte_hash.hpp"
 #include "tests/segments/generated_table.hpp"
 #include "tests/sweep.hpp"
 

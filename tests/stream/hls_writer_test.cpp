@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "engine/ffmpeg/ffmpeg_input.hpp"
-#include "engine/film/film_writer.hpp"
+#include "engine/clip/film_writer.hpp"
+#include "engine/picture/ffmpeg_input.hpp"
 #include "engine/stream/hls_text.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/picture/demuxer.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/ffmpeg/demuxer.hpp"
-#include "engine/sound/sound_track.hpp"
+#include "engine/clip/block_addition.hpp"
+#include "engine/picture/demuxer.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "engine/stream/stream_pictures.hpp"
-#include "engine/video/block_addition.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "engine/ffmpeg/ffmpeg_input.hpp"
+#include "engine/picture/ffmpeg_input.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
 

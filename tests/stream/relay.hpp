@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable::test {
 

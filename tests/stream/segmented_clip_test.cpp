@@ -4,7 +4,7 @@
 #include <fstream>
 #include <memory>
 
-#include "engine/film/film_writer.hpp"
+#include "engine/clip/film_writer.hpp"
 #include "engine/stream/hls_writer.hpp"
 #include "engine/stream/live_stream.hpp"
 #include "engine/stream/segment_pace.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "engine/stop_request.hpp"
+#include "engine/base/stop_request.hpp"
 #include "engine/stream/http_source.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"

@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "engine/clip/block_addition.hpp"
 #include "engine/stream/matroska_stream.hpp"
-#include "engine/video/block_addition.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

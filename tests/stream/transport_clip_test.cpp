@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/live_stream.hpp"
 #include "engine/stream/mpegts_stream.hpp"
 #include "engine/stream/stream_clip.hpp"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 
 namespace touchable::stress {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/trigonometry.hpp"
+#include "engine/base/trigonometry.hpp"
 #include "tests/stress/drawn_scene.hpp"
 
 namespace touchable::stress {

@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/surface_frame.hpp"
 
 /// Where the goals of the stress suites come from.
 namespace touchable::stress {

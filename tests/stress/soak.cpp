@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "player/terminal/interrupt.hpp"
+#include "player/run/interrupt.hpp"
 
 namespace touchable::stress {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "tests/stress/coverage.hpp"
 #include "tests/stress/watch.hpp"
 

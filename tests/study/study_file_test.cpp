@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "player/study/study.hpp"
+#include "player/window/study.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

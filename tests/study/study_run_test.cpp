@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "device/hand_control.hpp"
-#include "player/study/study_run.hpp"
+#include "player/window/study_run.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

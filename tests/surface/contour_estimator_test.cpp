@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/working_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/filter_choice.hpp"

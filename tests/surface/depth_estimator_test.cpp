@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/content/random.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <filesystem>
 
-#include "engine/frame/stored_code.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/scene/stored_code.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"

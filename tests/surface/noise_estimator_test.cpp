@@ -11,7 +11,7 @@
 
 #include "engine/content/random.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/filter_choice.hpp"
 #include "tests/real_data.hpp"

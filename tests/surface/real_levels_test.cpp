@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 
 namespace touchable::test {
 

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "tests/verify/geometry.hpp"
 
 namespace touchable::verify {

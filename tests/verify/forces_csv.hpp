@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/result.hpp"
+#include "engine/base/result.hpp"
 #include "tests/verify/geometry.hpp"
 
 namespace touchable::verify {

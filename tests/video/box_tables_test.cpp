@@ -1,10 +1,10 @@
-#include "engine/ffmpeg/box_tables.hpp"
+#include "engine/picture/box_tables.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/picture/demuxer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/quicktime.hpp"
 

@@ -5,8 +5,8 @@
 #include <csignal>
 #include <optional>
 
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/clip_remux.hpp"

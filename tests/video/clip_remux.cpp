@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdlib>
 
 #include "engine/clip/clip_part.hpp"
-#include "engine/clip/image_folder_writer.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/formats/image_folder_writer.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <functional>
 
-#include "engine/video/matroska_writer.hpp"
-#include "engine/video/track_codecs.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/track_codecs.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

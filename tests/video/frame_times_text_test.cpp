@@ -1,4 +1,4 @@
-#include "engine/video/frame_times_text.hpp"
+#include "engine/clip/frame_times_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "engine/clip/matroska_writer.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 // Depth as hue in the project's own clips and in folders of images.

@@ -4,10 +4,10 @@
 #include <map>
 #include <memory>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/clip/mp4_writer.hpp"
 #include "engine/mpeg4/clip_nodes.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
-#include "engine/video/mp4_writer.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/mp4_boxes.hpp"
 

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/film/film_writer.hpp"
+#include "engine/clip/film_writer.hpp"
+#include "engine/clip/mp4_writer.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
 #include "engine/mpeg4/scene_text.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/sound/sound_track.hpp"
-#include "engine/video/mp4_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/video/mp4_boxes.hpp"

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "engine/film/film_writer.hpp"
+#include "engine/clip/film_writer.hpp"
+#include "engine/clip/mp4_writer.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/sound/sound_track.hpp"
-#include "engine/video/mp4_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/sweep.hpp"

@@ -1,4 +1,4 @@
-#include "engine/video/rank_zstd.hpp"
+#include "engine/clip/rank_zstd.hpp"
 
 #include <gtest/gtest.h>
 #include <zstd.h>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/clip/clip_reader.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/clip/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 

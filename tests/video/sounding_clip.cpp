@@ -7,7 +7,7 @@
 #include <cstring>
 #include <memory>
 
-#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable::test {
 namespace {

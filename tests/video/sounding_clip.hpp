@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/sound/sound_track.hpp"
+#include "engine/picture/sound_track.hpp"
 
 namespace touchable::test {
 

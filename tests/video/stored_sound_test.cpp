@@ -1,12 +1,12 @@
 // Sound that is kept as it is stored.
-#include "engine/sound/stored_sound.hpp"
+#include "engine/picture/stored_sound.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/sound/sound_track.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/clip/matroska_writer.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/view/view_camera.hpp"
+#include "player/draw/view_camera.hpp"
 
 namespace touchable {
 namespace {

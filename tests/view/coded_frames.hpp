@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/frame/surface_frame.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/view/drawn_vertex.hpp"
+#include "engine/scene/surface_frame.hpp"
+#include "player/draw/drawn_vertex.hpp"
 
 namespace touchable::test {
 

@@ -1,4 +1,4 @@
-#include "player/view/cpu_lattice.hpp"
+#include "player/draw/cpu_lattice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "player/view/decimation.hpp"
+#include "player/draw/decimation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "player/view/surface_unproject.hpp"
-#include "player/view/view_camera.hpp"
+#include "player/draw/surface_unproject.hpp"
+#include "player/draw/view_camera.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "player/overlay/scene_picture.hpp"
-#include "player/view/cpu_drawing.hpp"
-#include "player/view/surface_drawing.hpp"
-#include "player/view/upload_pool.hpp"
+#include "player/draw/cpu_drawing.hpp"
+#include "player/draw/scene_picture.hpp"
+#include "player/draw/surface_drawing.hpp"
+#include "player/draw/upload_pool.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "player/view/decimation.hpp"
-#include "player/view/gpu_lattice.hpp"
-#include "player/view/surface_edges.hpp"
-#include "player/view/surface_painter.hpp"
-#include "player/view/view_rows.hpp"
+#include "player/draw/decimation.hpp"
+#include "player/draw/gpu_lattice.hpp"
+#include "player/draw/surface_edges.hpp"
+#include "player/draw/surface_painter.hpp"
+#include "player/draw/view_rows.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "engine/content/random.hpp"
 #include "haptics_cpu/touch_solver.hpp"
-#include "player/view/gpu_painters.hpp"
+#include "player/draw/gpu_painters.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "player/view/gpu_lattice.hpp"
-#include "player/view/lattice_raster.hpp"
-#include "player/view/own_view_picture.hpp"
-#include "player/view/surface_edges.hpp"
-#include "player/view/view_rows.hpp"
+#include "player/draw/gpu_lattice.hpp"
+#include "player/draw/lattice_raster.hpp"
+#include "player/draw/own_view_picture.hpp"
+#include "player/draw/surface_edges.hpp"
+#include "player/draw/view_rows.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"

@@ -1,11 +1,11 @@
 // The panel that explains fingers in a picture.
-#include "player/overlay/legend.hpp"
+#include "player/draw/legend.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "player/view/finger_marks.hpp"
+#include "player/draw/finger_marks.hpp"
 
 namespace touchable::test {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "player/view/surface_light.hpp"
-#include "player/view/surface_lighting.hpp"
+#include "player/draw/surface_light.hpp"
+#include "player/draw/surface_lighting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/many_colours.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/frame/plane_view.hpp"
+#include "engine/scene/plane_view.hpp"
 
 namespace touchable::test {
 

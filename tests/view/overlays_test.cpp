@@ -1,5 +1,5 @@
 // What a surface is coloured by, against plain code that asks the field for every pixel.
-#include "player/overlay/overlays.hpp"
+#include "player/draw/overlays.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "player/overlay/colour_ramp.hpp"
-#include "player/view/surface_pick.hpp"
+#include "player/draw/colour_ramp.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/plain_surface.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "player/overlay/scene_picture.hpp"
-#include "player/view/finger_marks.hpp"
+#include "player/draw/finger_marks.hpp"
+#include "player/draw/scene_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

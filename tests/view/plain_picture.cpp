@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "player/view/surface_edges.hpp"
-#include "player/view/triangle_fill.hpp"
-#include "player/view/view_rows.hpp"
+#include "player/draw/surface_edges.hpp"
+#include "player/draw/triangle_fill.hpp"
+#include "player/draw/view_rows.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable::test {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "player/view/picture_planes.hpp"
-#include "player/view/view_camera.hpp"
+#include "player/draw/picture_planes.hpp"
+#include "player/draw/view_camera.hpp"
 
 namespace touchable::test {
 

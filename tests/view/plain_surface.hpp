@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/view/view_surface.hpp"
+#include "player/draw/view_surface.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable::test {

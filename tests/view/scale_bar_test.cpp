@@ -1,11 +1,11 @@
-#include "player/overlay/scale_bar.hpp"
+#include "player/draw/scale_bar.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "player/overlay/colour_ramp.hpp"
+#include "player/draw/colour_ramp.hpp"
 
 namespace touchable::test {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/view/view_surface.hpp"
+#include "player/draw/view_surface.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_folder.hpp"

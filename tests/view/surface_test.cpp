@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/content/random.hpp"
-#include "player/view/view_surface.hpp"
+#include "player/draw/view_surface.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/view/shown.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/view/tile_lists.hpp"
+#include "player/draw/tile_lists.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "player/view/gpu_lattice.hpp"
+#include "player/draw/gpu_lattice.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"

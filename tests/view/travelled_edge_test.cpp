@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
-#include "player/overlay/scalar_rows.hpp"
-#include "player/view/cpu_lattice.hpp"
-#include "player/view/drawn_vertex.hpp"
-#include "player/view/gpu_lattice.hpp"
-#include "player/view/surface_pick.hpp"
+#include "player/draw/cpu_lattice.hpp"
+#include "player/draw/drawn_vertex.hpp"
+#include "player/draw/gpu_lattice.hpp"
+#include "player/draw/scalar_rows.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/surface_vulkan/vulkan_builder.hpp"
-#include "player/view/gpu_lattice.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/draw/gpu_lattice.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/shown.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/materials/material_brush.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/authoring/material_brush.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "player/session/painted_choice.hpp"
 #include "tests/window/scripted_window.hpp"

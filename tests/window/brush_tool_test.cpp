@@ -1,5 +1,5 @@
 // The brush in the hand: commands, clicks and strokes; the colours of materials.
-#include "player/control/brush_tool.hpp"
+#include "player/window/brush_tool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/materials/palette.hpp"
-#include "player/control/material_colours.hpp"
+#include "engine/authoring/palette.hpp"
+#include "player/window/material_colours.hpp"
 
 namespace touchable::test {
 namespace {

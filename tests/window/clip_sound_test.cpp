@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/film/film_writer.hpp"
+#include "engine/clip/film_writer.hpp"
 #include "engine/picture/image_file.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "tests/temporary_folder.hpp"

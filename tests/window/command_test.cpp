@@ -4,7 +4,7 @@
 #include <string>
 #include <tuple>
 
-#include "player/control/window_command.hpp"
+#include "player/window/window_command.hpp"
 
 namespace touchable::test {
 namespace {

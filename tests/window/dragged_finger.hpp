@@ -13,14 +13,14 @@
 #include <vector>
 
 #include "engine/content/scenes.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/control/pointer_fingers.hpp"
-#include "player/control/window_view.hpp"
+#include "player/draw/surface_pick.hpp"
+#include "player/draw/view_surface.hpp"
 #include "player/run/clip_workspace.hpp"
-#include "player/view/surface_pick.hpp"
-#include "player/view/view_surface.hpp"
+#include "player/window/pointer_fingers.hpp"
+#include "player/window/window_view.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {

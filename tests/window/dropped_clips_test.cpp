@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/unless_stopped.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/window/scripted_window.hpp"
 

@@ -1,6 +1,6 @@
 // Letters of a kiosk's texts that the usual typeface has not: others write them, or whoever set it up is
 // told.
-#include "player/panel/font_fallback.hpp"
+#include "player/window/font_fallback.hpp"
 
 #include <gtest/gtest.h>
 #include <imgui.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "player/panel/imgui_layer.hpp"
+#include "player/window/imgui_layer.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "player/control/finger_halos.hpp"
+#include "player/window/finger_halos.hpp"
 #include "player/window/finger_trails.hpp"
 #include "tests/view/shown.hpp"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/sound/sound_track.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

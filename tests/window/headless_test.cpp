@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "player/record/recording.hpp"
-#include "player/record/repeating_hand.hpp"
+#include "player/run/recording.hpp"
+#include "player/run/repeating_hand.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/window/scripted_window.hpp"
 

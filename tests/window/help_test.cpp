@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/control/window_command.hpp"
-#include "player/panel/help_page.hpp"
+#include "player/window/help_page.hpp"
+#include "player/window/window_command.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

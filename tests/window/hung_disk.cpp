@@ -11,7 +11,7 @@
 #include <string_view>
 #include <thread>
 
-#include "engine/unless_stopped.hpp"
+#include "engine/base/unless_stopped.hpp"
 
 namespace touchable::test {
 namespace {

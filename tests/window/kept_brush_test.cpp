@@ -1,5 +1,5 @@
 // What a brush did is there again in the next window, however the last one ended.
-#include "player/control/kept_brush.hpp"
+#include "player/window/kept_brush.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/stop_request.hpp"
-#include "engine/unless_stopped.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "player/session/painted_choice.hpp"
 #include "player/window/text_files.hpp"
 #include "tests/materials/drawn_segments.hpp"

@@ -2,8 +2,8 @@
 // ASCII.
 #include <gtest/gtest.h>
 
-#include "player/control/window_command.hpp"
-#include "player/screen/glfw_keys.hpp"
+#include "player/window/glfw_keys.hpp"
+#include "player/window/window_command.hpp"
 
 namespace touchable::test {
 namespace {

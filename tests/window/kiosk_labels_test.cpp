@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/picture/image_file.hpp"
-#include "engine/sound/sound_track.hpp"
+#include "engine/picture/sound_track.hpp"
 #include "player/audio/spoken_sound.hpp"
 #include "tests/player/program.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <string>
 
-#include "player/control/kiosk.hpp"
-#include "player/control/kiosk_texts.hpp"
-#include "player/control/window_command.hpp"
-#include "player/screen/touch_screens.hpp"
+#include "player/window/kiosk.hpp"
+#include "player/window/kiosk_texts.hpp"
+#include "player/window/touch_screens.hpp"
+#include "player/window/window_command.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -13,9 +13,9 @@
 
 #include "engine/picture/image_file.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/control/measure_tool.hpp"
-#include "player/control/pixel_words.hpp"
-#include "player/overlay/colour_ramp.hpp"
+#include "player/draw/colour_ramp.hpp"
+#include "player/window/measure_tool.hpp"
+#include "player/window/pixel_words.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/window/scripted_window.hpp"
 

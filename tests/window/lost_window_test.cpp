@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "engine/picture/image_file.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "player/session/run_gpu.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/gpu/blockade.hpp"

@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "engine/clip/reader_around.hpp"
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/player/in_process.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "engine/content/materials/material_brush.hpp"
-#include "engine/content/materials/palette.hpp"
+#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/palette.hpp"
 #include "player/session/painted_choice.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/segment_tint.hpp"

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "haptics_cpu/force_guard.hpp"
-#include "player/control/hand_state.hpp"
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
+#include "player/window/hand_state.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/in_process.hpp"

@@ -1,4 +1,4 @@
-#include "player/control/playlist.hpp"
+#include "player/window/playlist.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "player/control/double_click.hpp"
+#include "player/window/double_click.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "engine/picture/image_file.hpp"
-#include "player/screen/screen.hpp"
+#include "player/window/screen.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/two_surfaces.hpp"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "engine/unless_stopped.hpp"
+#include "engine/base/unless_stopped.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

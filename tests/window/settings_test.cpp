@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-#include "player/control/kept_settings.hpp"
+#include "player/window/kept_settings.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "player/record/recording.hpp"
+#include "player/run/recording.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/window_clock.hpp"
 #include "tests/window/scripted_window.hpp"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "player/audio/touch_listener.hpp"
-#include "player/control/pointer_fingers.hpp"
-#include "player/control/window_view.hpp"
 #include "player/run/clip_workspace.hpp"
+#include "player/window/pointer_fingers.hpp"
+#include "player/window/window_view.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"

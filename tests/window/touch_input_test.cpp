@@ -7,9 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "player/control/touch_input.hpp"
+#include "player/draw/surface_pick.hpp"
 #include "player/run/clip_workspace.hpp"
-#include "player/view/surface_pick.hpp"
+#include "player/window/touch_input.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "player/control/resting_fingers.hpp"
-#include "player/control/touch_labels.hpp"
+#include "player/window/resting_fingers.hpp"
+#include "player/window/touch_labels.hpp"
 
 namespace touchable::test {
 namespace {

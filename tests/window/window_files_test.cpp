@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/sound/sound_track.hpp"
-#include "player/record/recording.hpp"
+#include "engine/picture/sound_track.hpp"
+#include "player/run/recording.hpp"
 #include "tests/video/film_reader.hpp"
 #include "tests/window/scripted_window.hpp"
 

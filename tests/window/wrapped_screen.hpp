@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/screen/screen.hpp"
+#include "player/window/screen.hpp"
 
 namespace touchable::test {
 

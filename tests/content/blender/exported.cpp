@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable::test {
 

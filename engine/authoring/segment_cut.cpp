@@ -1,0 +1,278 @@
+#include "engine/authoring/segment_cut.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+using Point = SegmentCut::Point;
+constexpr std::uint16_t not_seen = 0, on_stroke = 1, first_piece = 2;  // of a piece of the segment
+
+std::size_t place_of(const Point& point, int width) {
+    return static_cast<std::size_t>(point.y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(point.x);
+}
+
+/// All pixels from one to the other, each a neighbour of the last by a side, so that no way of such steps
+/// leads through.
+template <class Visit>
+void walk(Point from, const Point& to, const Visit& visit) {
+    const int dx = std::abs(to.x - from.x), dy = std::abs(to.y - from.y);
+    const int step_x = to.x > from.x ? 1 : -1, step_y = to.y > from.y ? 1 : -1;
+    int done_x = 0, done_y = 0;
+    visit(from);
+    while (done_x < dx || done_y < dy) {
+        const bool goes_across = done_y == dy || (done_x < dx && (2 * done_x + 1) * std::int64_t{dy} <
+                                                                     (2 * done_y + 1) * std::int64_t{dx});
+        (goes_across ? from.x : from.y) += goes_across ? step_x : step_y;
+        ++(goes_across ? done_x : done_y);
+        visit(from);
+    }
+}
+
+template <class Visit>
+void walk_along(const std::vector<Point>& stroke, const Visit& visit) {
+    for (std::size_t k = 1; k < stroke.size(); ++k) walk(stroke[k - 1], stroke[k], visit);
+}
+
+/// Whether its ends are so near each other that a loop is meant.
+bool is_loop(const std::vector<Point>& stroke) {
+    std::int64_t length = 0;
+    const auto distance = [](const Point& a, const Point& b) {
+        return std::int64_t{std::max(std::abs(a.x - b.x), std::abs(a.y - b.y))};
+    };
+    for (std::size_t k = 1; k < stroke.size(); ++k) length += distance(stroke[k - 1], stroke[k]);
+    return stroke.size() > 2 && 5 * distance(stroke.front(), stroke.back()) < length;
+}
+
+/// A point of the stroke, read from this end on, that tells where the end points: not the nearest, which a
+/// hand sets at random.
+template <class Iterator>
+Point point_before_end(Iterator end, Iterator last) {
+    constexpr int far_enough = 8;
+    Point point = *end;
+    for (auto at = end; at != last; ++at) {
+        point = *at;
+        if (std::max(std::abs(at->x - end->x), std::abs(at->y - end->y)) >= far_enough) break;
+    }
+    return point;
+}
+
+/// A place on from `end`, away from `from`, so far that it is beyond any picture.
+Point beyond(const Point& from, const Point& end) {
+    const int dx = end.x - from.x, dy = end.y - from.y;
+    const int times = 40000 / std::max({std::abs(dx), std::abs(dy), 1});
+    return {end.x + times * dx, end.y + times * dy};
+}
+
+/// Pieces of a segment once the stroke's pixels are taken out of it.
+class Pieces {
+public:
+    Pieces(const std::vector<std::uint16_t>& labels, std::uint16_t label, int width, int height)
+        : labels_(labels), label_(label), width_(width), height_(height), pieces_(labels.size(), not_seen) {}
+
+    void draw(const SegmentCut& cut);
+    /// Fills each with a number of its own, and pixels of the stroke with the nearest one's. False: there is
+    /// one piece beside the stroke, or none.
+    bool find();
+    /// Whether the pixel belongs to a piece beside the stroke that is not the largest.
+    bool is_smaller(std::size_t at) const { return is_part_[pieces_[at]]; }
+
+private:
+    bool is_in(const Point& point) const {
+        return point.x >= 0 && point.y >= 0 && point.x < width_ && point.y < height_ &&
+               labels_[place_of(point, width_)] == label_;
+    }
+    std::int64_t fill(const Point& seed, std::uint16_t number, bool& is_beside);
+
+    const std::vector<std::uint16_t>& labels_;
+    const std::uint16_t label_;
+    const int width_, height_;
+    std::vector<std::uint16_t> pieces_;
+    std::vector<bool> is_part_;  // by piece
+};
+
+/// An end that stops short inside of the segment goes straight on to its border, unless it is a loop's.
+void Pieces::draw(const SegmentCut& cut) {
+    const auto draw_pixel = [&](const Point& point) {
+        if (is_in(point)) pieces_[place_of(point, width_)] = on_stroke;
+    };
+    walk_along(cut.stroke, draw_pixel);
+    if (is_loop(cut.stroke)) return walk(cut.stroke.back(), cut.stroke.front(), draw_pixel);
+    const auto go_on = [&](const Point& from, const Point& end) {
+        bool is_inside = is_in(end);
+        walk(end, beyond(from, end), [&](const Point& point) {
+            is_inside = is_inside && is_in(point);
+            if (is_inside) draw_pixel(point);
+        });
+    };
+    go_on(point_before_end(cut.stroke.begin(), cut.stroke.end()), cut.stroke.front());
+    go_on(point_before_end(cut.stroke.rbegin(), cut.stroke.rend()), cut.stroke.back());
+}
+
+/// Gives all that is joined to the seed this number; how many pixels that are.
+std::int64_t Pieces::fill(const Point& seed, std::uint16_t number, bool& is_beside) {
+    std::vector<Point> open{seed};
+    pieces_[place_of(seed, width_)] = number;
+    std::int64_t pixels = 0;
+    while (!open.empty()) {
+        const Point at = open.back();
+        open.pop_back();
+        ++pixels;
+        for (const Point& next :
+             {Point{at.x - 1, at.y}, {at.x + 1, at.y}, {at.x, at.y - 1}, {at.x, at.y + 1}}) {
+            if (!is_in(next)) continue;
+            std::uint16_t& piece = pieces_[place_of(next, width_)];
+            is_beside = is_beside || piece == on_stroke;
+            if (piece != not_seen) continue;
+            piece = number;
+            open.push_back(next);
+        }
+    }
+    return pixels;
+}
+
+bool Pieces::find() {
+    std::uint16_t number = first_piece;
+    std::int64_t largest = 0, pieces_beside = 0;
+    std::size_t largest_number = 0;
+    is_part_.assign(65536, false);
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            if (!is_in({x, y}) || pieces_[place_of({x, y}, width_)] != not_seen || number == 65535) continue;
+            bool is_beside = false;
+            const std::int64_t pixels = fill({x, y}, number, is_beside);
+            if (is_beside) {
+                ++pieces_beside;
+                is_part_[number] = true;
+                if (pixels > largest) {
+                    largest = pixels;
+                    largest_number = number;
+                }
+            }
+            ++number;
+        }
+    is_part_[largest_number] = false;
+    for (std::uint16_t& piece : pieces_)
+        if (piece == on_stroke) piece = not_seen;
+    NearestLabel().fill(pieces_, width_, height_);
+    return pieces_beside > 1;
+}
+
+}  // namespace
+
+std::uint16_t label_under(const SegmentCut& cut, const std::vector<std::uint16_t>& labels, int width) {
+    std::map<std::uint16_t, std::int64_t> counts;
+    walk_along(cut.stroke, [&](const Point& point) { ++counts[labels[place_of(point, width)]]; });
+    counts.erase(0);
+    const auto most = std::max_element(counts.begin(), counts.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == counts.end() ? std::uint16_t{0} : most->first;
+}
+
+void CutFollower::Box::hold(const Box& other) {
+    *this = {std::min(left, other.left), std::min(top, other.top), std::max(right, other.right),
+             std::max(bottom, other.bottom)};
+}
+
+CutFollower::CutFollower(std::uint16_t label, std::uint16_t part, int width, int height)
+    : label_(label),
+      part_(part),
+      width_(width),
+      height_(height),
+      known_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      known_box_{width, height, 0, 0} {}
+
+bool CutFollower::begin(const SegmentCut& cut, std::vector<std::uint16_t>& labels) {
+    Pieces pieces(labels, label_, width_, height_);
+    pieces.draw(cut);
+    const auto seen = find(labels);
+    if (!seen || !pieces.find()) return false;
+    for (std::size_t k = 0; k < labels.size(); ++k)
+        if (labels[k] == label_ && pieces.is_smaller(k)) labels[k] = part_;
+    remember(labels, *seen);
+    return true;
+}
+
+std::optional<CutFollower::Seen> CutFollower::find(const std::vector<std::uint16_t>& labels) const {
+    Seen seen{{width_, height_, 0, 0}, {}};
+    std::int64_t pixels = 0;
+    std::size_t k = 0;
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x, ++k) {
+            if (labels[k] != label_) continue;
+            seen.box.hold({x, y, x + 1, y + 1});
+            seen.middle.x += x;
+            seen.middle.y += y;
+            ++pixels;
+        }
+    if (pixels == 0) return std::nullopt;
+    seen.middle = {seen.middle.x / pixels, seen.middle.y / pixels};
+    return seen;
+}
+
+/// Pixels of the segment of which something is known once that is shifted.
+std::int64_t CutFollower::overlap(const std::vector<std::uint16_t>& labels, const Box& box,
+                                  const Place& shift) const {
+    std::int64_t pixels = 0;
+    for (int y = box.top; y < box.bottom; ++y)
+        for (int x = box.left; x < box.right; ++x) {
+            const std::int64_t from_x = x - shift.x, from_y = y - shift.y;
+            if (labels[place_of({x, y}, width_)] != label_ || from_x < 0 || from_y < 0 || from_x >= width_ ||
+                from_y >= height_)
+                continue;
+            pixels += known_[static_cast<std::size_t>(from_y * width_ + from_x)] != 0;
+        }
+    return pixels;
+}
+
+void CutFollower::shift_known(const Place& shift) {
+    if (shift.x == 0 && shift.y == 0) return;
+    std::vector<std::uint16_t> shifted(known_.size());
+    for (int y = known_box_.top; y < known_box_.bottom; ++y)
+        for (int x = known_box_.left; x < known_box_.right; ++x) {
+            const std::int64_t to_x = x + shift.x, to_y = y + shift.y;
+            if (to_x < 0 || to_y < 0 || to_x >= width_ || to_y >= height_) continue;
+            shifted[static_cast<std::size_t>(to_y * width_ + to_x)] = known_[place_of({x, y}, width_)];
+        }
+    known_ = std::move(shifted);
+    const auto moved = [](int edge, std::int64_t by, int most) {
+        return static_cast<int>(std::clamp<std::int64_t>(edge + by, 0, most));
+    };
+    known_box_ = {moved(known_box_.left, shift.x, width_), moved(known_box_.top, shift.y, height_),
+                  moved(known_box_.right, shift.x, width_), moved(known_box_.bottom, shift.y, height_)};
+}
+
+/// It moved as its middle did, or stood still while something passed before it: whichever explains more.
+void CutFollower::next(std::vector<std::uint16_t>& labels) {
+    const auto seen = find(labels);
+    if (!seen) return;
+    const Place moved{seen->middle.x - middle_.x, seen->middle.y - middle_.y};
+    if (overlap(labels, seen->box, moved) > overlap(labels, seen->box, {})) shift_known(moved);
+    Box box = seen->box;
+    box.hold(known_box_);
+    near_.clear();
+    for (int y = box.top; y < box.bottom; ++y)
+        for (int x = box.left; x < box.right; ++x) near_.push_back(known_[place_of({x, y}, width_)]);
+    nearest_.fill(near_, box.right - box.left, box.bottom - box.top);
+    std::size_t k = 0;
+    for (int y = box.top; y < box.bottom; ++y)
+        for (int x = box.left; x < box.right; ++x, ++k) {
+            std::uint16_t& label = labels[place_of({x, y}, width_)];
+            if (label == label_ && near_[k] == part_) label = part_;
+        }
+    remember(labels, *seen);
+}
+
+void CutFollower::remember(const std::vector<std::uint16_t>& labels, const Seen& seen) {
+    for (std::size_t k = 0; k < labels.size(); ++k)
+        if (labels[k] == label_ || labels[k] == part_) known_[k] = labels[k];
+    known_box_.hold(seen.box);
+    middle_ = seen.middle;
+}
+
+}  // namespace touchable

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cassert>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "engine/base/setting.hpp"
+
+namespace touchable {
+
+/// What kind of thing went wrong; each kind has its own exit code (see `exit_code`).
+enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted };
+
+/// One line for a person: what is wrong, where (file, track, frame, setting, device), and what would be
+/// right.
+struct Error {
+    ErrorKind kind = ErrorKind::internal;
+    std::string message;
+    Hints hints{};  ///< the settings it speaks of, for a program that knows what people write for them
+};
+
+/// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
+/// somebody asked to stop.
+constexpr int exit_code(ErrorKind kind) {
+    switch (kind) {
+        case ErrorKind::internal:
+            return 1;
+        case ErrorKind::usage:
+            return 2;
+        case ErrorKind::input:
+            return 3;
+        case ErrorKind::gpu:
+            return 4;
+        case ErrorKind::device:
+            return 5;
+        case ErrorKind::check:
+            return 6;
+        case ErrorKind::interrupted:
+            return 130;
+    }
+    return 1;
+}
+
+inline Error input_error(std::string message, Hints hints = {}) {
+    return {ErrorKind::input, std::move(message), std::move(hints)};
+}
+inline Error usage_error(std::string message, Hints hints = {}) {
+    return {ErrorKind::usage, std::move(message), std::move(hints)};
+}
+/// The same of a place: a file, a node, a device.
+inline Error error_at(const std::string& where, Error error) {
+    error.message = where + ": " + error.message;
+    return error;
+}
+
+/// A value, or the reason there is none. Asking for the one that is not there is a fault of the caller.
+template <class T>
+class [[nodiscard]] Result {
+public:
+    Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+    Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+    bool ok() const { return state_.index() == 0; }
+    explicit operator bool() const { return ok(); }
+
+    T& value() & {
+        assert(ok());
+        return std::get<0>(state_);
+    }
+    const T& value() const& {
+        assert(ok());
+        return std::get<0>(state_);
+    }
+    T&& value() && {
+        assert(ok());
+        return std::get<0>(std::move(state_));
+    }
+    const Error& error() const {
+        assert(!ok());
+        return std::get<1>(state_);
+    }
+
+    T& operator*() { return value(); }
+    const T& operator*() const { return value(); }
+    T* operator->() { return &value(); }
+    const T* operator->() const { return &value(); }
+
+private:
+    std::variant<T, Error> state_;
+};
+
+template <>
+class [[nodiscard]] Result<void> {
+public:
+    Result() = default;
+    Result(Error error) : error_(std::move(error)) {}
+
+    bool ok() const { return !error_; }
+    explicit operator bool() const { return ok(); }
+    const Error& error() const {
+        assert(!ok());
+        return *error_;
+    }
+
+private:
+    std::optional<Error> error_;
+};
+
+}  // namespace touchable

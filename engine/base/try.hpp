@@ -1,0 +1,16 @@
+#pragma once
+
+// An error handed on to the caller, in one line. For .cpp files: a macro has no namespace, and headers of the
+// solver are installed.
+
+/// TRY(f()); of a Result: where it is an error, the function returns it.
+#define TRY(...) \
+    if (auto tried_ = (__VA_ARGS__); !tried_) return tried_.error()
+
+/// TRY_ASSIGN(auto x, f()); the same, and x is the value of the Result otherwise.
+#define TRY_ASSIGN(declaration, ...) TRY_ASSIGN_ON_LINE_(__LINE__, declaration, __VA_ARGS__)
+#define TRY_ASSIGN_ON_LINE_(line, declaration, ...) TRY_ASSIGN_NAMED_(line, declaration, __VA_ARGS__)
+#define TRY_ASSIGN_NAMED_(line, declaration, ...)   \
+    auto tried_##line = __VA_ARGS__;                \
+    if (!tried_##line) return tried_##line.error(); \
+    declaration = std::move(*tried_##line)

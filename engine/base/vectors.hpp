@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "engine/base/vector_unit.hpp"
+
+// Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
+// CPUs may have: the widest that is there is chosen at run time. Vectors never cross a function call that is
+// not inlined, so it does not matter what the ABI says of those that the oldest CPUs lack (-Wno-psabi).
+
+namespace touchable {
+
+/// So many values of 16 bits side by side.
+using Lanes16 = std::uint16_t __attribute__((vector_size(16)));
+using Lanes32 = std::uint16_t __attribute__((vector_size(32)));
+using Lanes64 = std::uint16_t __attribute__((vector_size(64)));
+
+template <class Lanes>
+inline constexpr int lane_count = sizeof(Lanes) / sizeof(std::uint16_t);
+
+template <class Lanes, class Value>
+[[gnu::always_inline]] inline Lanes load_lanes(const Value* from) {
+    static_assert(sizeof(Value) == sizeof(std::uint16_t));
+    Lanes values;
+    std::memcpy(&values, from, sizeof(values));
+    return values;
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void store_lanes(const Lanes& values, std::uint16_t* to) {
+    std::memcpy(to, &values, sizeof(values));
+}
+
+/// Of each pair of values side by side.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes lesser(const Lanes& a, const Lanes& b) {
+    return a < b ? a : b;
+}
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes greater(const Lanes& a, const Lanes& b) {
+    return a < b ? b : a;
+}
+
+/// Every second of the values of two vectors that follow each other: from the first one on, and from the
+/// second.
+template <class Lanes, std::size_t... N>
+[[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd,
+                                               std::index_sequence<N...>) {
+    even = __builtin_shufflevector(a, b, (2 * N)...);
+    odd = __builtin_shufflevector(a, b, (2 * N + 1)...);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd) {
+    split_lanes(a, b, even, odd, std::make_index_sequence<lane_count<Lanes>>());
+}
+/// The other way.
+template <class Lanes, std::size_t... N>
+[[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b,
+                                              std::index_sequence<N...>) {
+    constexpr std::size_t lanes = sizeof...(N);
+    a = __builtin_shufflevector(even, odd, (N / 2 + N % 2 * lanes)...);
+    b = __builtin_shufflevector(even, odd, ((lanes + N) / 2 + N % 2 * lanes)...);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b) {
+    join_lanes(even, odd, a, b, std::make_index_sequence<lane_count<Lanes>>());
+}
+
+/// What a kernel gets to know its vectors by.
+template <class T>
+struct LaneKind {
+    using Lanes = T;
+};
+
+#ifdef __x86_64__
+template <class Kernel>
+[[gnu::target("sse4.1")]] void run_with_sse4(const Kernel& kernel) {
+    kernel(LaneKind<Lanes16>());
+}
+template <class Kernel>
+[[gnu::target("avx2")]] void run_with_avx2(const Kernel& kernel) {
+    kernel(LaneKind<Lanes32>());
+}
+template <class Kernel>
+[[gnu::target("avx512bw")]] void run_with_avx512(const Kernel& kernel) {
+    kernel(LaneKind<Lanes64>());
+}
+#endif
+
+/// Calls `kernel(LaneKind<Lanes>())` in a function compiled for this unit, which the CPU must have. The
+/// kernel, and whatever of it takes vectors, is to be `always_inline`.
+template <class Kernel>
+void run_vectors(VectorUnit unit, const Kernel& kernel) {
+#ifdef __x86_64__
+    if (unit == VectorUnit::avx512) return run_with_avx512(kernel);
+    if (unit == VectorUnit::avx2) return run_with_avx2(kernel);
+    if (unit == VectorUnit::sse4) return run_with_sse4(kernel);
+#endif
+    static_cast<void>(unit);
+    kernel(LaneKind<Lanes16>());
+}
+
+}  // namespace touchable

@@ -1,0 +1,226 @@
+#include "engine/clip/aligned_clip.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/number_words.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/clip/reader_around.hpp"
+#include "engine/clip/resting_pulse.hpp"
+#include "engine/clip/shot_alignment.hpp"
+#include "engine/scene/terraces.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::uint16_t no_depth = 65535;
+/// Of few codes not too many are made: terrace removal has to have room between them.
+constexpr std::uint16_t few_codes = 4095, codes_of_few = 8190, codes_of_many = 65534;
+constexpr int fraction_bits = 24;
+/// Frames that tell whether depth pumps: so many in a row, at so many places.
+constexpr std::int64_t frames_in_a_row = 4, places = 8;
+/// Of the range of codes, from frame to frame; and of what no scale explains.
+constexpr double least_pumping = 1.0 / 1000, times_unexplained = 2;
+
+/// Code = scale x stored + shift, in fixed point.
+struct CodeLine {
+    std::int64_t scale = 0, shift = 0;
+    std::int64_t largest = 0;
+    std::uint16_t at(std::uint16_t stored) const {
+        const std::int64_t code = (scale * stored + shift) >> fraction_bits;
+        return static_cast<std::uint16_t>(std::clamp<std::int64_t>(code, 0, largest));
+    }
+};
+
+class AlignedReader final : public ReaderAround {
+public:
+    AlignedReader(std::unique_ptr<ClipReader> clip, Scene scene, std::vector<CodeLine> lines,
+                  std::string note)
+        : ReaderAround(std::move(clip)),
+          scene_(std::move(scene)),
+          notes_(inner().notes()),
+          lines_(std::move(lines)) {
+        notes_.push_back(std::move(note));
+    }
+    const Scene& scene() const override { return scene_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+
+private:
+    Scene scene_;
+    std::vector<std::string> notes_;
+    std::vector<CodeLine> lines_;  // by frame; the last one for those that could not be read before
+};
+
+Result<std::optional<RawFrame>> AlignedReader::next() {
+    auto frame = ReaderAround::next();
+    if (!frame || !*frame) return frame;
+    RawFrame& raw = **frame;
+    const DepthCoding& stored = inner().scene().depth;
+    const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];
+    std::vector<std::uint16_t> codes(65536, no_depth);
+    for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
+        const auto word = static_cast<std::uint16_t>(code);
+        if (stored.is_valid(word)) codes[word] = line.at(word);
+    }
+    Image image{scene_.width, scene_.height, 2, 1, {}};
+    image.samples.resize(2 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    std::uint8_t* to = image.samples.data();
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x, to += 2) std::memcpy(to, &codes[raw.depth.sample(x, y)], 2);
+    raw.depth = {};
+    add_plane(raw, PlaneRole::depth, plane_from(std::move(image), 16));
+    return frame;
+}
+
+/// What reading all frames tells.
+struct Looked {
+    ShotAlignment alignment;
+    CellPicture first;
+    std::vector<std::pair<std::uint16_t, std::uint16_t>> ranges;  // of codes, by frame
+};
+
+/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
+Result<void> look(ClipReader& clip, std::int64_t from, std::int64_t count, Looked& looked) {
+    if (auto there = clip.seek(from); !there) return there;
+    for (std::int64_t n = 0; n < count; ++n) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted,
+                         clip.inputs().front().string() + ": interrupted while its scale was searched"};
+        auto frame = clip.next();
+        if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
+        if (!frame || !*frame) return {};
+        CellPicture cells = cell_picture(**frame, clip.scene().depth);
+        looked.ranges.emplace_back(cells.least, cells.most);
+        if (looked.ranges.size() == 1) looked.first = cells;
+        looked.alignment.add(std::move(cells));
+    }
+    return {};
+}
+
+/// By a few frames.
+Result<bool> does_pump(ClipReader& clip, std::int64_t count) {
+    double moved = 0, unexplained = 0;
+    const std::int64_t apart = std::max<std::int64_t>(frames_in_a_row, count / places);
+    for (std::int64_t from = 0; from + 1 < count; from += apart) {
+        Looked looked;
+        TRY(look(clip, from, frames_in_a_row, looked));
+        moved += looked.alignment.pumping() * looked.alignment.pumping();
+        unexplained += looked.alignment.unexplained() * looked.alignment.unexplained();
+    }
+    const double groups = static_cast<double>((count + apart - 1) / apart);
+    return moved > groups * least_pumping * least_pumping &&
+           moved > times_unexplained * times_unexplained * unexplained;
+}
+
+/// From the least aligned code of any frame to the greatest, at least that of the codes as they are stored.
+struct Span {
+    double least = 0, most = 0;
+};
+Span span_of(const std::vector<Line>& lines, const Looked& looked, std::uint16_t code_max) {
+    Span span{0, static_cast<double>(code_max) * Cell::per_code};
+    for (std::size_t n = 0; n < lines.size(); ++n) {
+        const auto& [low, high] = looked.ranges[n];
+        span.least = std::min(span.least, lines[n].at(static_cast<double>(low) * Cell::per_code));
+        span.most = std::max(span.most, lines[n].at(static_cast<double>(high) * Cell::per_code));
+    }
+    return span;
+}
+
+/// Of whole codes, a half added, so that the next one is the nearest.
+CodeLine fixed_point(const Line& line, std::uint16_t largest) {
+    constexpr double one = std::int64_t{1} << fraction_bits;
+    return {static_cast<std::int64_t>(line.scale * one),
+            static_cast<std::int64_t>((line.shift / Cell::per_code + 0.5) * one), largest};
+}
+
+/// Near and far are those of the span. Where there were few codes, or terraces are to be removed, these are
+/// levels now, and the new codes leave room for finer ones.
+Scene aligned_scene(Scene scene, const Span& span) {
+    DepthCoding& depth = scene.depth;
+    const bool were_few = depth.code_max <= few_codes;
+    const bool need_room = scene.filter.terraces == TerraceRemoval::on;
+    const double codes = (span.most - span.least) / Cell::per_code;
+    if ((were_few || need_room) && scene.filter.levels == DepthLength{}) {
+        if (depth.kind == DepthCodingKind::inverse)
+            scene.filter.levels.quadratic = (1 / depth.near - 1 / depth.far) / codes;
+        else
+            scene.filter.levels.constant = (depth.far - depth.near) / codes;
+    }
+    scene.depth_bits = 16;
+    depth.invalid_code_count = 0;
+    depth.invalid_codes = {};
+    depth.code_max = static_cast<std::uint16_t>(were_few ? codes_of_few : codes_of_many);
+    derive_valid_range(depth);
+    return scene;
+}
+
+std::string pulse_words(const RestingPulse& pulse) {
+    return short_number(1000 * pulse.hand_metres, 3) + " mm of the hand, " + short_number(pulse.newtons, 3) +
+           " N";
+}
+
+std::string aligned_note(const Looked& looked, const RestingPulse& before, const RestingPulse& after,
+                         const Scene& scene) {
+    const ShotAlignment& alignment = looked.alignment;
+    std::string said = "depth is aligned, as each frame had a scale of its own: under a finger at rest, of " +
+                       short_number(scene.default_properties.stiffness / 1000, 3) +
+                       " N/mm, what stands still moved from frame to frame by " + pulse_words(before) +
+                       " (root mean square), and now by " + pulse_words(after);
+    if (alignment.still_shots() < alignment.shots())
+        said += "; in " + std::to_string(alignment.shots() - alignment.still_shots()) + " of " +
+                std::to_string(alignment.shots()) +
+                " shots too little stands still, and only what is faster than a second is taken out";
+    return said;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReader> clip,
+                                                       DepthAlignment wanted) {
+    const DepthCoding& depth = clip->scene().depth;
+    const bool is_even = depth.kind == DepthCodingKind::linear || depth.kind == DepthCodingKind::inverse;
+    if (wanted == DepthAlignment::on && !is_even)
+        return usage_error(
+            clip->inputs().front().string() +
+            ": has depth with a scale, metric, log or hue: only depth without one can be aligned");
+    const auto count = clip->frame_count();
+    if (wanted == DepthAlignment::off || !is_even || clip->is_live() || !count || *count < 2) return clip;
+    if (wanted == DepthAlignment::automatic) {
+        TRY_ASSIGN(const auto pumps, does_pump(*clip, *count));
+        if (!pumps) {
+            TRY(clip->rewind());
+            return clip;
+        }
+    }
+    Looked looked;
+    TRY(look(*clip, 0, *count, looked));
+    TRY(clip->rewind());
+    const std::vector<Line> lines = looked.alignment.finish();
+    if (lines.empty()) return clip;
+    const Span span = span_of(lines, looked, depth.code_max);
+    Scene scene = aligned_scene(clip->scene(), span);
+    const double per_value =
+        static_cast<double>(scene.depth.code_max) * Cell::per_code / (span.most - span.least);
+    std::vector<Line> into;
+    for (const Line& line : lines) into.push_back(line.then({per_value, -span.least * per_value}));
+    TRY(validate(scene));
+    const auto& resting = looked.alignment.resting();
+    std::string note = aligned_note(
+        looked, resting_pulse(resting, std::vector<Line>(lines.size()), clip->scene(), looked.first),
+        resting_pulse(resting, into, scene, looked.first), scene);
+    std::vector<CodeLine> codes;
+    for (const Line& line : into) codes.push_back(fixed_point(line, scene.depth.code_max));
+    return std::unique_ptr<ClipReader>(std::make_unique<AlignedReader>(std::move(clip), std::move(scene),
+                                                                       std::move(codes), std::move(note)));
+}
+
+}  // namespace touchable

@@ -1,0 +1,348 @@
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "engine/base/byte_source.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_container.hpp"
+#include "engine/clip/clip_file_reader.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/lossless_coding.hpp"
+#include "engine/clip/mp4_scene.hpp"
+#include "engine/clip/mp4_writer.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
+#include "engine/mpeg4/movie_fragments.hpp"
+#include "engine/mpeg4/scene_stream.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_format_version};
+
+/// The MPEG-4 scene of a file, as far as it has one.
+struct FoundScene {
+    std::optional<Mp4Scene> scene{};  // where it is a touchable clip
+    bool is_damaged = false;          // nobody knows what it is
+    std::string fault{};              // why it is no clip; empty: it is one, or there is none
+};
+
+FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
+    const auto damaged = [](const std::string& why) { return FoundScene{.is_damaged = true, .fault = why}; };
+    auto stream = mpeg4::read_scene_stream(
+        movie, [&file](std::uint64_t at, std::uint64_t count) { return mpeg4::bytes_at(file, at, count); });
+    if (!stream) return damaged("its MPEG-4 scene cannot be read: " + stream.error().message);
+    if (!*stream) return {};
+    const auto tree = mpeg4::decode_scene((*stream)->scene, (*stream)->config);
+    if (!tree) return damaged("its MPEG-4 scene is damaged: " + tree.error().message);
+    auto nodes = mpeg4::clip_nodes_of(*tree);
+    if (!nodes)
+        return {.is_damaged = !tree->has_names && !tree->prototypes.empty(),
+                .fault = "its MPEG-4 scene is no touchable clip: " + nodes.error().message};
+    return {.scene = Mp4Scene{std::move(**stream), std::move(*nodes)}};
+}
+
+/// The stream of pictures with this number; `what` it is to be, in messages.
+Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
+                                           const std::string& what) {
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (container.streams[k]->id == static_cast<int>(track) &&
+            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            return std::optional(static_cast<int>(k));
+    return input_error(what + ", track " + std::to_string(track) + ", which has no pictures");
+}
+
+std::optional<mpeg4::PlaneTexture> texture_of_plane(const mpeg4::ClipNodes& nodes, PlaneRole role) {
+    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
+                                                           nodes.height};
+    return textures[static_cast<std::size_t>(role)];
+}
+
+std::string object_in_words(const std::string& plane, const mpeg4::PlaneTexture& texture) {
+    return "its MPEG-4 scene: " + plane + " is object " + std::to_string(texture.url.object);
+}
+
+/// What a program that makes such files with names alone calls the planes.
+bool has_tracks_of_touch(mpeg4::BytesView movie) {
+    const auto parts = mpeg4::boxes_in(movie);
+    bool has_depth = false, has_more = false;
+    for (const mpeg4::Box& part : parts ? *parts : std::vector<mpeg4::Box>()) {
+        constexpr std::size_t name_at = 24;
+        const mpeg4::BytesView handler = mpeg4::content_at(part.content, {"mdia", "hdlr"});
+        if (part.type != "trak" || handler.size() <= name_at) continue;
+        std::string name(handler.begin() + name_at, handler.end());
+        name = name.substr(0, name.find('\0'));
+        has_depth = has_depth || name == role_name(PlaneRole::depth);
+        has_more = has_more || name == role_name(PlaneRole::haptic) || name == role_name(PlaneRole::height);
+    }
+    return has_depth && has_more;
+}
+
+/// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
+/// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
+class Mp4Container final : public ClipContainer {
+public:
+    Mp4Container(const SourceFile& source, const std::optional<PlaneTracks>& told)
+        : ClipContainer(source, mp4_words), told_(told) {}
+    Result<std::unique_ptr<Demuxer>> open() override;
+    Result<FrameRate> rate(const Demuxer& file) override;
+    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
+    Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    std::optional<std::string> poses(const Demuxer& file) override { return file.tag(mp4_poses_tag); }
+    bool has_whole_index() const override { return true; }
+    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
+
+private:
+    Result<void> look_at(ByteSource& file);
+    Result<std::vector<int>> streams(const Demuxer& file) const;
+    Result<FrameRate> shortened(Result<FrameRate> rate, const Demuxer& file);
+    Error refuse_scene() const;
+    Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
+    Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
+    static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
+    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
+    Result<std::optional<int>> placed(Result<std::optional<int>> stream) const {
+        return stream ? std::move(stream) : refuse(stream.error().message);
+    }
+
+    std::optional<PlaneTracks> told_;
+    bool is_looked_at_ = false;
+    std::optional<mpeg4::GatheredMovie> fragments_;
+    FoundScene scene_;
+};
+
+Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
+    TRY_ASSIGN(auto file, bytes_of_file(source_));
+    if (!is_looked_at_) TRY(look_at(*file));
+    auto opened = Demuxer::open_quicktime(
+        fragments_ ? mpeg4::plain_file(*fragments_, std::move(file)) : std::move(file), file_);
+    // FFmpeg refuses files of MP4Box with words that say nothing of the scene.
+    if (!opened && !scene_.fault.empty()) return refuse_scene();
+    return opened;
+}
+
+Result<void> Mp4Container::look_at(ByteSource& file) {
+    const auto movie = mpeg4::movie_head_of(file);
+    if (!movie) return error_at(file_, movie.error());
+    if (!told_) scene_ = scene_in(*movie, file);
+    auto fragments = mpeg4::gather_fragments(file);
+    if (!fragments) return error_at(file_, fragments.error());
+    fragments_ = std::move(*fragments);
+    is_looked_at_ = true;
+    return {};
+}
+
+/// Of every plane, with those of the low bits.
+Result<std::vector<int>> Mp4Container::streams(const Demuxer& file) const {
+    std::vector<int> all;
+    for (const PlaneRole role : all_roles) {
+        TRY_ASSIGN(const auto stream, stream_of(file, role));
+        TRY_ASSIGN(const auto low, low_stream_of(file, role));
+        for (const auto& each : {stream, low})
+            if (each) all.push_back(*each);
+    }
+    return all;
+}
+
+Result<std::optional<WholePart>> Mp4Container::whole_part(const Demuxer& file) {
+    if (!fragments_) return std::optional<WholePart>();
+    TRY_ASSIGN(const auto all, streams(file));
+    std::vector<std::int64_t> counts;
+    for (const int stream : all) counts.push_back(file.pictures(stream));
+    if (counts.empty()) return std::optional(WholePart{0, fragments_->is_cut});
+    const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
+    return std::optional(WholePart{*fewest, fragments_->is_cut, *fewest != *most});
+}
+
+/// What was cut off had times too.
+Result<FrameRate> Mp4Container::shortened(Result<FrameRate> rate, const Demuxer& file) {
+    TRY_ASSIGN(const auto whole, whole_part(file));
+    if (!rate || !rate->own_times || !whole) return rate;
+    const auto frames = static_cast<std::size_t>(whole->frames);
+    if (frames >= rate->own_times->size()) return rate;
+    std::vector<std::int64_t> times = *rate->own_times;
+    times.resize(frames);
+    constexpr std::size_t fewest = 2;  // as a list of times has
+    if (frames < fewest)
+        rate->own_times = nullptr;
+    else
+        rate->own_times = std::make_shared<const std::vector<std::int64_t>>(std::move(times));
+    return rate;
+}
+
+/// Of a file that another program wrote: that of its pictures of depth.
+Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
+    if (file.tag(clip_tags::version_tag)) return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
+    TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
+    if (!depth) return refuse_scene();
+    const AVRational said = file.container().streams[*depth]->avg_frame_rate;
+    const FrameRate rate{said.num, said.den};
+    if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
+        return refuse("its depth says no frame rate of at most " + std::to_string(clip_tags::fastest_rate) +
+                      "/1");
+    return rate;
+}
+
+Error Mp4Container::refuse_scene() const {
+    const std::string why =
+        scene_.fault.empty() ? "has neither an MPEG-4 scene nor a tag T3D_SCENE" : scene_.fault;
+    return refuse(why + ": describe it with a scene file", {{Setting::scene_file, "FILE"}});
+}
+
+Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
+    notes_.clear();
+    if (!scene_.fault.empty()) return refuse_scene();
+    const auto& scene = scene_.scene;
+    if (const auto json = file.tag(mp4_scene_tag)) {
+        auto described = described_by(*json, recorded);
+        if (!described) return described;
+        if (!scene) return described;
+        const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
+        if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
+        if (!*is_other) return described;
+        notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
+                            std::string(mp4_scene_tag) + ": the scene stands");
+        if (auto valid = validate(*described); !valid)
+            return refuse("its MPEG-4 scene: " + valid.error().message);
+        return described;
+    }
+    if (!scene) return refuse_scene();
+    TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
+    const AVCodecParameters& stored = *file.container().streams[depth.value_or(0)]->codecpar;
+    constexpr int bits = 8;
+    auto described = mpeg4::described_by(scene->nodes, stored.width, stored.height, bits);
+    if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
+    described->scene.name = source_.path().stem().string();
+    for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
+        if (const auto low = low_stream_of(file, role); low && *low)
+            notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +
+                             std::string(role_name(role)) + low_track_suffix + ", are left out: no tag " +
+                             mp4_scene_tag + " says what they are");
+    return described;
+}
+
+std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::string& name) {
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k) {
+        const AVStream& stream = *container.streams[k];
+        const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
+        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && handler && handler->value == name)
+            return static_cast<int>(k);
+    }
+    return std::nullopt;
+}
+
+Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
+    const std::string name(role_name(role));
+    if (told_) {
+        const auto& track = (*told_)[static_cast<std::size_t>(role)];
+        return track ? placed(stream_numbered(file, track->track, name)) : std::optional<int>();
+    }
+    if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
+    const auto named = stream_named(file, name);
+    return named || role != PlaneRole::colour ? named : stream_named(file, "color");
+}
+
+Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
+    const std::string name = std::string(role_name(role)) + low_track_suffix;
+    if (!told_) return stream_named(file, name);
+    const auto& track = (*told_)[static_cast<std::size_t>(role)];
+    return track && track->low ? placed(stream_numbered(file, *track->low, name)) : std::optional<int>();
+}
+
+/// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
+Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
+    const auto json = file.tag(mp4_scene_tag);
+    if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
+    TRY_ASSIGN(const auto tagged, json ? parse_scene(*json, file_ + ": " + words_.scene)
+                                       : Result<SceneDescription>(SceneDescription(scene)));
+    const Scene& stored = tagged.scene;
+    return std::max(0,
+                    (role == PlaneRole::depth ? stored.depth_bits : height_bits(stored.height_coding)) - 8);
+}
+
+Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
+    std::vector<ClipTrack> tracks;
+    std::map<int, std::string> used;  // streams
+    for (const PlaneRole role : all_roles) {
+        TRY_ASSIGN(const auto stream, stream_of(file, role));
+        if (!stream && role == PlaneRole::depth) return refuse("has no track of depth");
+        if (!stream) continue;
+        ClipTrack track{role, *stream};
+        TRY_ASSIGN(const auto bits, low_bits(file, role, scene));
+        track.low_bits = bits;
+        if (bits > 0) {
+            TRY_ASSIGN(const auto low, low_stream_of(file, role));
+            track.low_stream = low;
+        }
+        const auto is_lossless = [&](int number) {
+            return is_coded_without_loss(*file.container().streams[number]->codecpar);
+        };
+        track.is_lossless =
+            is_lossless(track.stream) && (!track.low_stream || is_lossless(*track.low_stream));
+        const std::string name(role_name(role));
+        const std::pair<std::optional<int>, std::string> parts[] = {
+            {track.stream, name}, {track.low_stream, "low bits of " + name}};
+        for (const auto& [part, what] : parts) {
+            if (!part) continue;
+            const auto [other, is_first] = used.emplace(*part, what);
+            if (!is_first)
+                return refuse("its " + what + " is the same track as its " + other->second +
+                              ": must be one of its own");
+        }
+        tracks.push_back(track);
+    }
+    return tracks;
+}
+
+}  // namespace
+
+Result<std::optional<Mp4Scene>> read_mp4_scene(const SourceFile& file) {
+    TRY_ASSIGN(const auto bytes, bytes_of_file(file));
+    const auto movie = mpeg4::movie_head_of(*bytes);
+    if (!movie) return error_at(file.string(), movie.error());
+    FoundScene found = scene_in(*movie, *bytes);
+    if (!found.fault.empty()) return input_error(file.string() + ": " + found.fault);
+    return std::move(found.scene);
+}
+
+Result<std::optional<std::uint32_t>> track_of_plane(const Mp4Scene& scene, PlaneRole role) {
+    const std::string name(role_name(role));
+    const auto texture = texture_of_plane(scene.nodes, role);
+    if (!texture) return std::optional<std::uint32_t>();
+    if (texture->url.object == 0)
+        return input_error("its MPEG-4 scene has " + name + " in another file (" +
+                           in_quotes(texture->url.file) + "): must be a track of its own");
+    const auto track = scene.stream.objects.find(texture->url.object);
+    if (track == scene.stream.objects.end())
+        return input_error(object_in_words(name, *texture) + ", which is no track");
+    return std::optional(track->second);
+}
+
+Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
+    TRY_ASSIGN(const auto track, track_of_plane(scene, role));
+    if (!track) return std::optional<int>();
+    return stream_numbered(
+        file, *track, object_in_words(std::string(role_name(role)), *texture_of_plane(scene.nodes, role)));
+}
+
+bool is_mp4_clip(const SourceFile& file, bool is_described) {
+    const auto bytes = bytes_of_file(file);
+    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+    if (!movie) return false;
+    const std::string_view tag = clip_tags::version_tag;
+    if (std::search(movie->begin(), movie->end(), tag.begin(), tag.end()) != movie->end()) return true;
+    const FoundScene found = scene_in(*movie, **bytes);
+    if (found.scene || has_tracks_of_touch(*movie)) return true;
+    return !is_described && !found.fault.empty() && (found.is_damaged || !Demuxer::open_quicktime(file));
+}
+
+std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file, const std::optional<PlaneTracks>& told) {
+    return std::make_unique<Mp4Container>(file, told);
+}
+
+}  // namespace touchable

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "engine/clip/cell_picture.hpp"
+#include "engine/clip/line_fit.hpp"
+
+namespace touchable {
+
+/// Depths of cells that stood still from the frame before to a frame, there and here, sixteenths of a code.
+using RestingCells = std::vector<std::pair<std::int32_t, std::int32_t>>;
+
+/// Finds for each frame of a clip the line that takes its codes to one scale. Frames come in order, and a cut
+/// begins anew. Of a shot in which most things stand still, the lines are those that keep them still: what
+/// does not move is told by colour that does not change and by depths that agree, and is remembered for the
+/// whole shot, so that the scale cannot wander. Where the camera moves nothing says what the scale was a
+/// while ago: then what is faster than a second is taken out of it, and the rest stays.
+/// The mean scale of a shot stays what it was.
+class ShotAlignment {
+public:
+    void add(CellPicture picture);
+    /// Of every frame that was added; of sixteenths of a code. Once.
+    std::vector<Line> finish();
+
+    const std::vector<RestingCells>& resting() const { return resting_; }
+    std::int64_t shots() const { return shots_; }
+    /// Shots whose scale is that of what stands still.
+    std::int64_t still_shots() const { return still_shots_; }
+    /// How far what stands still moves from frame to frame, root mean square, as a share of the range of
+    /// codes; and what of that no scale and no shift explains.
+    double pumping() const;
+    double unexplained() const;
+
+private:
+    struct Reference {
+        double depth = 0, luma = 0;
+        int age = -1;  // frames since depth was another there; -1: there was none
+        int calm = 0;  // frames since the colour was
+    };
+    struct Fitted {
+        Line to_shot;    // as what stands still has it
+        Line to_before;  // codes of the frame before
+        bool is_still = false;
+    };
+
+    double changed(const CellPicture& picture) const;
+    LineFit fit_to_before(const CellPicture& picture, RestingCells& resting);
+    void fit_to_shot(const CellPicture& picture, Fitted& fitted);
+    void remember(const CellPicture& picture, const std::vector<bool>& same, const Line& line,
+                  double tolerance);
+    void begin_shot(const CellPicture& picture);
+    void end_shot();
+    std::vector<Line> lines_of_still() const;
+    std::vector<Line> lines_of_moving() const;
+
+    std::vector<Line> lines_;
+    std::vector<RestingCells> resting_;
+    std::vector<Fitted> shot_;           // of the shot that goes on
+    std::vector<Reference> references_;  // of its cells
+    CellPicture before_;
+    double least_noise_ = 1, range_ = 1;  // of the shot
+    double moved_ = 0, unexplained_ = 0;  // sums of squares
+    std::int64_t pairs_ = 0, shots_ = 0, still_shots_ = 0;
+};
+
+}  // namespace touchable

@@ -1,0 +1,234 @@
+#include "engine/clip/track_decoder.hpp"
+
+#include <utility>
+
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/block_addition.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/codecs.hpp"
+#include "engine/picture/decoded_picture.hpp"
+
+extern "C" {
+#include <libavutil/crc.h>
+#include <libavutil/intreadwrite.h>
+}
+
+namespace touchable {
+namespace {
+
+/// FFmpeg's FFV1 decoder conceals a slice whose checksum fails, so the checksums are verified here. A packet
+/// is a chain of slices, each ending in its size (3 bytes), an error status (1) and a CRC parity (4) that
+/// brings the CRC-32 of the whole slice to 0 (RFC 9043, 4.8 and 4.9).
+bool ffv1_slices_intact(const AVPacket& packet) {
+    constexpr int footer = 8;
+    const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
+    int end = packet.size;
+    while (end > 0) {
+        if (end < footer) return false;
+        const int slice = static_cast<int>(AV_RB24(packet.data + end - footer)) + footer;
+        if (slice > end || packet.data[end - footer + 3] != 0) return false;
+        if (av_crc(table, 0, packet.data + end - slice, static_cast<std::size_t>(slice)) != 0) return false;
+        end -= slice;
+    }
+    return packet.size > 0;
+}
+
+std::string size_text(const AVFrame& frame) {
+    return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
+}
+
+Error undecodable(const std::string& where, int status) {
+    if (status == AVERROR(ENOMEM)) return {ErrorKind::internal, where + ": out of memory"};
+    return input_error(where + ": is damaged: " + ffmpeg_text(status));
+}
+
+}  // namespace
+
+Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file,
+                                        std::size_t tracks) {
+    TrackDecoder track;
+    track.role_ = role;
+    track.file_ = file;
+    track.info_.role = role_name(role);
+    track.info_.codec = codec_name(*stream.codecpar);
+    const std::string where = file + ": track " + track.info_.role;
+    if (!is_read(*stream.codecpar))
+        return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
+                           codecs_that_are_read());
+    TRY_ASSIGN(auto decoder, PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks));
+    track.decoder_ = std::move(decoder);
+    track.codec_ = stream.codecpar->codec_id;
+    // Versions 0 and 1, which have no header of their own, have no checksums either.
+    track.has_slice_checksums_ = track.codec_ == AV_CODEC_ID_FFV1 && stream.codecpar->extradata_size > 0;
+    track.pixels_ = std::int64_t{stream.codecpar->width} * stream.codecpar->height;
+    TRY(track.read_tags(stream));
+    return track;
+}
+
+Result<void> TrackDecoder::read_tags(const AVStream& stream) {
+    says_lossless_ = av_dict_get(stream.metadata, clip_tags::lossless_tag, nullptr, 0) != nullptr;
+    const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::bits_tag, nullptr, 0);
+    if (!tag && codec_ != AV_CODEC_ID_NONE) return {};
+    if (role_ != PlaneRole::depth && role_ != PlaneRole::height)
+        return input_error(
+            name() +
+            ": is stored as depth and height are (tag T3D_BITS, or codec t3dz or t3d2): must not be");
+    const auto bits = tag ? clip_tags::parse_bits(tag->value) : std::nullopt;
+    if (!bits)
+        return input_error(file_ + ": track " + info_.role + ": its tag T3D_BITS is " +
+                           (tag ? in_quotes(tag->value) : "missing") +
+                           ": must be a whole number from 9 to 16");
+    stated_bits_ = *bits;
+    return {};
+}
+
+std::string TrackDecoder::where() const {
+    return name() + ", frame " + std::to_string(received_);
+}
+
+/// For how many frames the picture of this packet stays, if the packet is sound.
+Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
+    const auto addition = block_addition_of(packet);
+    if (!has_additions_) {
+        has_additions_ = addition.has_value();
+        // Other programs keep the tag of a track that they encode anew, but not what belonged to its packets.
+        info_.lossless = says_lossless_ && *has_additions_;
+    }
+    bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
+    if (addition) sound = sound && addition->sound;
+    if (!addition && codec_ == AV_CODEC_ID_NONE) sound = false;  // its only checksum
+    if (!addition && has_slice_checksums_) sound = sound && ffv1_slices_intact(packet);
+    if (sound) return addition ? addition->frames : 1;
+    return input_error(where() + ": is damaged: its checksum is missing or wrong");
+}
+
+bool TrackDecoder::is_one_packet_each() const {
+    return has_additions_.value_or(false) || decoder_->is_one_packet_each();
+}
+
+Result<TrackDecoder::Picture> TrackDecoder::skip(const AVPacket& packet) {
+    TRY_ASSIGN(const auto frames, frames_of(packet));
+    received_ += frames;
+    return Picture{received_ - frames, frames, packet.pts, {}};
+}
+
+void TrackDecoder::restart(std::int64_t number) {
+    decoder_->flush();
+    frames_.clear();
+    received_ = number;
+    drained_ = false;
+}
+
+Result<void> TrackDecoder::send(const AVPacket* packet) {
+    if (packet) {
+        TRY_ASSIGN(const auto frames, frames_of(*packet));
+        frames_.push_back(frames);
+    }
+    const int status = decoder_->send(packet);
+    if (status < 0) return undecodable(where(), status);
+    drained_ = packet == nullptr;
+    return {};
+}
+
+Result<FramePtr> TrackDecoder::decoded() {
+    FramePtr frame(av_frame_alloc());
+    if (!frame) return Error{ErrorKind::internal, "out of memory"};
+    const int status = decoder_->receive(*frame);
+    if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return FramePtr{};
+    if (status < 0) return undecodable(where(), status);
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return input_error(where() + ": is damaged");
+    TRY(check_format(*frame));
+    return frame;
+}
+
+/// For how many frames the picture that came out stays.
+std::int64_t TrackDecoder::passed() {
+    std::int64_t frames = 1;
+    if (!frames_.empty()) {
+        frames = frames_.front();
+        frames_.pop_front();
+    }
+    received_ += frames;
+    return frames;
+}
+
+Result<std::optional<TrackDecoder::Decoded>> TrackDecoder::receive_frame() {
+    TRY_ASSIGN(auto frame, decoded());
+    if (!frame) return std::optional<Decoded>{};
+    passed();
+    const std::int64_t timestamp = frame->best_effort_timestamp;
+    return std::optional(Decoded{timestamp, std::move(frame)});
+}
+
+Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
+    TRY_ASSIGN(auto received, decoded());
+    if (!received) return std::optional<Picture>{};
+    FramePtr frame = std::move(received);
+    const std::int64_t timestamp = frame->best_effort_timestamp;
+    TRY_ASSIGN(auto made, plane(std::move(frame)));
+    const std::int64_t frames = passed();
+    return std::optional(Picture{received_ - frames, frames, timestamp, std::move(made)});
+}
+
+Result<void> TrackDecoder::check_format(const AVFrame& frame) {
+    if (format_.empty()) {
+        format_ = format_name(frame);
+        info_.width = frame.width;
+        info_.height = is_split() ? frame.height / 2 : frame.height;
+        info_.pixel_format = format_;
+        if (stated_bits_ > 0)
+            info_.pixel_format =
+                std::to_string(stated_bits_) + (is_split() ? " bits in two halves" : " bits");
+        coded_height_ = frame.height;
+    }
+    if (frame.width == info_.width && frame.height == coded_height_ && format_name(frame) == format_)
+        return {};
+    return input_error(where() + ": is " + size_text(frame) + ", but the track began as " +
+                       std::to_string(info_.width) + "x" + std::to_string(coded_height_) + " " + format_);
+}
+
+/// Of bytes, the high ones above the low ones.
+Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
+    const auto bytes = luma_samples(frame);
+    if (!bytes || bytes->bytes_per_sample != 1 || frame.height % 2 != 0)
+        return input_error(where() + ": is " + size_text(frame) + "; with the tag T3D_BITS, " + info_.role +
+                           " is grey of 8 bits, the high bytes above the low ones");
+    PlaneView high = *bytes;
+    high.height /= 2;
+    PlaneView low = high;
+    low.data = bytes->row(high.height);
+    return plane_from(joined_bytes(high, low), stated_bits_);
+}
+
+Result<Plane> TrackDecoder::rgb(const AVFrame& frame) {
+    auto rgb = converter_.converted(frame);
+    if (!rgb) return input_error(where() + ": " + rgb.error().message);
+    const AVFrame& made = **rgb;
+    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+}
+
+Result<Plane> TrackDecoder::plane(FramePtr frame) {
+    const bool one_channel = role_ == PlaneRole::depth || role_ == PlaneRole::height;
+    if (one_channel && is_split()) return joined(*frame);
+    if (role_ == PlaneRole::depth && is_rgb8(*frame)) return rgb(*frame);
+    if (one_channel) {
+        const int bits = stated_bits_ > 0 ? stated_bits_ : sample_bits(*frame);
+        const auto samples = luma_samples(*frame);
+        if (!samples)
+            return input_error(where() + ": has pixel format " + info_.pixel_format + "; " + info_.role +
+                               " is grey of 8 to 16 bits" +
+                               (role_ == PlaneRole::depth ? ", or RGB of 8 bits for hue" : ""));
+        return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), bits};
+    }
+    if (const auto grey = grey_samples(*frame))
+        return Plane{*grey, std::shared_ptr<const AVFrame>(std::move(frame))};
+    if (role_ == PlaneRole::haptic && !is_rgb8(*frame))
+        return input_error(where() + ": has pixel format " + info_.pixel_format +
+                           ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp, or grey");
+    return rgb(*frame);
+}
+
+}  // namespace touchable

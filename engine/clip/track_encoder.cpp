@@ -1,0 +1,212 @@
+#include "engine/clip/track_encoder.hpp"
+
+#include <cstring>
+
+#include "engine/base/try.hpp"
+#include "engine/clip/codecs.hpp"
+#include "engine/clip/rank_zstd.hpp"
+#include "engine/clip/track_codecs.hpp"
+
+namespace touchable {
+namespace {
+
+Error encoder_error(PlaneRole role, const std::string& what) {
+    return {ErrorKind::internal, "encoder of track " + std::string(role_name(role)) + ": " + what};
+}
+
+/// What the codec is given: grey samples of two bytes go into H.264 as two pictures of bytes, one above the
+/// other.
+struct CodedForm {
+    AVPixelFormat format;
+    int width, height;
+    bool split;
+};
+
+/// The smallest grey that holds the values as they are.
+AVPixelFormat grey_of(PlaneRole role, const Scene& scene) {
+    if (role == PlaneRole::height || scene.depth_bits > 12) return AV_PIX_FMT_GRAY16;
+    return scene.depth_bits > 10 ? AV_PIX_FMT_GRAY12 : AV_PIX_FMT_GRAY10;
+}
+
+CodedForm form_of(PlaneRole role, TrackCoding coding, const PlaneView& plane, const Scene& scene) {
+    const bool ffv1 = coding == TrackCoding::ffv1, wide = plane.bytes_per_sample == 2;
+    if (is_visual(coding)) {
+        const bool even = plane.width % 2 == 0 && plane.height % 2 == 0;
+        return {even ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV444P, plane.width, plane.height, false};
+    }
+    if (plane.channels == 3)
+        return {ffv1 ? AV_PIX_FMT_BGR0 : AV_PIX_FMT_RGB24, plane.width, plane.height, false};
+    if (ffv1 && wide) return {grey_of(role, scene), plane.width, plane.height, false};
+    return {AV_PIX_FMT_GRAY8, plane.width, plane.height * (wide ? 2 : 1), wide};
+}
+
+void copy_rgb_as_bgr0(const std::uint8_t* from, std::uint8_t* to, int width) {
+    for (int x = 0; x < width; ++x, from += 3, to += 4) {
+        to[0] = from[2];
+        to[1] = from[1];
+        to[2] = from[0];
+        to[3] = 0;
+    }
+}
+
+/// High bytes above, low bytes below.
+void split_bytes(const PlaneView& plane, AVFrame& picture) {
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* from = plane.row(y);
+        std::uint8_t* high = picture.data[0] + static_cast<std::ptrdiff_t>(picture.linesize[0]) * y;
+        std::uint8_t* low = high + static_cast<std::ptrdiff_t>(picture.linesize[0]) * plane.height;
+        for (int x = 0; x < plane.width; ++x) {
+            std::uint16_t sample;
+            std::memcpy(&sample, from + 2 * x, 2);
+            high[x] = static_cast<std::uint8_t>(sample >> 8);
+            low[x] = static_cast<std::uint8_t>(sample);
+        }
+    }
+}
+
+void copy_samples(const PlaneView& plane, AVFrame& picture) {
+    if (plane.bytes_per_sample == 2 && picture.format == AV_PIX_FMT_GRAY8) return split_bytes(plane, picture);
+    const int row_bytes = plane.width * plane.channels * plane.bytes_per_sample;
+    for (int y = 0; y < plane.height; ++y) {
+        std::uint8_t* to = picture.data[0] + static_cast<std::ptrdiff_t>(picture.linesize[0]) * y;
+        if (picture.format == AV_PIX_FMT_BGR0)
+            copy_rgb_as_bgr0(plane.row(y), to, plane.width);
+        else
+            std::memcpy(to, plane.row(y), static_cast<std::size_t>(row_bytes));
+    }
+}
+
+ScalerPtr scaler_to(const AVFrame& picture) {
+    ScalerPtr scaler(sws_getContext(picture.width, picture.height, AV_PIX_FMT_RGB24, picture.width,
+                                    picture.height, static_cast<AVPixelFormat>(picture.format),
+                                    SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr,
+                                    nullptr));
+    if (scaler)
+        sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(SWS_CS_DEFAULT), 1,
+                                 sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16, 1 << 16);
+    return scaler;
+}
+
+/// In place of those of the picture before.
+bool attach(std::span<const std::string> messages, AVFrame& picture) {
+    av_frame_remove_side_data(&picture, AV_FRAME_DATA_SEI_UNREGISTERED);
+    for (const std::string& message : messages) {
+        AVBufferRef* const buffer = av_buffer_alloc(message.size());
+        if (!buffer) return false;
+        std::memcpy(buffer->data, message.data(), message.size());
+        if (av_frame_new_side_data_from_buf(&picture, AV_FRAME_DATA_SEI_UNREGISTERED, buffer)) continue;
+        AVBufferRef* lost = buffer;
+        av_buffer_unref(&lost);
+        return false;
+    }
+    return true;
+}
+
+class FfmpegEncoder final : public TrackEncoder {
+public:
+    explicit FfmpegEncoder(PlaneRole role) : role_(role) {}
+    Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene);
+    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
+                             std::span<const std::string> messages) override;
+
+private:
+    PlaneRole role_;
+    CodecPtr codec_;
+    FramePtr picture_;
+    ScalerPtr scaler_;  // of is_visual
+};
+
+Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
+    const CodedForm form = form_of(role_, coding, first, scene);
+    auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
+    if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // in terms of the scene
+        return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
+    if (!codec) return codec.error();
+    codec_ = std::move(*codec);
+    picture_.reset(av_frame_alloc());
+    if (!picture_) return encoder_error(role_, "out of memory");
+    picture_->format = form.format;
+    picture_->width = form.width;
+    picture_->height = form.height;
+    if (av_frame_get_buffer(picture_.get(), 0) < 0) return encoder_error(role_, "out of memory");
+    picture_->pts = -1;
+    if (!is_visual(coding)) return {};
+    scaler_ = scaler_to(*picture_);
+    if (!scaler_) return encoder_error(role_, "no way from RGB to its pixels");
+    return {};
+}
+
+Result<void> FfmpegEncoder::describe(AVCodecParameters& stored) const {
+    if (avcodec_parameters_from_context(&stored, codec_.get()) < 0)
+        return encoder_error(role_, "out of memory");
+    return {};
+}
+
+Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own,
+                                        std::span<const std::string> messages) {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_frame_make_writable(picture_.get()) < 0) return encoder_error(role_, "out of memory");
+    if (scaler_) {
+        const std::uint8_t* rows[] = {plane.data, nullptr, nullptr, nullptr};
+        const int strides[] = {static_cast<int>(plane.stride), 0, 0, 0};
+        sws_scale(scaler_.get(), rows, strides, 0, plane.height, picture_->data, picture_->linesize);
+    } else {
+        copy_samples(plane, *picture_);
+    }
+    ++picture_->pts;
+    picture_->pict_type = on_its_own ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+    if (!attach(messages, *picture_)) return encoder_error(role_, "out of memory");
+    int status = avcodec_send_frame(codec_.get(), picture_.get());
+    if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
+    if (status < 0) return encoder_error(role_, ffmpeg_text(status));
+    return packet;
+}
+
+class RankZstdTrack final : public TrackEncoder {
+public:
+    RankZstdTrack(PlaneRole role, const PlaneView& first)
+        : role_(role), width_(first.width), height_(first.height) {}
+    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
+                             std::span<const std::string> messages) override;
+
+private:
+    const PlaneRole role_;
+    const int width_, height_;
+    RankZstdEncoder encoder_;
+};
+
+Result<void> RankZstdTrack::describe(AVCodecParameters& stored) const {
+    stored.codec_type = AVMEDIA_TYPE_VIDEO;
+    stored.codec_id = AV_CODEC_ID_NONE;
+    stored.codec_tag = rank_zstd_tag;
+    stored.width = width_;
+    stored.height = height_;
+    return {};
+}
+
+Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own,
+                                        std::span<const std::string> messages) {
+    if (!messages.empty()) return encoder_error(role_, "its codec has no room for messages");
+    const auto bytes = encoder_.encode(plane, on_its_own);
+    PacketPtr packet(av_packet_alloc());
+    if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
+        return encoder_error(role_, "out of memory");
+    std::memcpy(packet->data, bytes.data(), bytes.size());
+    packet->flags |= AV_PKT_FLAG_KEY;
+    return packet;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
+                                                         const PlaneView& first, const Scene& scene) {
+    if (coding == TrackCoding::rank_zstd)
+        return std::unique_ptr<TrackEncoder>(std::make_unique<RankZstdTrack>(role, first));
+    auto encoder = std::make_unique<FfmpegEncoder>(role);
+    TRY(encoder->open(coding, first, scene));
+    return std::unique_ptr<TrackEncoder>(std::move(encoder));
+}
+
+}  // namespace touchable

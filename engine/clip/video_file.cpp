@@ -1,0 +1,258 @@
+#include "engine/clip/video_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/lossless_coding.hpp"
+
+extern "C" {
+#include <libavutil/rational.h>
+}
+
+namespace touchable {
+namespace {
+
+constexpr int largest_term = 1'000'000'000;  // of a scene's rate
+
+/// Frames that nobody is to see: cut off by an edit list, or VP8's that only serve others.
+bool is_hidden(const AVPacket& packet, AVCodecID codec) {
+    constexpr int vp8_shown = 0x10;
+    return (packet.flags & AV_PKT_FLAG_DISCARD) != 0 || packet.size == 0 ||
+           (codec == AV_CODEC_ID_VP8 && (packet.data[0] & vp8_shown) == 0);
+}
+
+bool keeps_to(const std::vector<std::int64_t>& times, AVRational tick, AVRational rate) {
+    const double ticks = static_cast<double>(rate.den) / rate.num * tick.den / tick.num;
+    for (std::size_t n = 0; n < times.size(); ++n) {
+        const double late = static_cast<double>(times[n] - times[0]) - static_cast<double>(n) * ticks;
+        if (!(std::fabs(late) <= 1.001)) return false;
+    }
+    return true;
+}
+
+/// As cameras call the tracks of their recordings.
+bool is_named(const AVStream& stream, PlaneRole role) {
+    const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
+    const std::string_view name = role == PlaneRole::depth    ? "DEPTH"
+                                  : role == PlaneRole::colour ? "COLOR"
+                                                              : "";
+    return title != nullptr && !name.empty() && name == title->value;
+}
+
+/// After the first.
+std::vector<std::int64_t> nanoseconds(const std::vector<std::int64_t>& times, AVRational tick) {
+    constexpr AVRational nanosecond{1, 1'000'000'000};
+    std::vector<std::int64_t> after;
+    after.reserve(times.size());
+    for (const std::int64_t time : times)
+        after.push_back(av_rescale_q(time - times.front(), tick, nanosecond));
+    return after;
+}
+
+}  // namespace
+
+MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational tick,
+                           const std::vector<AVRational>& said) {
+    std::vector<AVRational> candidates = said;
+    for (const int rate : {30, 25, 24, 60, 50, 15, 10, 5, 1, 20, 12, 90, 100, 120}) {
+        candidates.push_back({rate, 1});
+        candidates.push_back({1000 * rate, 1001});
+    }
+    const auto is_term = [](int term) { return term > 0 && term <= largest_term; };
+    for (const AVRational rate : candidates)
+        if (is_term(rate.num) && is_term(rate.den) && keeps_to(times, tick, rate))
+            return {{rate.num, rate.den}, true};
+    const std::int64_t span = times.size() > 1 ? times.back() - times.front() : 0;
+    if (span <= 0) return {{30, 1}, times.size() <= 1};
+    const auto frames = static_cast<std::int64_t>(times.size()) - 1;
+    AVRational mean{0, 1}, per_second = av_inv_q(tick);
+    av_reduce(&mean.num, &mean.den, frames, span, largest_term);
+    av_reduce(&mean.num, &mean.den, std::int64_t{mean.num} * per_second.num,
+              std::int64_t{mean.den} * per_second.den, largest_term);
+    const bool has_mean = mean.num > 0 && mean.den > 0;
+    if (has_mean && keeps_to(times, tick, mean)) return {{mean.num, mean.den}, true};
+    if (auto own = rate_of_own_times(nanoseconds(times, tick))) return {std::move(*own), true};
+    return {has_mean ? FrameRate{mean.num, mean.den} : FrameRate{}, false};
+}
+
+Result<std::unique_ptr<VideoFile>> VideoFile::open(const SourceFile& file, PlaneRole role,
+                                                   std::optional<std::uint32_t> track) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file.path(), ignored))
+        return input_error(file.string() + ": is no file: must be a video");
+    std::unique_ptr<VideoFile> video(new VideoFile(file, role, track));
+    TRY(video->rewind());
+    TRY(video->read_times());
+    TRY(video->rewind());
+    return video;
+}
+
+Result<void> VideoFile::rewind() {
+    TRY_ASSIGN(auto demuxer, Demuxer::open_video(file_));
+    decoder_.reset();
+    demuxer_ = std::move(demuxer);
+    const AVFormatContext& container = demuxer_->container();
+    const int streams = static_cast<int>(container.nb_streams);
+    const auto has_pictures = [&](int k) {
+        const AVStream& stream = *container.streams[k];
+        return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+               (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0 &&
+               (!track_ || stream.id == static_cast<int>(*track_));
+    };
+    bool has_disparity = false;
+    for (int k = 0; k < streams; ++k) has_disparity = has_disparity || demuxer_->is_disparity(k);
+    const auto is_it = [&](int k) {
+        return has_disparity ? demuxer_->is_disparity(k) == (role_ == PlaneRole::depth)
+                             : is_named(*container.streams[k], role_);
+    };
+    stream_ = 0;
+    while (stream_ < streams && !has_pictures(stream_)) ++stream_;
+    for (int k = stream_; k < streams; ++k)
+        if (has_pictures(k) && is_it(k)) {
+            stream_ = k;
+            break;
+        }
+    if (stream_ == streams)
+        return input_error(file_.string() + (track_ ? ": has no pictures in track " + std::to_string(*track_)
+                                                    : ": has no video track"));
+    TRY_ASSIGN(auto decoder, TrackDecoder::open(*container.streams[stream_], role_, file_.string()));
+    decoder_ = std::move(decoder);
+    is_lossless_ = is_coded_without_loss(*container.streams[stream_]->codecpar);
+    is_disparity_ = demuxer_->is_disparity(stream_);
+    demuxer_->select(stream_);
+    number_ = 0;
+    is_lost_ = false;
+    held_.reset();
+    return {};
+}
+
+bool VideoFile::has_other_pictures() const {
+    const AVFormatContext& container = demuxer_->container();
+    for (int k = 0; k < static_cast<int>(container.nb_streams); ++k)
+        if (container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && !demuxer_->is_disparity(k))
+            return true;
+    return false;
+}
+
+Result<void> VideoFile::read_times() {
+    const AVStream& stream = *demuxer_->container().streams[stream_];
+    std::vector<std::pair<std::int64_t, bool>> frames;
+    while (true) {
+        TRY_ASSIGN(const auto packet, demuxer_->next(stream_));
+        if (!packet) break;
+        const AVPacket& read = *packet;
+        if (is_hidden(read, stream.codecpar->codec_id)) continue;
+        const std::int64_t time = read.pts != AV_NOPTS_VALUE ? read.pts : read.dts;
+        if (time == AV_NOPTS_VALUE)
+            return input_error(where(static_cast<std::int64_t>(frames.size())) +
+                               ": has no time: must have one in the container");
+        frames.emplace_back(time, (read.flags & AV_PKT_FLAG_KEY) != 0);
+    }
+    if (frames.empty()) return input_error(file_.string() + ": has no frames");
+    std::sort(frames.begin(), frames.end());
+    for (const auto& [time, is_key] : frames) {
+        if (is_key) keys_.push_back(count());
+        times_.push_back(time);
+    }
+    rate_ = rate_of_times(times_, stream.time_base, {stream.avg_frame_rate, stream.r_frame_rate});
+    if (!rate_.is_kept)
+        note_ = file_.string() +
+                ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
+                clip_tags::rate_text(rate_.rate) + " a second";
+    if (demuxer_->is_cut())
+        note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
+                std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";
+    return {};
+}
+
+double VideoFile::start() const {
+    const AVRational tick = demuxer_->container().streams[stream_]->time_base;
+    return static_cast<double>(times_.front()) * av_q2d(tick);
+}
+
+double VideoFile::seconds(std::int64_t frame) const {
+    const AVRational tick = demuxer_->container().streams[stream_]->time_base;
+    return static_cast<double>(times_[static_cast<std::size_t>(frame)] - times_.front()) * av_q2d(tick);
+}
+
+std::int64_t VideoFile::nearest(double seconds_after) const {
+    const AVRational tick = demuxer_->container().streams[stream_]->time_base;
+    const double time = seconds_after / av_q2d(tick) + static_cast<double>(times_.front());
+    const auto later = std::partition_point(
+        times_.begin(), times_.end(), [&](std::int64_t each) { return static_cast<double>(each) < time; });
+    if (later == times_.begin()) return 0;
+    if (later == times_.end()) return count() - 1;
+    const double after = static_cast<double>(*later) - time, before = time - static_cast<double>(later[-1]);
+    return later - times_.begin() - (before <= after ? 1 : 0);
+}
+
+Result<std::optional<TrackDecoder::Decoded>> VideoFile::decode() {
+    while (true) {
+        auto decoded = decoder_->receive_frame();
+        if (!decoded || *decoded || decoder_->drained()) return decoded;
+        TRY_ASSIGN(const auto packet, demuxer_->next(stream_));
+        TRY(decoder_->send(packet.get()));
+    }
+}
+
+Result<FramePtr> VideoFile::next() {
+    if (held_) {
+        ++number_;
+        return std::move(held_);
+    }
+    if (number_ >= count()) return FramePtr{};
+    auto decoded = decode();
+    is_lost_ = !decoded || !*decoded;
+    if (!decoded) return decoded.error();
+    if (!*decoded)
+        return input_error(where(number_) + ": is where the pictures end, but it promises " +
+                           std::to_string(count()) + " frames: it is truncated or damaged");
+    ++number_;
+    return std::move((*decoded)->frame);
+}
+
+std::int64_t VideoFile::access_point(std::int64_t frame) const {
+    const auto later = std::upper_bound(keys_.begin(), keys_.end(), frame);
+    return later == keys_.begin() ? 0 : later[-1];
+}
+
+/// False where the container's index does not lead there.
+Result<bool> VideoFile::begin_at(std::int64_t key) {
+    const std::int64_t time = times_[static_cast<std::size_t>(key)];
+    if (!demuxer_->seek(stream_, time)) return false;
+    decoder_->restart(key);
+    // Some that belong to the pictures before may come out first.
+    for (int leading = 0; leading < 32; ++leading) {
+        auto decoded = decode();
+        if (!decoded || !*decoded || (*decoded)->timestamp > time) return false;
+        if ((*decoded)->timestamp < time) continue;
+        held_ = std::move((*decoded)->frame);
+        number_ = key;
+        is_lost_ = false;
+        return true;
+    }
+    return false;
+}
+
+Result<void> VideoFile::seek(std::int64_t frame) {
+    if (frame < 0 || frame > count())
+        return usage_error(file_.string() + ": has no frame " + std::to_string(frame) +
+                           ": must be from 0 to " + std::to_string(count() - 1));
+    const std::int64_t key = access_point(frame);
+    if (is_lost_ || number_ > frame || number_ < key) {
+        held_.reset();
+        TRY_ASSIGN(const auto begun, key > 0 ? begin_at(key) : Result<bool>(false));
+        if (!begun)
+            if (auto back = rewind(); !back) return back;
+    }
+    while (number_ < frame) {
+        TRY(next());
+    }
+    return {};
+}
+
+}  // namespace touchable

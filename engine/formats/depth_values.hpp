@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/formats/farthest_values.hpp"
+#include "engine/formats/float_lattice.hpp"
+#include "engine/picture/stored_image.hpp"
+#include "engine/scene/scene_description.hpp"
+
+namespace touchable {
+
+/// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
+/// without a scale, words in another order of bits. Some frames are looked at first (telling_frames); then
+/// the scene's coding is settled by what they hold, and codes are made of all. What is nearer than all that
+/// they held is at the near plane then; what is farther is no depth, or at the far plane where depth has no
+/// scale.
+///
+/// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
+/// or of depth. Floats that are evenly spaced (FloatLattice) do so too: lengths that are multiples of a unit
+/// get the codes that a picture of integers would have. A float between two codes, of a frame that was not
+/// looked at, is rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth,
+/// whichever is finer at the median. A far plane that is not stated is 5 % beyond what one pixel in 10 000
+/// exceeds. Of lengths whose near and far plane are both stated codes go from plane to plane, whatever the
+/// frames hold. A renderer's background (RendererBackground) is no depth. What goes over all pixels is
+/// unfinished where it is asked to stop meanwhile, which the caller looks for.
+class DepthValues {
+public:
+    /// As somebody described them, which stays until `settle`.
+    explicit DepthValues(const SceneDescription& described);
+
+    /// Whether pictures like this one have to be looked at before codes are made.
+    bool needs_looks(const StoredImage& first) const {
+        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
+    }
+    /// One more.
+    void look(const StoredImage& picture);
+    /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
+    Result<std::string> settle(Scene& scene);
+    /// Whether the far plane is still to be found in the codes.
+    bool leaves_far_open() const { return far_is_open_ && !is_settled_; }
+    /// Whether pictures are not their codes already.
+    bool makes_codes() const { return is_settled_ || stored_.bytes_swapped || stored_.rotated > 0; }
+    /// As the settled scene has them: of 16 bits where it makes them.
+    Image codes(StoredImage picture) const;
+
+private:
+    bool is_valid(double value) const;
+    double ordered(std::uint16_t word) const;
+    template <class Begin, class Work>
+    void for_each(const StoredImage& picture, Begin&& begin, Work&& work) const;
+    double median();
+    std::string background_words() const;
+    std::string find_far(Scene& scene, double step);
+    Result<std::string> settle_lengths(Scene& scene);
+    std::string settle_multiples(Scene& scene, const FloatLattice& lattice);
+    std::optional<std::string> settle_steps(Scene& scene, const FloatLattice& lattice);
+    std::string settle_floats(Scene& scene, double median, double deepest);
+    std::optional<FloatLattice> even_steps();
+    Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high,
+                                    const std::optional<FloatLattice>& even);
+
+    StoredDepth stored_;
+    DepthCoding coding_;  // as it was written
+    bool far_is_open_;    // there
+    bool has_planes_;     // lengths, of which both are stated
+    bool is_float_ = false;
+    double least_ = 0, most_ = -1;  // valid values
+    std::vector<float> sample_;     // of them, for their median
+    LatticeSearch lattice_;
+    FarthestValues farthest_;
+    std::int64_t pixels_ = 0;  // that were valid
+    std::int64_t looked_at_ = 0, backgrounds_ = 0;
+
+    // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
+    bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
+    bool is_metric_ = false;  // codes are multiples of a unit
+    bool keeps_far_ = false;  // what is farther than the far plane lies on it
+    double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
+    double first_ = 0, per_value_ = 1;
+    std::uint16_t code_max_ = 65534;  // larger ones are not valid
+    std::uint16_t none_ = 65535;      // what is no depth
+};
+
+}  // namespace touchable

@@ -1,0 +1,475 @@
+#include "engine/formats/picture_files.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "engine/base/given_file.hpp"
+#include "engine/base/number_words.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/try.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 10'000'000;
+constexpr std::size_t largest_list = std::size_t{256} << 20;
+
+/// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
+class Numbered {
+public:
+    explicit Numbered(const std::string& text) {
+        const auto percent = text.find('%'), end = text.find('d', percent);
+        before_ = text.substr(0, percent);
+        if (end > percent + 1) digits_ = static_cast<std::size_t>(text[percent + 2] - '0');
+        after_ = text.substr(end + 1);
+    }
+    fs::path file(const fs::path& folder, std::int64_t number) const {
+        std::string field = std::to_string(number);
+        if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
+        return folder / (before_ + field + after_);
+    }
+    /// Numbers of the files that are there, from `first` on, in order.
+    std::vector<std::int64_t> numbers(const fs::path& folder, std::int64_t first) const {
+        std::vector<std::int64_t> found;
+        const std::string before = (folder / before_).filename().string();
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator((folder / before_).parent_path() / "", ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with(before) || name.size() <= before.size() + after_.size()) continue;
+            const char* digits = name.data() + before.size();
+            std::int64_t number = 0;
+            const auto [end, failure] =
+                std::from_chars(digits, name.data() + name.size() - after_.size(), number);
+            const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
+            if (named_so && number >= first) found.push_back(number);
+        }
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+private:
+    std::string before_, after_;
+    std::size_t digits_ = 1;
+};
+
+bool is_list(const std::string& pattern) {
+    return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
+}
+
+bool is_file(const fs::path& file) {
+    std::error_code ignored;
+    return fs::is_regular_file(file, ignored);
+}
+
+Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
+    std::error_code ignored;
+    return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
+                       "): " + (fs::exists(file, ignored) ? "is no regular file" : "is missing") + more);
+}
+
+/// Where depth's first picture is missing and later ones are there.
+std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64_t expected) {
+    const auto later = pattern.numbers(folder, expected);
+    return later.empty() ? ""
+                         : "; the first that is there is number " + std::to_string(later.front()) +
+                               ": give folder.first";
+}
+
+/// Where depth's picture of number `expected` is missing and later ones of its row are there: which numbers
+/// are missing.
+std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected,
+                   std::int64_t step) {
+    auto later = pattern.numbers(folder, expected);
+    std::erase_if(later, [&](std::int64_t number) { return (number - expected) % step != 0; });
+    if (later.empty()) return "";
+    std::string gaps;
+    for (const std::int64_t number : later) {
+        if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
+        if (number > expected + step) gaps += " to " + std::to_string(number - step);
+        expected = number + step;
+    }
+    return ", though later ones exist up to number " + std::to_string(later.back()) +
+           "; missing numbers: " + printable(gaps, 120);
+}
+
+Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& source) {
+    const Numbered pattern(source.depth);
+    PictureFiles found;
+    const std::int64_t step = source.step;
+    for (std::int64_t number = source.first; source.count == 0 || number < source.first + step * source.count;
+         number += step) {
+        const fs::path file = pattern.file(folder, number);
+        if (is_file(file)) {
+            found.files.push_back(file);
+            continue;
+        }
+        const bool is_first = number == source.first;
+        if (is_first || source.count > 0)
+            return missing(file, "depth", found.count(),
+                           is_first && source.count == 0 ? first_of(folder, pattern, number) : "");
+        const std::string later = beyond(folder, pattern, number, step);
+        std::error_code ignored;
+        if (!later.empty() || fs::exists(file, ignored))
+            found.remark = "ends after " + std::to_string(found.count()) +
+                           " frames: " + file.filename().string() +
+                           (fs::exists(file, ignored) ? " is no regular file" : " is missing") + later;
+        break;
+    }
+    return found;
+}
+
+/// Runs of digits by the number they are, all else by its bytes.
+bool comes_before(const std::string& a, const std::string& b) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (!is_digit(a[i]) || !is_digit(b[j])) {
+            if (a[i] != b[j]) return a[i] < b[j];
+            ++i, ++j;
+            continue;
+        }
+        while (i < a.size() && a[i] == '0') ++i;
+        while (j < b.size() && b[j] == '0') ++j;
+        std::size_t m = i, n = j;
+        while (m < a.size() && is_digit(a[m])) ++m;
+        while (n < b.size() && is_digit(b[n])) ++n;
+        if (m - i != n - j) return m - i < n - j;
+        if (const int order = a.compare(i, m - i, b, j, n - j)) return order < 0;
+        i = m, j = n;
+    }
+    return a.size() - i < b.size() - j;
+}
+
+std::optional<double> whole_number(std::string_view text) {
+    double number = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+    return number;
+}
+
+Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
+    const fs::path within = (folder / pattern).parent_path();
+    const std::string name = fs::path(pattern).filename().string();
+    const auto star = name.find('*');
+    if (star == std::string::npos)
+        return input_error((folder / pattern).string() + ": its star must be in the name of a file");
+    const std::string before = name.substr(0, star), after = name.substr(star + 1);
+    std::vector<std::pair<std::string, std::string>> names;  // what the star stands for, and the name
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator(within, failure)) {
+        const std::string other = entry.path().filename().string();
+        if (other.size() < before.size() + after.size() || !other.starts_with(before) ||
+            !other.ends_with(after) || !is_file(entry.path()))
+            continue;
+        names.emplace_back(other.substr(before.size(), other.size() - before.size() - after.size()), other);
+        if (names.size() > most_files) return input_error(within.string() + ": has too many files");
+    }
+    if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
+    std::sort(names.begin(), names.end(),
+              [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
+    if (std::all_of(names.begin(), names.end(),
+                    [](const auto& each) { return whole_number(each.first).has_value(); }))
+        std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
+            return whole_number(a.first) < whole_number(b.first);
+        });
+    PictureFiles found;
+    for (const auto& [what, file] : names) {
+        found.files.push_back(within / file);
+        if (const auto key = whole_number(what)) found.keys.push_back(*key);
+        found.has_decimals |= what.find('.') != std::string::npos;
+    }
+    if (found.keys.size() != found.files.size() || !std::is_sorted(found.keys.begin(), found.keys.end()))
+        found.keys.clear();
+    return found;
+}
+
+/// Lines "time name", "name", or a remark after '#'; names from the list's own folder.
+Result<PictureFiles> listed_files(const fs::path& list) {
+    TRY_ASSIGN(auto text, read_given_file(list, list.string(), "a list of pictures", largest_list));
+    std::istringstream in(std::move(text));
+    PictureFiles found;
+    found.list = list;
+    std::size_t number = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++number;
+        if (line.size() > 4096)
+            return input_error(list.string() + ", line " + std::to_string(number) + ": is too long");
+        std::istringstream words(line.substr(0, line.find('#')));
+        std::string first, second;
+        if (!(words >> first)) continue;
+        const bool has_time = static_cast<bool>(words >> second);
+        const auto time = whole_number(first);
+        if (has_time && !time)
+            return input_error(list.string() + ", line " + std::to_string(number) +
+                               ": must be a time in seconds and a file's name");
+        found.files.push_back(list.parent_path() / (has_time ? second : first));
+        if (has_time) found.keys.push_back(*time);
+        found.has_decimals |= has_time && first.find('.') != std::string::npos;
+        if (std::error_code ignored; !is_file(found.files.back()))
+            return input_error(
+                list.string() + ", line " + std::to_string(number) + ": " +
+                printable(found.files.back().string()) +
+                (fs::exists(found.files.back(), ignored) ? " is no regular file" : " is missing"));
+        if (found.count() > most_files) return input_error(list.string() + ": has too many lines");
+    }
+    if (found.files.empty()) return input_error(list.string() + ": names no picture");
+    if (found.keys.size() != found.files.size()) found.keys.clear();
+    if (!std::is_sorted(found.keys.begin(), found.keys.end()))
+        return input_error(list.string() + ": its times must not go backward");
+    return found;
+}
+
+/// Seconds of a key that is 1; nothing where keys only count.
+std::optional<double> seconds_per_key(const PictureFiles& pictures) {
+    const std::vector<double>& keys = pictures.keys;
+    if (keys.size() < 2) return {};
+    // Stamps since 1970 tell their unit by their size; small whole numbers only count.
+    const double last = keys.back();
+    if (last > 1e17) return 1e-9;
+    if (last > 1e14) return 1e-6;
+    if (last > 1e11) return 1e-3;
+    const auto counts = [](double key) { return key == std::floor(key); };
+    if (!pictures.has_decimals && std::all_of(keys.begin(), keys.end(), counts)) return {};
+    return 1;
+}
+
+/// After the first; nothing where keys only count.
+std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
+    const auto unit = seconds_per_key(pictures);
+    if (!unit) return {};
+    std::vector<double> seconds;
+    for (const double key : pictures.keys) seconds.push_back((key - pictures.keys.front()) * *unit);
+    return seconds;
+}
+
+/// Says which numbers a row lacks whose files are counted, evenly; nothing where no two of them are one step
+/// apart, as of chosen frames and of times.
+std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
+    if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
+    constexpr double largest = 1e15;  // whole numbers, exactly
+    if (found.keys.front() < -largest || found.keys.back() > largest) return "";
+    std::int64_t step = 0;
+    for (std::size_t n = 1; n < found.keys.size(); ++n)
+        step = std::gcd(step, static_cast<std::int64_t>(found.keys[n] - found.keys[n - 1]));
+    if (step == 0) return "";
+    std::string gaps;
+    bool is_a_row = false;
+    for (std::size_t n = 1; n < found.keys.size(); ++n) {
+        const auto first = static_cast<std::int64_t>(found.keys[n - 1]) + step,
+                   last = static_cast<std::int64_t>(found.keys[n]) - step;
+        is_a_row |= last - first == -step;
+        if (last < first) continue;
+        gaps += (gaps.empty() ? "" : ", ") + std::to_string(first);
+        if (last > first) gaps += " to " + std::to_string(last);
+    }
+    if (gaps.empty() || !is_a_row) return "";
+    return pattern + ": missing numbers: " + printable(gaps, 120);
+}
+
+/// Says so where two pictures have nearly one time, which no two frames can have.
+std::string close_times(const PictureFiles& found, const std::string& pattern) {
+    const auto unit = seconds_per_key(found);
+    constexpr double shortest_seconds = 1e-9 * shortest_frame_ns;
+    for (std::size_t n = 1; unit && n < found.keys.size(); ++n)
+        if ((found.keys[n] - found.keys[n - 1]) * *unit < shortest_seconds)
+            return pattern + ": the times of " + printable(found.files[n - 1].filename().string()) + " and " +
+                   printable(found.files[n].filename().string()) +
+                   " are less than 1 ms apart: all are taken evenly, at their mean rate";
+    return "";
+}
+
+/// Of numbers that are missing, or of times that cannot be.
+std::string row_remark(const PictureFiles& found, const std::string& pattern) {
+    return rate_of(found) ? close_times(found, pattern) : gaps_in(found, pattern);
+}
+
+/// Of frames that are so many seconds apart: a whole number a second where it is nearly one.
+FrameRate rate_of_step(double step) {
+    const double rate = 1 / step, whole = std::round(rate);
+    if (whole >= 1 && std::abs(rate - whole) < 0.015 * whole) return {static_cast<std::int64_t>(whole), 1};
+    return {static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
+}
+
+/// Nothing where they are no times of this world.
+std::vector<std::int64_t> nanoseconds(const std::vector<double>& seconds) {
+    constexpr double ns_per_second = 1e9, longest_seconds = 4e9;
+    std::vector<std::int64_t> ns;
+    for (const double second : seconds) {
+        const double after = second - seconds.front();
+        if (!(after < longest_seconds)) return {};
+        ns.push_back(std::llround(after * ns_per_second));
+    }
+    return ns;
+}
+
+bool keeps_to(const FrameRate& rate, const std::vector<double>& seconds) {
+    constexpr double tolerance = 0.002;  // what a stamp of milliseconds may be rounded by, twice
+    for (std::size_t n = 0; n < seconds.size(); ++n) {
+        const double even = static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9;
+        if (!(std::fabs(seconds[n] - seconds[0] - even) <= tolerance)) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+std::size_t nearest_key(const std::vector<double>& keys, double key) {
+    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
+    if (after == keys.begin()) return 0;
+    if (after == keys.end()) return keys.size() - 1;
+    const auto n = static_cast<std::size_t>(after - keys.begin());
+    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
+}
+
+Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
+    auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
+    if (found) found->remark = row_remark(*found, pattern);
+    return found;
+}
+
+Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
+    if (is_numbered(source.depth)) return numbered_files(folder, source);
+    if (is_still(source.depth)) {
+        if (!is_file(folder / source.depth)) return missing(folder / source.depth, "depth", 0, "");
+        return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
+    }
+    auto found = found_files(folder, source.depth);
+    if (!found) return found;
+    const auto first = std::min<std::size_t>(static_cast<std::size_t>(source.first), found->count());
+    const auto keep = [&](auto& values) {
+        if (values.empty()) return;
+        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+        if (source.count > 0 && values.size() > static_cast<std::size_t>(source.count))
+            values.resize(static_cast<std::size_t>(source.count));
+    };
+    keep(found->files);
+    keep(found->keys);
+    if (found->files.empty())
+        return input_error((folder / source.depth).string() + ": has no picture from folder.first on");
+    found->remark = row_remark(*found, source.depth);
+    return found;
+}
+
+namespace {
+
+/// Files that go with depth's.
+struct FilesBeside {
+    std::string_view what;
+    const std::string& pattern;
+    const PictureNumbers& numbers;
+};
+
+/// Says which of depth's numbers no file of another plane has; nothing where they are times.
+std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
+    for (const PictureFiles* row : {&found, &depth})
+        if (row->has_decimals || seconds_per_key(*row)) return "";
+    std::string numbers;
+    for (const double key : depth.keys)
+        if (!std::binary_search(found.keys.begin(), found.keys.end(), key))
+            numbers += (numbers.empty() ? "" : ", ") + formatted("%.0f", key);
+    if (numbers.empty()) return "";
+    return std::string(what) +
+           ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
+}
+
+Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sought,
+                                  const FolderSource& source, const PictureFiles& depth) {
+    const auto& [what, pattern, own] = sought;
+    PictureFiles beside;
+    if (is_numbered(pattern)) {
+        const Numbered numbered(pattern);
+        const std::int64_t first = own.first.value_or(source.first), step = own.step.value_or(source.step);
+        for (std::size_t frame = 0; frame < depth.count(); ++frame) {
+            beside.files.push_back(numbered.file(folder, first + step * static_cast<std::int64_t>(frame)));
+            if (!is_file(beside.files.back())) return missing(beside.files.back(), what, frame, "");
+        }
+        return beside;
+    }
+    if (is_still(pattern)) {
+        if (!is_file(folder / pattern)) return missing(folder / pattern, what, 0, "");
+        beside.files.push_back(folder / pattern);
+        beside.frames = depth.count();
+        return beside;
+    }
+    const auto found = found_files(folder, pattern);
+    if (!found) return found;
+    beside.list = found->list;
+    const bool by_key = !found->keys.empty() && !depth.keys.empty();
+    for (std::size_t frame = 0;
+         frame < (by_key ? depth.keys.size() : std::min(found->count(), depth.count())); ++frame)
+        beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame]) : frame]);
+    beside.frames = depth.count();
+    if (by_key) beside.remark = unpaired(*found, depth, what);
+    if (!by_key && found->count() != depth.count())
+        beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
+                        std::to_string(depth.count()) + ": paired in their order, from the first on";
+    return beside;
+}
+
+}  // namespace
+
+Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {role_name(role), pattern_of(source, role), numbers_of(source, role)}, source,
+                        depth);
+}
+
+Result<PictureFiles> camera_files(const fs::path& folder, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {"cameras", source.cameras, source.camera_numbers}, source, depth);
+}
+
+std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
+    if (seconds.size() < 2) return {};
+    std::vector<double> steps;
+    for (std::size_t n = 1; n < seconds.size(); ++n) steps.push_back(seconds[n] - seconds[n - 1]);
+    const double mean = (seconds.back() - seconds.front()) / static_cast<double>(steps.size());
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    const auto is_step = [](double step) { return step > 1e-3 && step < 100; };
+    if (is_step(*middle))
+        if (const FrameRate even = rate_of_step(*middle); keeps_to(even, seconds)) return even;
+    if (auto own = rate_of_own_times(nanoseconds(seconds))) return own;
+    return is_step(mean) ? std::optional(rate_of_step(mean)) : std::nullopt;
+}
+
+std::vector<double> seconds_of_day(const PictureFiles& pictures) {
+    const auto unit = seconds_per_key(pictures);
+    std::vector<double> seconds;
+    if (unit)
+        for (const double key : pictures.keys) seconds.push_back(key * *unit);
+    return seconds;
+}
+
+std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
+    const auto seconds = seconds_of(pictures);
+    return seconds ? rate_of_seconds(*seconds) : std::nullopt;
+}
+
+std::string unusable_times(const PictureFiles& pictures) {
+    if (pictures.list.empty() || pictures.keys.size() < 2 || rate_of(pictures)) return "";
+    const std::string list = "the times of " + printable(pictures.list.filename().string()) + " are ";
+    const auto seconds = seconds_of(pictures);
+    if (!seconds)
+        return list +
+               "whole numbers that only count (times are seconds with a point, or milli-, micro- or "
+               "nanoseconds since 1970)";
+    const double mean = seconds->back() / static_cast<double>(seconds->size() - 1);
+    return list + short_number(mean) + " s apart on average, as no frames are (times are seconds)";
+}
+
+std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
+    const auto seconds = seconds_of(pictures);
+    if (!seconds) return {};
+    auto own = rate_of_own_times(nanoseconds(*seconds));
+    return own ? own : rate_of_seconds(*seconds);
+}
+
+}  // namespace touchable

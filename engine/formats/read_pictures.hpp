@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "engine/base/given_file.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/stored_image.hpp"
+
+namespace touchable {
+
+/// Which picture of a file. Only renderings (OpenEXR) have more than one: others are their own, whatever is
+/// asked for.
+enum class PictureLayer { own, colour, materials };
+
+/// Pictures that were read to find out what they are, kept for whoever reads them as frames, so that none is
+/// opened twice. At most 256 MiB of them, or one: what is more is read again.
+class ReadPictures {
+public:
+    ReadPictures() = default;
+    /// Of these one was opened already.
+    explicit ReadPictures(SourceFile opened) : newest_(std::move(opened)) {}
+
+    /// What a file holds, of a stack the first; keeps it.
+    Result<std::shared_ptr<const StoredImage>> look(const std::filesystem::path& file);
+    /// What a file holds; keeps it no longer. What is wanted beside the newest rendering's own picture is
+    /// there to be taken until another one's is. May be called by several threads at once for several files
+    /// of which none has such pictures.
+    Result<StoredImage> take(const std::filesystem::path& file, PictureLayer layer = PictureLayer::own);
+    /// What is unpacked of a rendering with its own picture; at first all.
+    void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
+    /// The pictures of a file that is a stack of them (.npy, .npz), which stays open; null of others.
+    Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
+    /// Of stacks that are opened from now on (ImageStack::trust).
+    void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
+    std::optional<double> least_confidence() const { return least_confidence_; }
+    /// Keeps one for `take`, with what is beside it.
+    void keep(const std::filesystem::path& file, StoredImage picture);
+    /// Forgets all but these.
+    void keep_only(std::initializer_list<std::filesystem::path> files);
+
+private:
+    static constexpr std::size_t most_bytes = std::size_t{256} << 20;
+
+    using Kept = std::map<std::filesystem::path, std::shared_ptr<StoredImage>>;
+
+    StoredImage taken(Kept::iterator kept);
+    Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
+    std::optional<StoredImage> taken_beside(const std::filesystem::path& file, PictureLayer layer);
+    const SourceFile& source(const std::filesystem::path& file);
+    SourceFile taken_source(const std::filesystem::path& file);
+    std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
+    std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
+
+    std::mutex mutex_;  // guards what `take` uses of all that follows
+    // By normal paths: lists and patterns may spell one file in two ways.
+    Kept pictures_;
+    std::map<std::filesystem::path, std::shared_ptr<ImageStack>> stacks_;
+    std::optional<SourceFile> newest_;  // stays open until another one is wanted, or it was read
+    std::size_t bytes_ = 0;             // of the pictures
+    std::optional<double> least_confidence_;
+    BesideDepth::Wanted wanted_{true, true};
+    std::filesystem::path rendering_;      // the newest whose own picture was taken
+    std::shared_ptr<BesideDepth> beside_;  // it; null: nothing
+};
+
+}  // namespace touchable

@@ -1,0 +1,318 @@
+#include "engine/gpu/surface_recording.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "engine/base/try.hpp"
+
+namespace touchable {
+namespace {
+
+static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
+              offsetof(TileBounds, greatest) == 2 && offsetof(TileBounds, any_invalid) == 4);
+
+/// All but no_finer_code.
+constexpr ValidCodes finer_codes{
+    0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
+
+/// Whether no_finer_code is beyond all codes, so that it can stand for what is invalid.
+bool leaves_room_above(const ValidCodes& valid) {
+    return valid.valid_min + valid.valid_span < no_finer_code;
+}
+
+CurvePush pushed(const CodeCurve& curve) {
+    return {curve.constant,           curve.linear, curve.quadratic,
+            curve.falls ? 1U : 0U,    curve.last,   static_cast<std::uint32_t>(curve.shift),
+            curve.from_last ? 1U : 0U};
+}
+
+Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, const char* what) {
+    return {ErrorKind::gpu, "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
+                                " are larger than " + what + " may be on " + device.facts().name};
+}
+
+}  // namespace
+
+SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
+                                   const SurfacePlan& plan)
+    : scene_(scene),
+      kernels_(std::move(kernels)),
+      plan_(plan),
+      filters_(scene),
+      valid_(valid_codes_of(scene.depth)),
+      width_(static_cast<std::uint32_t>(scene.width)),
+      height_(static_cast<std::uint32_t>(scene.height)),
+      pitch_(groups_for(width_, 8)),
+      strips_(groups_for(height_, 2)),
+      segment_texels_(plan.segment_texels > 0 ? plan.segment_texels : pitch_),
+      segments_(groups_for(pitch_, segment_texels_)),
+      grid_(TileGrid::of(scene.width, scene.height)) {}
+
+Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
+                                                  const SurfacePlan& plan) {
+    SurfaceRecording recording(scene, std::move(kernels), plan);
+    TRY(recording.check_limits());
+    TRY(recording.make_buffers());
+    return recording;
+}
+
+bool SurfaceRecording::has_room_above() const {
+    return filters_.find<TerraceFilter>() != nullptr || leaves_room_above(valid_);
+}
+
+Result<void> SurfaceRecording::check_limits() const {
+    if (filters_.remembers() && !has_room_above() && valid_.valid_min == 0 &&
+        valid_.excluded[0] != no_such_code)
+        return Error{
+            ErrorKind::gpu,
+            "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
+            "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
+    const GpuLimits& limits = device().facts().limits;
+    // Of hue three channels.
+    const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;
+    if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
+        return more_than_the_device_can(scene_, device(), "a buffer");
+    const std::uint32_t most_groups = std::max(
+        groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments_, plan_.group_size),
+        groups_for(pitch_, hue_codes_group));
+    if (most_groups > limits.max_group_count[0] || height_ > limits.max_group_count[1])
+        return more_than_the_device_can(scene_, device(), "a dispatch");
+    return {};
+}
+
+Result<void> SurfaceRecording::make_buffers() {
+    const std::size_t codes_bytes = std::size_t{16} * pitch_ * height_;
+    const HoleFilling* filling = filters_.find<HoleFilling>();
+    const bool fills = filling != nullptr, levels = filters_.find<TerraceFilter>() != nullptr,
+               smooths = filters_.find<TemporalFilter>() != nullptr,
+               lands = filters_.find<FlyingPixels>() != nullptr;
+    const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
+        {parts_, "parts of bounds", std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
+        {between_[0], "codes between stages", is_hue() || fills || levels || lands ? codes_bytes : 0},
+        {between_[1], "codes between passes", fills || levels || (is_hue() && lands) ? codes_bytes : 0},
+        {finer_, "finer codes", levels || smooths ? codes_bytes : 0},
+        {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
+        {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
+        {held_, "frames held", smooths ? codes_bytes / 4 : 0},
+        {fill_passes_, "passes of hole filling",
+         fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
+    for (const auto& [buffer, name, bytes] : buffers) {
+        if (bytes == 0) continue;
+        TRY_ASSIGN(auto created, GpuBuffer::create(device(), name, bytes, GpuMemory::device));
+        buffer = created;
+    }
+    return make_table();
+}
+
+/// Of the filter that looks codes up: the temporal one, which is the first, or terrace removal.
+Result<void> SurfaceRecording::make_table() {
+    const auto* temporal = filters_.find<TemporalFilter>();
+    const auto* terraces = filters_.find<TerraceFilter>();
+    const auto table = temporal ? temporal->working.table : terraces ? terraces->working.table : nullptr;
+    if (!table) return {};
+    TRY_ASSIGN(auto created, GpuBuffer::create(device(), "working codes",
+                                               table->size() * sizeof(table->front()), GpuMemory::upload));
+    table_ = created;
+    std::copy(table->begin(), table->end(), table_.mapped<std::uint16_t>().begin());
+    return {};
+}
+
+std::optional<int> SurfaceRecording::reach() const {
+    const bool one_kernel =
+        !is_hue() &&
+        std::all_of(filters_.filters.begin(), filters_.filters.end(), [](const PlannedFilter& planned) {
+            return std::holds_alternative<MedianWindow>(planned.filter);
+        });
+    return one_kernel ? filters_.reach() : std::nullopt;
+}
+
+Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
+                                      bool begins, const VulkanVertices& slot) {
+    Frame frame{commands, list, begins, slot, stored};
+    if (is_hue())
+        if (auto decoded = record_hue(frame); !decoded.ok()) return decoded;
+    for (const PlannedFilter& planned : filters_.filters) {
+        const auto recorded =
+            std::visit([&](const auto& filter) { return record(filter, frame); }, planned.filter);
+        if (!recorded.ok()) return recorded;
+    }
+    if (auto ended = record_codes(frame, nullptr, slot.codes.gpu); !ended.ok()) return ended;
+    return record_bounds(frame);
+}
+
+StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t listed) const {
+    StripPush push{};
+    push.width = width_;
+    push.height = height_;
+    push.in_pitch = rows.pitch;
+    push.out_pitch = pitch_;
+    push.segment_texels = segment_texels_;
+    push.segments = segments_;
+    push.along_x = plan_.along_x ? 1 : 0;
+    push.validity_words = groups_for(width_, 32);
+    push.valid = rows.valid;
+    push.listed = listed;
+    push.groups = groups_for(listed > 0 ? listed * strips_per_tile : strips_ * segments_, plan_.group_size);
+    return push;
+}
+
+Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows,
+                                                 const WorkingCodes* working) {
+    return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, working ? 1U : 0U,
+                                    working && working->table ? 1U : 0U});
+}
+
+/// The kernel that ends in codes, validity and parts of bounds. With `working` in working codes, and only
+/// validity is final.
+Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
+    TRY_ASSIGN(const auto program, program_for(frame.kernel, frame.rows, working));
+    StripPush push = push_for(frame.rows, frame.list.count());
+    push.factor = working ? static_cast<std::uint32_t>(working->factor) : 1;
+    const GpuBuffer& list = frame.list.buffer();
+    frame.commands.dispatch(
+        program, push, {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, list, table_ ? table_ : list},
+        {push.groups});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
+    return {};
+}
+
+/// Working codes, where they are not there yet.
+Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& frame) {
+    if (std::exchange(frame.is_finer, true)) return {};
+    if (auto made = record_codes(frame, has_room_above() ? &working : nullptr, finer_); !made.ok())
+        return made;
+    frame.rows = {finer_, 2, pitch_, finer_codes};
+    frame.kernel = StripKernel::decode;
+    return {};
+}
+
+Result<void> SurfaceRecording::record(const MedianWindow& window, Frame& frame) {
+    frame.kernel = window.side == 3 ? StripKernel::median3 : StripKernel::median5;
+    return {};
+}
+
+/// What the filter reads and writes changes places from frame to frame.
+Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
+    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
+    TRY_ASSIGN(const auto program, kernels_->temporal());
+    ValidCodes valid = finer_codes;
+    if (!has_room_above()) {
+        valid.valid_min = valid_.valid_min;
+        valid.valid_span = valid_.valid_span;
+    }
+    const TemporalPush push{
+        height_, pitch_, frame.begins ? 1U : 0U, pushed(filter.gate), has_room_above() ? no_finer_code : 0,
+        valid};
+    std::swap(remembered_[0], remembered_[1]);
+    frame.commands.dispatch(program, push, {frame.rows.buffer, remembered_[1], remembered_[0], held_},
+                            {groups_for(pitch_, temporal_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("temporal");
+    frame.rows = {remembered_[0], 2, pitch_, valid};
+    return {};
+}
+
+Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
+    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
+    const TerracesPush push{width_,
+                            height_,
+                            pitch_,
+                            segments_,
+                            segment_texels_,
+                            plan_.along_x ? 1U : 0U,
+                            pushed(filter.steps),
+                            pushed(filter.levels),
+                            static_cast<std::uint32_t>(filter.fraction),
+                            static_cast<std::uint32_t>(filter.step),
+                            static_cast<std::uint32_t>(filter.noise)};
+    const GpuBuffer first = frame.rows.buffer;
+    GpuBuffer from = first;
+    for (int pass = 0; pass < filter.passes(); ++pass) {
+        const bool is_last = pass + 1 == filter.passes();
+        TRY_ASSIGN(const auto program,
+                   kernels_->terraces(plan_.group_size, filter.tap_of(pass), is_last, !filter.is_even()));
+        const GpuBuffer& to = between_[pass % 2];
+        frame.commands.dispatch(program, push, {from, first, to},
+                                {groups_for(height_ * segments_, plan_.group_size)});
+        frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+        from = to;
+    }
+    frame.commands.mark("terraces");
+    frame.rows = {from, 2, pitch_, finer_codes};
+    return {};
+}
+
+Result<void> SurfaceRecording::record_hue(Frame& frame) {
+    TRY_ASSIGN(auto program, kernels_->hue_codes());
+    const HueCodesPush push{width_, height_, frame.rows.pitch * 4, pitch_,
+                            static_cast<std::uint32_t>(scene_.depth.least_sum)};
+    frame.commands.dispatch(program, push, {frame.rows.buffer, between_[0]},
+                            {groups_for(pitch_, hue_codes_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("hue");
+    frame.rows = {between_[0], 2, pitch_, valid_};
+    return {};
+}
+
+/// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
+/// second: what the first one reads is not in these buffers.
+Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) {
+    StoredRows& rows = frame.rows;
+    TRY_ASSIGN(const auto program, kernels_->flying_pixels(rows.sample_bytes));
+    const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
+    const FlyingPixelsPush push{width_, height_, rows.pitch, pitch_, pushed(filter.gate), rows.valid};
+    frame.commands.dispatch(program, push, {rows.buffer, to},
+                            {groups_for(pitch_, flying_pixels_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("flying pixels");
+    rows = {to, 2, pitch_, valid_};
+    return {};
+}
+
+Result<void> SurfaceRecording::record(const HoleFilling& filling, Frame& frame) {
+    StoredRows& rows = frame.rows;
+    if (!rows.may_be_invalid()) return {};
+    GpuCommands& commands = frame.commands;
+    commands.fill(fill_passes_, 0);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    for (int pass = 0; pass < filling.passes; ++pass) {
+        const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
+        TRY_ASSIGN(const auto program, program_for(StripKernel::fill_holes, rows));
+        StripPush push = push_for(rows, 0);
+        push.pass = static_cast<std::uint32_t>(pass);
+        if (pass < 2)
+            commands.dispatch(program, push, {rows.buffer, to, fill_passes_}, {push.groups});
+        else
+            commands.dispatch_indirect(program, push, {rows.buffer, to, fill_passes_}, fill_passes_,
+                                       sizeof(FillPass) * push.pass);
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
+        rows = {to, 2, pitch_, valid_};
+    }
+    commands.mark("fill");
+    return {};
+}
+
+Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
+    const VulkanVertices& slot = frame.slot;
+    TRY_ASSIGN(auto program, kernels_->tile_bounds());
+    const TileBoundsPush push{width_,
+                              height_,
+                              pitch_,
+                              groups_for(width_, 32),
+                              strips_,
+                              static_cast<std::uint32_t>(grid_.tiles_x),
+                              static_cast<std::uint32_t>(grid_.tiles_y),
+                              frame.list.count()};
+    const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
+    frame.commands.dispatch(program, push,
+                            {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, frame.list.buffer()},
+                            {groups_for(pairs, tile_bounds_group)});
+    frame.commands.mark("bounds");
+    return {};
+}
+
+}  // namespace touchable

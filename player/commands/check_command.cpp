@@ -1,0 +1,324 @@
+#include "player/commands/check_commands.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/commands/device_check.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/machine_facts.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/touch_trial.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/commands/vulkan_facts.hpp"
+#include "player/commands/whole_option.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/memory.hpp"
+
+namespace touchable {
+namespace {
+
+/// One generated frame through all builders.
+struct BuilderFacts {
+    std::string scene;
+    int width = 0, height = 0;
+    double reference_ms = 0, cpu_ms = 0, lazy_ms = 0;  ///< every pixel asked of the lazy one
+    std::optional<double> vulkan_ms;                   ///< nothing: there is no usable GPU
+    bool identical = false;  ///< codes, validity and bounds; depths, for the lazy one
+};
+
+template <class Work>
+double milliseconds(Work&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Reads every pixel of `seen` and compares it with the filtered frame.
+bool same_depths(const SurfaceFrame& seen, const SurfaceFrame& filtered) {
+    bool same = true;
+    for (int y = 0; y < filtered.height; ++y)
+        for (int x = 0; x < filtered.width; ++x) {
+            const DepthSample sample = seen.vertices->at(x, y);
+            const bool valid = filtered.is_valid(x, y);
+            if (sample.valid != valid) same = false;
+            if (valid && sample.depth != filtered.coding.depth(filtered.codes[filtered.index(x, y)]))
+                same = false;
+        }
+    return same;
+}
+
+bool same_bits(const SurfaceFrame& a, const SurfaceFrame& b) {
+    return a.codes == b.codes && a.validity == b.validity && a.tiles == b.tiles;
+}
+
+Result<BuilderFacts> builder_facts(const char* name) {
+    SceneOptions options;
+    options.bits = 8;
+    TRY_ASSIGN(auto source, make_scene(name, options));
+    Scene scene = source->scene();
+    scene.filter = {5, 2};
+    scene.depth.invalid_codes[0] = 0;  // the picture gets holes to fill
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    const RawFrame raw = source->frame(0);
+
+    BuilderFacts facts{name, scene.width, scene.height, 0, 0, 0, std::nullopt, false};
+    SurfaceFrame reference, cpu, lazy, vulkan;
+    Result<void> built;
+    const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
+        if (built.ok() && interrupted()) built = interrupted_error();
+        if (built.ok()) built = builder->build(raw, out);
+    };
+    bool same_lazily = false;
+    facts.reference_ms = milliseconds([&] { build(make_reference_builder(scene), reference); });
+    facts.cpu_ms = milliseconds([&] { build(make_cpu_builder(scene), cpu); });
+    const auto lazy_builder = make_lazy_builder(scene);  // its frames ask it for pixels, so it stays
+    facts.lazy_ms = milliseconds([&] {
+        if (built.ok()) built = lazy_builder->build(raw, lazy);
+        if (built.ok()) same_lazily = same_depths(lazy, reference);
+    });
+    if (built.ok() && interrupted()) built = interrupted_error();
+    if (!built.ok()) return built.error();
+    facts.identical = same_lazily && same_bits(cpu, reference);
+    if (const auto device = GpuDevice::open(); device.ok()) {
+        TRY_ASSIGN(auto builder, make_vulkan_builder(scene, *device));
+        built = builder->build(raw, vulkan);  // compiles the kernels
+        facts.vulkan_ms = milliseconds([&] {
+            if (built.ok()) built = builder->build(raw, vulkan);
+        });
+        if (!built.ok()) return built.error();
+        facts.identical = facts.identical && same_bits(vulkan, reference);
+    }
+    return facts;
+}
+
+struct CheckOptions {
+    bool json = false;
+    std::optional<TouchDemand> demand;
+    std::optional<DeviceCheckOptions> device;
+};
+
+struct MachineReport {
+    CpuFacts cpu;
+    TimerFacts timer;
+    FfmpegFacts ffmpeg;
+    VulkanFacts vulkan;
+    std::vector<BuilderFacts> builders;
+
+    std::vector<std::string> faults() const {
+        std::vector<std::string> found;
+        for (const CodecFact& codec : ffmpeg.needed)
+            if (!codec.present) found.push_back("FFmpeg here has no " + codec.name);
+        for (const BuilderFacts& facts : builders)
+            if (!facts.identical) found.push_back("the builders differ on " + facts.scene);
+        // No device is no fault, the CPU does the same work; one that does not do as it says is.
+        if (vulkan.used && !vulkan.unusable.empty()) found.push_back(vulkan.unusable);
+        return found;
+    }
+};
+
+void print_cpu(const CpuFacts& cpu) {
+    std::cout << "cpu       " << cpu.model << ", " << cpu.cores << " cores\n";
+}
+
+void print_realtime(const TimerFacts& timer) {
+    std::cout << "wake-up   " << timer.late_p50_us << " us late at the median, " << timer.late_max_us
+              << " us at worst, of 200 sleeps to a 1 ms grid\n"
+              << "realtime  SCHED_FIFO is " << (timer.realtime_permitted ? "permitted\n" : "not permitted");
+    if (timer.realtime_permitted) return;
+    std::cout << ", so that ticks are late while others compute; it is permitted by one of\n";
+    for (const std::string& way : ways_to_realtime()) std::cout << "          - " << way << '\n';
+}
+
+void print_machine(const MachineReport& report) {
+    print_cpu(report.cpu);
+    std::cout << "clock     " << report.timer.clock_resolution_ns << " ns resolution, "
+              << report.timer.timer_slack_ns / 1000.0 << " us timer slack\n";
+    print_realtime(report.timer);
+    std::cout << "ffmpeg    " << report.ffmpeg.version << ':';
+    for (const CodecFact& codec : report.ffmpeg.needed)
+        std::cout << (&codec == &report.ffmpeg.needed.front() ? " " : ", ") << (codec.present ? "" : "NO ")
+                  << codec.name;
+    std::cout << std::endl;
+}
+
+void print_builders(const BuilderFacts& facts) {
+    std::cout << "builders  " << facts.scene << ' ' << facts.width << "x" << facts.height << ": cpu "
+              << facts.cpu_ms << " ms, reference " << facts.reference_ms << " ms, lazy " << facts.lazy_ms
+              << " ms (every pixel)";
+    if (facts.vulkan_ms) std::cout << ", vulkan " << *facts.vulkan_ms << " ms";
+    std::cout << "; " << (facts.identical ? "the same bits" : "DIFFERENT bits") << std::endl;
+}
+
+void print_verdict(const MachineReport& report, const std::vector<std::string>& faults) {
+    std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
+              << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
+}
+
+nlohmann::ordered_json timer_json(const TimerFacts& timer) {
+    nlohmann::ordered_json out{{"clock_resolution_ns", timer.clock_resolution_ns},
+                               {"timer_slack_ns", timer.timer_slack_ns},
+                               {"late_p50_us", timer.late_p50_us},
+                               {"late_max_us", timer.late_max_us},
+                               {"realtime_permitted", timer.realtime_permitted}};
+    if (!timer.realtime_permitted) out["ways_to_realtime"] = ways_to_realtime();
+    return out;
+}
+
+void print_json(const MachineReport& report, const std::vector<std::string>& faults) {
+    using nlohmann::ordered_json;
+    ordered_json out;
+    out["cpu"] = {{"model", report.cpu.model}, {"cores", report.cpu.cores}};
+    out["timer"] = timer_json(report.timer);
+    out["ffmpeg"] = {{"version", report.ffmpeg.version}, {"needed", ordered_json::object()}};
+    for (const CodecFact& codec : report.ffmpeg.needed) out["ffmpeg"]["needed"][codec.name] = codec.present;
+    out["vulkan"] = vulkan_json(report.vulkan);
+    out["builders"] = ordered_json::array();
+    for (const BuilderFacts& facts : report.builders)
+        out["builders"].push_back(
+            {{"scene", facts.scene},
+             {"width", facts.width},
+             {"height", facts.height},
+             {"cpu_ms", facts.cpu_ms},
+             {"reference_ms", facts.reference_ms},
+             {"lazy_ms", facts.lazy_ms},
+             {"vulkan_ms", facts.vulkan_ms ? nlohmann::json(*facts.vulkan_ms) : nlohmann::json()},
+             {"identical", facts.identical}});
+    out["ready"] = faults.empty();
+    out["faults"] = faults;
+    std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+/// Finds out one thing after the other, and says each (as text) as soon as it is known.
+Result<MachineReport> look_around(bool tell) {
+    MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), {}, {}};
+    if (tell) print_machine(report);
+    if (interrupted()) return interrupted_error();
+    report.vulkan = vulkan_facts();
+    if (tell) print_vulkan(std::cout, report.vulkan);
+    for (const char* scene : {"globe", "noise"}) {
+        TRY_ASSIGN(auto facts, builder_facts(scene));
+        if (tell) print_builders(facts);
+        report.builders.push_back(std::move(facts));
+    }
+    return report;
+}
+
+Result<void> answer(const TouchDemand& demand, bool json) {
+    TRY_ASSIGN(const auto figures, try_touch(demand));
+    const CpuFacts cpu = cpu_facts();
+    const TimerFacts timer = timer_facts();
+    const TrialVerdict verdict = judge(demand, figures, cpu.cores);
+    if (json) {
+        auto out = trial_json(demand, figures, verdict, cpu.cores);
+        out["timer"] = timer_json(timer);
+        std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    } else {
+        std::cout << trial_to_text(demand, figures, verdict, cpu.cores);
+        print_cpu(cpu);
+        print_realtime(timer);
+    }
+    if (verdict.can) return {};
+    return Error{ErrorKind::check, demand.in_words() + " is too much for this machine: " + verdict.why};
+}
+
+struct CheckWords {
+    CheckOptions options;
+    DeviceCheckOptions device;
+    TouchDemand demand;
+    std::string size = "720x480";
+};
+
+Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
+    CheckOptions options = words.options;
+    if (!words.device.device.empty()) {
+        if (asks)
+            return usage_error("--device is checked alone; --size, --fingers and --rate ask for a clip");
+        options.device = words.device;
+        options.device->json = options.json;
+        return options;
+    }
+    if (!asks) return options;
+    options.demand = words.demand;
+    TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 16, 8192));
+    options.demand->width = size.width;
+    options.demand->height = size.height;
+    return options;
+}
+
+void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
+    auto* device = add_file_option(check, "--device", options.device,
+                                   "a haptic device instead, NAME[:key=value,...] (touchable devices): its "
+                                   "reports, their age and noise, the stiffness that it bears")
+                       ->type_name("NAME[:key=value,...]");
+    add_whole_option(check, "--seconds", options.seconds, "with --device: its reports are watched", 1, 600)
+        ->capture_default_str()
+        ->needs(device);
+    add_whole_option(check, "--wait", options.wait, "with --device: seconds for its first position", 1, 3600)
+        ->capture_default_str()
+        ->needs(device);
+    check
+        .add_flag("--hands-off", options.hands_off,
+                  "with --device: no hand is on the handle, so springs are tried without asking")
+        ->needs(device);
+    add_file_option(check, "--out", options.out, "with --device: a file for the report, to attach to a fault")
+        ->needs(device);
+    add_overwrite_option(check, options.existing);
+    check.get_option("--overwrite")->needs(device);
+}
+
+/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, Vulkan, and the builders
+/// compared bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, where a Vulkan
+/// device does not do as it says (none at all is no fault), or where builders differ. With a demand instead
+/// whether this machine is fast enough for that, from a short trial, and fails where it is not. With a device
+/// what that one does (device_check.hpp).
+Result<void> run_check(const CheckOptions& options) {
+    if (options.device) return run_device_check(*options.device);
+    if (options.demand)
+        return within_memory("frames of that size", [&] { return answer(*options.demand, options.json); });
+    TRY_ASSIGN(const auto report, look_around(!options.json));
+    const std::vector<std::string> faults = report.faults();
+    options.json ? print_json(report, faults) : print_verdict(report, faults);
+    if (faults.empty()) return {};
+    return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Command& command) {
+    auto* check = app.add_subcommand("check",
+                                     "say what this machine is, whether it can (--size 1920x1080 --fingers 5 "
+                                     "--rate 30), or what a --device "
+                                     "does");
+    auto words = std::make_shared<CheckWords>();
+    check->add_flag("--json", words->options.json, "the same as JSON");
+    const std::vector<CLI::Option*> question{
+        check->add_option("--size", words->size, "can it: WxH of the clip, pixels")->capture_default_str(),
+        add_whole_option(*check, "--fingers", words->demand.fingers, "can it: that touch it", 1, 256)
+            ->capture_default_str(),
+        add_whole_option(*check, "--rate", words->demand.rate, "can it: frames per second", 1, 1000)
+            ->capture_default_str()};
+    add_device_options(*check, words->device);
+    check->callback([words, question, &command] {
+        command = [words, question]() -> Result<void> {
+            const bool asks = std::any_of(question.begin(), question.end(),
+                                          [](const CLI::Option* option) { return option->count() > 0; });
+            TRY_ASSIGN(const auto options, read_words(*words, asks));
+            return run_check(options);
+        };
+    });
+}
+
+}  // namespace touchable

@@ -1,0 +1,194 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/base/nearest_word.hpp"
+#include "engine/base/printable.hpp"
+#include "engine/base/unless_stopped.hpp"
+#include "engine/gpu/gpu_device.hpp"
+#include "player/commands/check_commands.hpp"
+#include "player/commands/command.hpp"
+#include "player/commands/commands.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/run/interrupt.hpp"
+#include "player/run/standard_output.hpp"
+
+namespace touchable {
+namespace {
+
+/// `app` knows which command was chosen, and with that which options there are.
+int fail(const CLI::App& app, const Error& error) {
+    std::cout.flush();
+    const auto chosen = app.get_subcommands();
+    const auto knows = [&](const std::string& option) {
+        return chosen.empty() || chosen[0]->get_option_no_throw(option) != nullptr;
+    };
+    constexpr std::size_t longest = 2000;  // of a line that a person reads; names in it may be anything
+    std::cerr << "touchable: " << printable(message_with_options(error, knows), longest) << '\n';
+    return exit_code(error.kind);
+}
+
+/// What the program can do, on one screen.
+Result<void> print_overview(const CLI::App& app) {
+    std::cout << "touchable " << TOUCHABLE_VERSION
+              << ". touchable FILE opens a window in which it is touched. Options: touchable help COMMAND\n";
+    for (const CLI::App* command : app.get_subcommands({})) {
+        const std::string& name = command->get_name();
+        if (name == "cameras")  // a line for both
+            std::printf("  cameras, devices  which of them are plugged in, ready or not, and why\n");
+        else if (name != "devices")
+            std::printf("  %-12s%s\n", name.c_str(), command->get_description().c_str());
+    }
+    return {};
+}
+
+/// What `help [COMMAND]` asks for in options' words, from the last to the first as CLI11 takes them.
+Result<std::vector<std::string>> words_of_help(const CLI::App& app, int argc, char** argv) {
+    if (argc == 2) return std::vector<std::string>();
+    const std::string name = argv[2];
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (argc == 3 && command->get_name() == name) return std::vector<std::string>{"-h", name};
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    if (argc == 3) return usage_error("there is no command " + name + "; there are " + known);
+    return usage_error("help goes with one command at most; there are " + known);
+}
+
+/// A file or folder in place of a command is a clip to play.
+bool is_clip(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2) return false;
+    for (const CLI::App* command : app.get_subcommands({}))
+        if (command->get_name() == argv[1]) return false;
+    const std::string_view word = argv[1];
+    std::error_code ignored;
+    const bool looks_like_a_file = word.find_first_of("./") != std::string_view::npos && word[0] != '-';
+    return word != "help" && (looks_like_a_file || std::filesystem::exists(word, ignored));
+}
+
+/// The options of the chosen command, or all commands where none is.
+std::vector<std::string> known_words(const CLI::App& app) {
+    std::vector<std::string> words;
+    const auto chosen = app.get_subcommands();
+    if (chosen.empty())
+        for (const CLI::App* command : app.get_subcommands({})) words.push_back(command->get_name());
+    for (const CLI::App* command : chosen)
+        for (const CLI::Option* option : command->get_options())
+            for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    return words;
+}
+
+/// CLI11's words for what is wrong, on one line, with the way to the right ones.
+Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
+    std::string message = error.what();
+    const auto chosen = app.get_subcommands();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // which names them from the last to the first
+        const auto words = app.remaining(true);
+        const std::string first = words.empty() ? "" : words.front();
+        const std::string meant = nearest_word(first, known_words(app));
+        if (chosen.empty() && !first.starts_with('-')) {
+            message = "unknown command or file '" + first + '\'';
+            if (!meant.empty()) message += " (did you mean " + meant + "?)";
+        } else {
+            message = "not expected:";
+            for (const std::string& word : words) message += ' ' + word;
+            if (!meant.empty()) message += "; did you mean " + meant + '?';
+        }
+    }
+    std::error_code ignored;
+    for (const std::string& word : app.remaining(true))
+        if (word.starts_with('-') && std::filesystem::exists(word, ignored))
+            message += "; for the file " + word + " type ./" + word;
+    for (char& c : message)
+        if (c == '\n') c = ' ';
+    return usage_error(message + "; see touchable " +
+                       (chosen.empty() ? "-h" : chosen[0]->get_name() + " -h"));
+}
+
+int run(int argc, char** argv) {
+    CLI::App app{
+        "Touch a depth video and feel its forces.\n"
+        "touchable FILE opens a window, as touchable play FILE does.",
+        "touchable"};
+    app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
+    app.require_subcommand(0, 1);
+    Command command;
+    add_make_command(app, command);
+    add_play_command(app, command);
+    add_touch_command(app, command);
+    add_cameras_command(app, command);
+    add_devices_command(app, command);
+    add_info_command(app, command);
+    add_formats_command(app, command);
+    add_init_scene_command(app, command);
+    add_export_command(app, command);
+    add_convert_command(app, command);
+    add_relief_command(app, command);
+    add_materials_command(app, command);
+    add_serve_command(app, command);
+    add_compare_command(app, command);
+    add_plot_command(app, command);
+    add_check_command(app, command);
+
+    try {
+        if (is_clip(app, argc, argv)) {
+            std::vector<std::string> words(argv + 1, argv + argc);
+            words.insert(words.begin(), "play");
+            std::reverse(words.begin(), words.end());  // as CLI11 takes them
+            app.parse(std::move(words));
+        } else if (argc > 1 && std::string_view(argv[1]) == "help") {
+            auto asked = words_of_help(app, argc, argv);
+            if (!asked.ok()) return fail(app, asked.error());
+            app.parse(std::move(*asked));
+        } else {
+            app.parse(argc, argv);
+        }
+    } catch (const CLI::Success& success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        return fail(app, bad_usage(app, error));
+    }
+    if (!command) command = [&app] { return print_overview(app); };
+
+    catch_interrupts();
+    const Result<void> result = command();
+    if (!result.ok()) {
+        const int code = fail(app, result.error());
+        return interrupted() ? interrupted_exit_code : code;
+    }
+    const Result<void> told = flush_standard_output();
+    return told.ok() ? 0 : fail(app, told.error());
+}
+
+int run_or_tell(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& fault) {
+        std::cerr << "touchable: internal fault: " << fault.what() << '\n';
+        return exit_code(ErrorKind::internal);
+    }
+}
+
+}  // namespace
+}  // namespace touchable
+
+int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away takes no files with it
+    const int code = touchable::run_or_tell(argc, argv);
+    touchable::wait_for_given_up_gpus();
+    if (touchable::abandoned_threads > 0) {
+        std::fflush(nullptr);
+        std::cout.flush();
+        std::_Exit(code);
+    }
+    return code;
+}

@@ -1,0 +1,273 @@
+#include "player/draw/graphics_program.hpp"
+
+#include <array>
+
+#include "engine/base/try.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+/// Two shaders for as long as a pipeline is made of them.
+struct Shaders {
+    explicit Shaders(VulkanDevice& device) : gpu(device) {}
+    Shaders(const Shaders&) = delete;
+    Shaders& operator=(const Shaders&) = delete;
+    ~Shaders() {
+        for (VkShaderModule each : {vertex, fragment})
+            if (each) vkDestroyShaderModule(gpu.device, each, nullptr);
+    }
+    Result<void> load(std::span<const std::uint32_t> words, VkShaderModule& made) {
+        VkShaderModuleCreateInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+        info.codeSize = words.size_bytes();
+        info.pCode = words.data();
+        const VkResult result = vkCreateShaderModule(gpu.device, &info, nullptr, &made);
+        if (result != VK_SUCCESS) return gpu.failed("vkCreateShaderModule", result);
+        return {};
+    }
+
+    VulkanDevice& gpu;
+    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+};
+
+VkPipelineDepthStencilStateCreateInfo depth_state(DrawDepth depth) {
+    VkPipelineDepthStencilStateCreateInfo state{};
+    state.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+    state.depthTestEnable = depth != DrawDepth::ignored;
+    state.depthWriteEnable = depth == DrawDepth::replaced || depth == DrawDepth::nearest;
+    state.depthCompareOp = depth == DrawDepth::replaced  ? VK_COMPARE_OP_ALWAYS
+                           : depth == DrawDepth::nearest ? VK_COMPARE_OP_GREATER
+                           : depth == DrawDepth::behind  ? VK_COMPARE_OP_LESS
+                                                         : VK_COMPARE_OP_GREATER_OR_EQUAL;
+    return state;
+}
+
+VkPipelineColorBlendAttachmentState blend_state(DrawBlend blend) {
+    VkPipelineColorBlendAttachmentState state{};
+    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
+                           VK_COLOR_COMPONENT_A_BIT;
+    if (blend == DrawBlend::replaced) return state;
+    const bool over = blend == DrawBlend::over;
+    state.blendEnable = VK_TRUE;
+    state.srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ZERO;
+    state.dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_SRC_COLOR;
+    state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;  // a picture has no holes
+    state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    return state;
+}
+
+Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
+                                          const GraphicsLook& look) {
+    Shaders shaders(gpu);
+    TRY(shaders.load(look.vertex, shaders.vertex));
+    TRY(shaders.load(look.fragment, shaders.fragment));
+    std::vector<VkSpecializationMapEntry> entries;
+    for (std::uint32_t k = 0; k < look.constants.size(); ++k) entries.push_back({k, 4 * k, 4});
+    const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                       4 * look.constants.size(), look.constants.data()};
+    std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
+    for (auto& stage : stages) {
+        stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+        stage.pName = "main";
+        stage.pSpecializationInfo = &special;
+    }
+    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+    stages[0].module = shaders.vertex;
+    stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    stages[1].module = shaders.fragment;
+
+    VkPipelineVertexInputStateCreateInfo input{};
+    input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
+    VkPipelineInputAssemblyStateCreateInfo assembly{};
+    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPipelineViewportStateCreateInfo viewport{};
+    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+    viewport.viewportCount = viewport.scissorCount = 1;
+    VkPipelineRasterizationStateCreateInfo raster{};
+    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+    raster.polygonMode = VK_POLYGON_MODE_FILL;
+    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{};
+    samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    const VkPipelineDepthStencilStateCreateInfo depth = depth_state(look.depth);
+    const VkPipelineColorBlendAttachmentState blend = blend_state(look.blend);
+    VkPipelineColorBlendStateCreateInfo blending{};
+    blending.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+    blending.attachmentCount = 1;
+    blending.pAttachments = &blend;
+    constexpr VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamic{};
+    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+    dynamic.dynamicStateCount = 2;
+    dynamic.pDynamicStates = dynamic_states;
+    VkPipelineRenderingCreateInfo rendering{};
+    rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachmentFormats = &look.colour_format;
+    if (look.depth != DrawDepth::ignored) rendering.depthAttachmentFormat = GraphicsLook::z_format;
+
+    VkGraphicsPipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+    info.pNext = &rendering;
+    info.stageCount = 2;
+    info.pStages = stages.data();
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &blending;
+    info.pDynamicState = &dynamic;
+    info.layout = layout;
+    VkPipeline made = VK_NULL_HANDLE;
+    const VkResult result = vkCreateGraphicsPipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &made);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateGraphicsPipelines", result);
+    return made;
+}
+
+VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkAttachmentLoadOp load) {
+    VkRenderingAttachmentInfo info{};  // zeroes: no colour, and for z as far as can be
+    info.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
+    info.imageView = view;
+    info.imageLayout = layout;
+    info.loadOp = load;
+    info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    return info;
+}
+
+}  // namespace
+
+GraphicsProgram::State::~State() {
+    if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
+    if (layout) vkDestroyPipelineLayout(vulkan->device, layout, nullptr);
+    if (set_layout) vkDestroyDescriptorSetLayout(vulkan->device, set_layout, nullptr);
+}
+
+Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes) {
+    VulkanDevice& gpu = *state.vulkan;
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const VkDescriptorType type : state.bindings)
+        bindings.push_back({static_cast<std::uint32_t>(bindings.size()), type, 1, both_stages, nullptr});
+    VkDescriptorSetLayoutCreateInfo set{};
+    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    set.bindingCount = static_cast<std::uint32_t>(bindings.size());
+    set.pBindings = bindings.data();
+    VkResult result = vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorSetLayout", result);
+    const VkPushConstantRange push{both_stages, 0, push_bytes};
+    VkPipelineLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &state.set_layout;
+    info.pushConstantRangeCount = push_bytes > 0;
+    info.pPushConstantRanges = &push;
+    result = vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreatePipelineLayout", result);
+    return {};
+}
+
+Result<GraphicsProgram> GraphicsProgram::create(const GpuDevice& device, const std::string& name,
+                                                const GraphicsLook& look) {
+    auto state = std::make_shared<State>();
+    state->vulkan = device.vulkan();
+    state->bindings = look.bindings;
+    VulkanDevice& gpu = *state->vulkan;
+    TRY(make_layout(*state, look.push_bytes));
+    TRY_ASSIGN(const auto pipeline, make_graphics_pipeline(gpu, state->layout, look));
+    state->pipeline = pipeline;
+    gpu.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
+    GraphicsProgram program;
+    program.state_ = std::move(state);
+    return program;
+}
+
+void GraphicsProgram::bind_bytes(GpuCommands& commands, std::span<const std::byte> push,
+                                 std::initializer_list<DrawBinding> bindings) const {
+    constexpr std::size_t most = 4;
+    std::array<VkDescriptorBufferInfo, most> buffers{};
+    std::array<VkDescriptorImageInfo, most> images{};
+    std::array<VkWriteDescriptorSet, most> writes{};
+    std::uint32_t count = 0;
+    for (const DrawBinding& binding : bindings) {
+        VkWriteDescriptorSet& write = writes[count];
+        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        write.dstBinding = count;
+        write.descriptorCount = 1;
+        write.descriptorType = state_->bindings[count];
+        if (binding.image) {
+            images[count] = {VK_NULL_HANDLE, binding.image->view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
+            write.pImageInfo = &images[count];
+            commands.keep(binding.image->keep_alive());
+        } else {
+            buffers[count] = {binding.buffer->handle(), binding.offset, binding.bytes};
+            write.pBufferInfo = &buffers[count];
+            commands.keep(binding.buffer->keep_alive());
+        }
+        ++count;
+    }
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->pipeline);
+    state_->vulkan->push_descriptors(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->layout, 0,
+                                     count, writes.data());
+    if (!push.empty())
+        vkCmdPushConstants(commands.handle(), state_->layout, both_stages, 0,
+                           static_cast<std::uint32_t>(push.size()), push.data());
+    commands.keep(state_);
+}
+
+void begin_drawing(GpuCommands& commands, const DrawTarget& target) {
+    const VkExtent2D extent = target.colour.extent();
+    const VkRenderingAttachmentInfo to_colour =
+        attachment(target.as_light ? target.colour.light_view() : target.colour.view(),
+                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, target.load);
+    VkRenderingInfo rendering{};
+    rendering.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+    rendering.renderArea = {{0, 0}, extent};
+    rendering.layerCount = 1;
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachments = &to_colour;
+    VkRenderingAttachmentInfo to_z{};
+    if (target.z) {
+        to_z = attachment(target.z->view(), VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, target.load);
+        rendering.pDepthAttachment = &to_z;
+        commands.keep(target.z->keep_alive());
+    }
+    commands.keep(target.colour.keep_alive());
+    vkCmdBeginRendering(commands.handle(), &rendering);
+    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height),
+                              0, 1};
+    const VkRect2D all{{0, 0}, extent};
+    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
+    vkCmdSetScissor(commands.handle(), 0, 1, &all);
+}
+
+void end_drawing(GpuCommands& commands) {
+    vkCmdEndRendering(commands.handle());
+}
+
+void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayout from, VkImageLayout to) {
+    VkImageMemoryBarrier2 barrier{};
+    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image.handle();
+    barrier.subresourceRange = {image.aspect(), 0, 1, 0, 1};
+    VkDependencyInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+    commands.keep(image.keep_alive());
+}
+
+}  // namespace touchable

@@ -1,0 +1,331 @@
+#include "player/draw/overlays.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+
+#include "engine/base/number_words.hpp"
+#include "player/draw/colour_ramp.hpp"
+#include "player/draw/overlay_normals.hpp"
+#include "player/draw/surface_unproject.hpp"
+
+namespace touchable {
+namespace {
+
+// Of classes: told apart by those who do not tell red from green (Okabe and Ito 2008).
+constexpr PackedColour whole_colour = pack_colour(0, 114, 178), mixed_colour = pack_colour(230, 159, 0),
+                       valid_colour = pack_colour(86, 180, 233), rim_colour = pack_colour(213, 94, 0),
+                       once_colour = pack_colour(240, 228, 66), filled_colour = pack_colour(204, 121, 167);
+
+void put(PackedColour colour, std::uint8_t* rgb) {
+    rgb[0] = static_cast<std::uint8_t>(colour);
+    rgb[1] = static_cast<std::uint8_t>(colour >> 8);
+    rgb[2] = static_cast<std::uint8_t>(colour >> 16);
+}
+
+/// A scale's name and unit, and how many of the unit one of what ScalarRows gives is.
+struct Meaning {
+    Scalar scalar;
+    const char *name, *unit;
+    double factor;
+};
+
+Meaning meaning_of(Overlay kind, const Scene& scene) {
+    const double deepest_m = scene.depth.far * scene.metres_per_unit;
+    const bool is_room = deepest_m > 10, is_arm_long = deepest_m > 1;
+    const double millimetres = 1000 * scene.metres_per_unit;
+    switch (kind) {
+        case Overlay::stiffness:
+            return {Scalar::stiffness, "stiffness", "N/mm", 0.001};
+        case Overlay::static_friction:
+            return {Scalar::static_friction, "static friction", "", 1};
+        case Overlay::dynamic_friction:
+            return {Scalar::dynamic_friction, "dynamic friction", "", 1};
+        case Overlay::height:
+            // Not of the hand, by whose millimetres a relief is asked for.
+            return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene",
+                    is_room ? scene.metres_per_unit : millimetres};
+        default:
+            return {Scalar::depth, "depth", is_arm_long ? "m" : "mm",
+                    is_arm_long ? scene.metres_per_unit : millimetres};
+    }
+}
+
+struct SeenValues {
+    ValueRange shown, all;
+    std::vector<float> values;  // but for those at the far plane, in any order
+};
+
+/// Some thirty thousand of the pixels; shown is of depths without the outermost ones, nor what is at the far
+/// plane, where backgrounds are.
+SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
+    const int step = 1 + std::max(field.width(), field.height()) / 256;
+    const auto most = static_cast<float>(scalar == Scalar::depth ? 0.999 * field.scene().depth.far
+                                                                 : std::numeric_limits<float>::max());
+    SeenValues seen;
+    std::vector<float>& values = seen.values;
+    float least = std::numeric_limits<float>::max(), greatest = std::numeric_limits<float>::lowest();
+    for (int y = step / 2; y < field.height(); y += step) {
+        rows.read(y, row.data());
+        for (int x = step / 2; x < field.width(); x += step) {
+            const float value = row[static_cast<std::size_t>(x)];
+            if (value < most) values.push_back(value);
+            if (value < least) least = value;
+            if (value > greatest) greatest = value;
+        }
+    }
+    if (values.empty()) return seen;
+    const auto quantile = [&](std::size_t percent) {
+        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * percent / 100);
+        std::nth_element(values.begin(), at, values.end());
+        return static_cast<double>(*at);
+    };
+    const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
+    seen.shown = {quantile(outermost), quantile(100 - outermost)};
+    seen.all = {static_cast<double>(least), static_cast<double>(greatest)};
+    return seen;
+}
+
+/// Whether a plane of the clip tells it.
+bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
+    const auto has = [scalar](const SurfaceFrame& frame) {
+        return scalar == Scalar::depth ||
+               (scalar == Scalar::height ? !frame.heights.empty() : !frame.haptic.empty());
+    };
+    return has(*pair.prev.frame) || (field.blend() > 0 && has(*pair.next.frame));
+}
+
+/// Ends that are farther apart than what roundings make.
+ValueRange apart(const ValueRange& range) {
+    const double size = std::max(std::fabs(range.least), std::fabs(range.greatest));
+    return range.greatest - range.least > 1e-5 * size ? range : ValueRange{range.greatest, range.greatest};
+}
+
+/// From values of a row to places on the ramp, 0 to 255; 256: no value.
+void indices_of(const float* values, int width, float least, float per_value, std::uint32_t* indices) {
+    for (int x = 0; x < width; ++x) {
+        const float value = values[x], share = (value - least) * per_value + 0.5F;
+        const float held = share > 0.0F ? (share < 255.0F ? share : 255.0F) : 0.0F;
+        indices[x] = value == value ? static_cast<std::uint32_t>(static_cast<int>(held)) : 256U;
+    }
+}
+
+}  // namespace
+
+PackedColour hole_colour(int x, int y) {
+    return ((x + y) & 7) < 4 ? pack_colour(112, 112, 112) : pack_colour(150, 150, 150);
+}
+
+double OverlayScale::share_of(double value) const {
+    if (!(range.greatest > range.least)) return 0.5;
+    const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
+    return least_is_light ? 1 - share : share;
+}
+
+std::string OverlayScale::title() const {
+    return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
+}
+
+std::string OverlayScale::everywhere() const {
+    if (!classes.empty() || range.greatest > range.least) return "";
+    const auto words = [this](double value) {
+        return formatted("%.4g", value) + (unit.empty() ? "" : " " + unit);
+    };
+    return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
+           (at_holes ? "; " + words(*at_holes) + " at holes" : "");
+}
+
+const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+    assert(kind != Overlay::colour);
+    picture_.width = field.width();
+    picture_.height = field.height();
+    picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
+                        static_cast<std::size_t>(field.height()));
+    picture_.scale = {};
+    if (kind == Overlay::normals || kind == Overlay::tiles) find_q(field, pair);
+    switch (kind) {
+        case Overlay::normals:
+            paint_normals(field);
+            break;
+        case Overlay::tiles:
+            paint_tiles(field);
+            break;
+        case Overlay::validity:
+            paint_validity(field, pair);
+            break;
+        default:
+            paint_values(kind, field, pair);
+    }
+    return picture_;
+}
+
+void Overlays::paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
+    const Meaning meaning = meaning_of(kind, field.scene());
+    const int width = field.width();
+    std::vector<float> row(static_cast<std::size_t>(width));
+    std::vector<std::uint32_t> indices(row.size());
+    rows_.begin(meaning.scalar, field, pair);
+    const SeenValues seen = seen_values(meaning.scalar, field, rows_, row);
+    ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+    const auto& hole_stiffness = field.scene().hole_stiffness;  // N/mm
+    const bool is_mapped = has_map(meaning.scalar, field, pair);
+    if (!is_mapped && kind == Overlay::stiffness && hole_stiffness) {
+        range.least = range.greatest = field.default_properties().stiffness;
+        picture_.scale.at_holes = *hole_stiffness;
+    }
+    const bool even = !(range.greatest > range.least), is_equalised = kind == Overlay::depth && !even;
+    OverlayScale& scale = picture_.scale;
+    scale.name = meaning.name;
+    scale.unit = meaning.unit;
+    scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
+    scale.is_less = !even && seen.all.least < range.least;
+    scale.is_more = !even && seen.all.greatest > range.greatest;
+    scale.least_is_light = meaning.scalar == Scalar::depth;  // what is near is light
+    scale.has_map = is_mapped;
+    if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
+    if (is_equalised) {
+        equalised_.update(seen.values, field);
+        make_equalised(range, meaning.factor);
+    } else {
+        colours_.assign(colour_ramp().begin(), colour_ramp().end());
+        if (scale.least_is_light) std::reverse(colours_.begin(), colours_.end());
+        if (even) std::fill(colours_.begin(), colours_.end(), ramp_colour(0.5));
+    }
+    const auto least = static_cast<float>(range.least);
+    const auto per_value = static_cast<float>(even ? 0.0 : 255.0 / (range.greatest - range.least));
+    for (int y = 0; y < field.height(); ++y) {
+        rows_.read(y, row.data());
+        if (is_equalised)
+            equalised_.find_bins(row.data(), width, indices.data());
+        else
+            indices_of(row.data(), width, least, per_value, indices.data());
+        std::uint8_t* rgb = this->row(y);
+        for (int x = 0; x < width; ++x, rgb += 3) {
+            const std::uint32_t index = indices[static_cast<std::size_t>(x)];
+            put(index < colours_.size() ? colours_[index] : hole_colour(x, y), rgb);
+        }
+    }
+}
+
+/// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
+/// `factor`: of the scale's unit.
+void Overlays::make_equalised(const ValueRange& range, double factor) {
+    std::uint32_t ends[2];
+    const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
+    equalised_.find_bins(values, 2, ends);
+    const double first = equalised_.share_of_bin(ends[0]), last = equalised_.share_of_bin(ends[1]);
+    colours_.resize(equalised_.bins());
+    for (std::size_t k = 0; k < colours_.size(); ++k) {
+        const double share = (equalised_.share_of_bin(k) - first) / std::max(last - first, 1e-9);
+        colours_[k] = ramp_colour(1 - share);
+    }
+    OverlayScale& scale = picture_.scale;
+    scale.spread = "equalised";
+    constexpr int steps = 4;
+    for (int k = 0; k <= steps; ++k) {
+        const double value = equalised_.depth_at(first + (last - first) * k / steps);
+        scale.levels.push_back(factor * std::clamp(value, range.least, range.greatest));
+    }
+    scale.levels.front() = scale.range.least;
+    scale.levels.back() = scale.range.greatest;
+}
+
+void Overlays::find_q(const HeightField& field, const FramePair& pair) {
+    if (SurfaceUnproject::has_codes(field, pair))
+        lattices_.q_of(field, pair, q_);
+    else
+        q_ = q_of(field);
+}
+
+void Overlays::paint_normals(const HeightField& field) {
+    picture_.scale.name = "normals";
+    picture_.scale.classes = {{normal_colour({1, 0, 0}), "to the right"},
+                              {normal_colour({0, 1, 0}), "up"},
+                              {normal_colour({0, 0, 1}), "towards the clip's camera"}};
+    NormalRows rows(field.scene().camera, field.width(), field.height(), q_.data());
+    for (int y = 0; y < field.height(); ++y) {
+        rows.paint(y, row(y));
+        const float* q = q_.data() + std::ptrdiff_t{y} * field.width();
+        for (int x = 0; x < field.width(); ++x)
+            if (!(q[x] > 0)) put(hole_colour(x, y), row(y) + std::ptrdiff_t{3} * x);
+    }
+}
+
+void Overlays::paint_tiles(const HeightField& field) {
+    picture_.scale.name = "tiles of 16x16 cells";
+    picture_.scale.classes = {{whole_colour, "all of it is drawn"}, {mixed_colour, "some of it is drawn"}};
+    const TileGrid grid = TileGrid::of(field.width(), field.height());
+    const ViewTiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
+    std::vector<PackedColour> colours(
+        static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
+    for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
+    for (const std::uint32_t tile : tiles.mixed) colours[tile] = mixed_colour;
+    for (int y = 0; y < field.height(); ++y)
+        for (int x = 0; x < field.width(); ++x) {
+            const int tile = grid.row_of_cell(y) * grid.tiles_x + grid.column_of_cell(x);
+            PackedColour colour = colours[static_cast<std::size_t>(tile)];
+            // A darker line where a tile begins.
+            if (x % TileGrid::cells == 0 || y % TileGrid::cells == 0) colour = colour >> 1 & 0x7F7F7FU;
+            put(colours[static_cast<std::size_t>(tile)] != 0 ? colour : hole_colour(x, y),
+                row(y) + std::ptrdiff_t{3} * x);
+        }
+}
+
+void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
+    picture_.scale.name = "validity";
+    picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
+    rows_.begin(Scalar::depth, field, pair);
+    if (rows_.is_between()) picture_.scale.classes.push_back({once_colour, "has depth in one of two frames"});
+    if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
+    const int width = field.width(), height = field.height();
+    const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
+    // Of three rows what read_validity says; beyond the picture there is no hole.
+    std::array<std::vector<std::uint8_t>, 3> states;
+    const auto line = [&](int y) -> std::vector<std::uint8_t>& {
+        return states[static_cast<std::size_t>((y + 3) % 3)];
+    };
+    const auto read = [&](int y) {
+        line(y).assign(columns, 1);
+        if (y >= 0 && y < height) rows_.read_validity(y, line(y).data() + 1);
+    };
+    read(-1);
+    read(0);
+    std::vector<std::uint8_t> open(columns);
+    for (int y = 0; y < height; ++y) {
+        read(y + 1);
+        for (std::size_t x = 0; x < columns; ++x)
+            open[x] = states[0][x] == 0 || states[1][x] == 0 || states[2][x] == 0 ? 1 : 0;
+        const std::uint8_t* state = line(y).data() + 1;
+        std::uint8_t* rgb = row(y);
+        for (int x = 0; x < width; ++x, rgb += 3) {
+            const std::uint8_t* beside = open.data() + x;
+            const bool rim = (beside[0] | beside[1] | beside[2]) != 0;
+            const PackedColour colour = state[x] == 3   ? filled_colour
+                                        : state[x] == 2 ? once_colour
+                                        : rim           ? rim_colour
+                                                        : valid_colour;
+            put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
+        }
+    }
+}
+
+void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface) {
+    const bool shows_relief =
+        kind == Overlay::depth || kind == Overlay::depth_linear || kind == Overlay::normals;
+    const unsigned lit_share = shows_relief ? 0 : 128;  // of 256
+    surface.colours_are_values = true;
+    for (std::size_t k = 0; k < surface.colours.size(); ++k) {
+        const std::uint8_t* rgb = overlay.rgb.data() + 3 * k;
+        const PackedColour lit = surface.colours[k];
+        const auto mixed = [&](int channel) {
+            const unsigned of_light = lit >> (8 * channel) & 255U;
+            return (rgb[channel] * (256 - lit_share) + of_light * lit_share + 128) >> 8;
+        };
+        surface.colours[k] = pack_colour(mixed(0), mixed(1), mixed(2));
+    }
+}
+
+}  // namespace touchable

@@ -1,0 +1,514 @@
+#include <dlfcn.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <cstdlib>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "engine/base/start_thread.hpp"
+#include "engine/base/stop_request.hpp"
+#include "engine/base/try.hpp"
+#include "player/window/glfw_keys.hpp"
+#include "player/window/screen.hpp"
+#include "player/window/screen_saver.hpp"
+#include "player/window/swapchain.hpp"
+#include "player/window/touch_screen.hpp"
+
+#define GLFW_INCLUDE_VULKAN
+#include <GLFW/glfw3.h>
+
+namespace touchable {
+namespace {
+
+/// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
+/// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
+/// where GLFW speaks to something else.
+class XConnection {
+public:
+    /// After glfwInit.
+    void open();
+    bool is_open() const { return socket_ >= 0; }
+    /// The server has gone away. Xlib, and so GLFW, then knows nothing of use any more.
+    bool is_lost() const;
+    /// Another program has destroyed the window: an X server has refused something for that reason.
+    bool has_lost_window() const;
+    /// Until there is something to be read, there or from those other two, but no longer than that.
+    void wait(std::chrono::milliseconds longest, int other, int another) const;
+    /// Of the display, as long as the connection is there.
+    void keep_awake() const {
+        if (is_open()) keep_screen_awake(display_);
+    }
+
+private:
+    void* display_ = nullptr;
+    int socket_ = -1;
+};
+
+std::atomic<bool> met_fault{false};  // of the connection, in the middle of a call
+std::atomic<bool> met_no_window{false};
+
+/// XErrorEvent, whose layout is part of Xlib's interface.
+struct XRefusal {
+    int type;
+    void* display;
+    unsigned long resource, serial;
+    unsigned char error, request, minor_request;
+};
+constexpr unsigned char bad_window = 3, bad_drawable = 9;
+
+/// Of a request that was refused: without it, Xlib ends the program.
+int note_refusal(void*, XRefusal* refusal) {
+    if (refusal->error == bad_window || refusal->error == bad_drawable) met_no_window = true;
+    return 0;
+}
+
+/// GLFW for Wayland has none of these, and Xlib's headers are not needed for them.
+template <class Function>
+Function* function(const char* name) {
+    return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
+
+void XConnection::open() {
+    using OnFault = int(void* display);
+    using OnExit = void(void* display, void* data);
+    using OnRefusal = int(void* display, XRefusal*);
+    auto* const display_of_glfw = function<void*()>("glfwGetX11Display");
+    auto* const socket_of = function<int(void*)>("XConnectionNumber");
+    auto* const set_on_fault = function<OnFault*(OnFault*)>("XSetIOErrorHandler");
+    auto* const set_on_exit = function<void(void*, OnExit*, void*)>("XSetIOErrorExitHandler");
+    auto* const set_on_refusal = function<OnRefusal*(OnRefusal*)>("XSetErrorHandler");
+    if (!display_of_glfw || !socket_of || !set_on_fault || !set_on_exit || !set_on_refusal) return;
+    void* const display = display_of_glfw();
+    if (!display) return;
+    display_ = display;
+    set_on_refusal(note_refusal);
+    set_on_fault([](void*) {
+        met_fault = true;
+        return 0;
+    });
+    set_on_exit(
+        display, [](void*, void*) {}, nullptr);
+    socket_ = socket_of(display);
+}
+
+bool XConnection::is_lost() const {
+    if (!is_open()) return false;
+    if (met_fault) return true;
+    pollfd look{socket_, POLLRDHUP, 0};
+    return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+bool XConnection::has_lost_window() const {
+    return is_open() && met_no_window;
+}
+
+void XConnection::wait(std::chrono::milliseconds longest, int other, int another) const {
+    std::array<pollfd, 3> look{
+        {{is_lost() ? -1 : socket_, POLLIN, 0}, {other, POLLIN, 0}, {another, POLLIN, 0}}};
+    poll(look.data(), look.size(), static_cast<int>(longest.count()));
+}
+
+/// GLFW's own words for what went wrong last.
+std::string glfw_fault() {
+    const char* words = nullptr;
+    glfwGetError(&words);
+    return words ? words : "no reason given";
+}
+
+Error no_display() {
+    return {ErrorKind::gpu,
+            "there is no display to open a window on (" + glfw_fault() +
+                "); run it in a desktop session, or without a window",
+            {{Setting::headless}}};
+}
+
+/// All of GLFW, and so all input, has a thread of its own, the window's thread: a key is heard while the main
+/// thread draws, waits for a GPU or opens something. (GLFW asks for one thread; that this is the main one
+/// matters on macOS alone.) Vulkan's swapchain is the main thread's.
+class GlfwScreen final : public Screen {
+public:
+    ~GlfwScreen() override {
+        swapchain_.reset();
+        is_over_ = true;  // seen at its next look: GLFW may be gone before it could be woken
+        if (thread_.joinable()) thread_.join();
+        if (wake_ >= 0) close(wake_);
+    }
+
+    Result<void> open(const ScreenOptions& options) {
+        at_once_ = options.at_once;
+        wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+        std::promise<Result<void>> opened;
+        auto outcome = opened.get_future();
+        if (auto started = start_thread(thread_, "window", "that hears keys and mouse",
+                                        [this, opened = std::move(opened), &options]() mutable {
+                                            auto done = open_window(options);
+                                            note_size();
+                                            is_over_ = !done.ok();
+                                            opened.set_value(std::move(done));
+                                            serve();
+                                            leave();
+                                        });
+            !started.ok())
+            return started;
+        return outcome.get();
+    }
+
+    std::vector<std::string> extensions() const override {
+        std::uint32_t count = 0;
+        const char** names = glfwGetRequiredInstanceExtensions(&count);
+        return {names, names + count};
+    }
+
+    Result<void> attach(std::shared_ptr<GpuDevice> device) override {
+        swapchain_.reset();
+        const auto& vulkan = device->vulkan();
+        VkSurfaceKHR surface = VK_NULL_HANDLE;
+        const VkResult result =
+            glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
+        if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
+        auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
+        if (!made.ok()) return why(made.error());
+        swapchain_ = std::move(*made);
+        return {};
+    }
+
+    Result<void> health() const override {
+        if (connection_.has_lost_window())
+            return Error{ErrorKind::gpu, "another program has destroyed the window"};
+        if (!connection_.is_lost()) return {};
+        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
+    }
+
+    ScreenSize size() const override {
+        const std::lock_guard lock(mutex_);
+        return size_;
+    }
+
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        if (connection_.is_lost()) return {};
+        std::unique_lock lock(mutex_);
+        has_news_.wait_for(lock, longest, [this] { return !events_.empty(); });
+        return std::exchange(events_, {});
+    }
+
+    std::string touch_state() const override { return touch_state_; }
+
+    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
+        const ScreenSize now = size();
+        const auto shown = swapchain_->present(
+            std::move(commands), canvas,
+            {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
+        return shown.ok() ? shown : why(shown.error());
+    }
+
+    void set_title(const std::string& title) override {
+        ask([this, title] { glfwSetWindowTitle(window_, title.c_str()); });
+    }
+
+    void set_fullscreen(bool on) override {
+        ask_and_wait([this, on] { fill_screen(on); });
+    }
+
+    void set_size(int width, int height) override {
+        ask_and_wait([this, width, height] {
+            // Pixels at this display's scale, in the window's own units.
+            const double unit = size_.width > 0 ? size_.scale * units_.first / size_.width : 1;
+            glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
+        });
+    }
+
+    void hide_pointer(bool hidden) override {
+        if (hidden == hidden_) return;
+        hidden_ = hidden;
+        ask([this, hidden] {
+            glfwSetInputMode(window_, GLFW_CURSOR, hidden ? GLFW_CURSOR_HIDDEN : GLFW_CURSOR_NORMAL);
+        });
+    }
+
+private:
+    // The main thread's.
+    /// The window's thread does it soon, after what it was asked for before, unless the display is gone.
+    std::uint64_t ask(std::function<void()> errand) {
+        std::uint64_t number = 0;
+        {
+            const std::lock_guard lock(mutex_);
+            errands_.push_back(std::move(errand));
+            number = ++asked_;
+        }
+        wake();
+        return number;
+    }
+    /// As `ask`, and returns once it is done and the window has its new size. Does not wait for a display
+    /// that hangs once the program is asked to stop.
+    void ask_and_wait(std::function<void()> errand) {
+        const std::uint64_t number = ask(std::move(errand));
+        std::unique_lock lock(mutex_);
+        constexpr std::chrono::milliseconds look_again{20};
+        while (!has_news_.wait_for(lock, look_again, [&] { return done_ >= number; }))
+            if (stop_requested()) return;
+    }
+    /// Where the window is gone, that is why.
+    Error why(const Error& error) {
+        ask_and_wait([this] { note_size(); });
+        const auto well = health();
+        return well.ok() ? error : well.error();
+    }
+    void wake() const {
+        if (!connection_.is_open()) return glfwPostEmptyEvent();
+        const std::uint64_t one = 1;
+        (void)!write(wake_, &one, sizeof one);
+    }
+
+    // All that follows is the window's thread's.
+    Result<void> open_window(const ScreenOptions& options) {
+        glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
+#ifdef GLFW_PLATFORM  // since 3.4, which would look for Wayland first: `connection_` hears of X11 alone
+        if (std::getenv("DISPLAY") || !std::getenv("WAYLAND_DISPLAY"))
+            glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+        if (!glfwInit()) return no_display();
+        connection_.open();
+        if (options.awake) connection_.keep_awake();
+        if (!glfwVulkanSupported())
+            return Error{
+                ErrorKind::gpu,
+                "there is no Vulkan that can show pictures in a window; touchable check says what there is "
+                "(Debian: mesa-vulkan-drivers)"};
+        glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+        glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+        glfwWindowHint(GLFW_AUTO_ICONIFY, options.stays ? GLFW_FALSE : GLFW_TRUE);
+        const auto [width, height] = fitted(options);
+        window_ = glfwCreateWindow(width, height, "touchable", nullptr, nullptr);
+        if (!window_) return no_display();
+        glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
+        glfwSetWindowUserPointer(window_, this);
+        listen();
+        listen_for_touches();
+        if (options.fullscreen) fill_screen(true);
+        return {};
+    }
+
+    /// No larger than what the display has for windows.
+    static std::pair<int, int> fitted(const ScreenOptions& options) {
+        int x = 0, y = 0, width = 0, height = 0;
+        if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+            glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+        if (width <= 0 || height <= 0) return {options.width, options.height};
+        return {std::min(options.width, width), std::min(options.height, height)};
+    }
+
+    /// Until the window is over. Vulkan presents by the same connection, and may have read what wakes this
+    /// thread: it looks again soon in any case.
+    void serve() {
+        constexpr std::chrono::milliseconds look_again{8};
+        constexpr int size_again = 12;  // looks: asks the X server, which says so where the window is gone
+        for (int k = 1; !is_over_; ++k) {
+            do_errands();
+            if (k % size_again == 0) note_size();
+            read_events();
+            if (connection_.is_open())
+                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_);
+            else
+                glfwWaitEventsTimeout(std::chrono::duration<double>(look_again).count());
+        }
+    }
+
+    void do_errands() {
+        std::uint64_t ignored = 0;
+        (void)!read(wake_, &ignored, sizeof ignored);
+        std::vector<std::function<void()>> errands;
+        {
+            const std::lock_guard lock(mutex_);
+            errands.swap(errands_);
+        }
+        if (errands.empty()) return;
+        for (const auto& errand : errands)
+            if (!connection_.is_lost()) errand();
+        note_size();
+        const std::lock_guard lock(mutex_);
+        done_ += errands.size();
+        has_news_.notify_all();
+    }
+
+    void leave() {
+        touches_.reset();
+        if (connection_.is_lost()) return;
+        if (window_) glfwDestroyWindow(window_);
+        glfwTerminate();
+    }
+
+    void fill_screen(bool on) {
+        const bool is = glfwGetWindowMonitor(window_) != nullptr;
+        if (is == on) return;
+        if (on) {
+            glfwGetWindowPos(window_, &place_[0], &place_[1]);
+            glfwGetWindowSize(window_, &place_[2], &place_[3]);
+            GLFWmonitor* const monitor = glfwGetPrimaryMonitor();
+            const GLFWvidmode* const mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+            if (mode)
+                glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+        } else {
+            glfwSetWindowMonitor(window_, nullptr, place_[0], place_[1], place_[2], place_[3], 0);
+        }
+    }
+
+    void note_size() {
+        if (!window_ || connection_.is_lost()) return;
+        ScreenSize size;
+        std::pair<int, int> units{1, 1};
+        glfwGetWindowSize(window_, &units.first, &units.second);
+        glfwGetFramebufferSize(window_, &size.width, &size.height);
+        float scale_x = 1, scale_y = 1;
+        glfwGetWindowContentScale(window_, &scale_x, &scale_y);
+        size.scale = static_cast<double>(scale_x);
+        if (connection_.is_lost()) return;
+        units_ = units;
+        const std::lock_guard lock(mutex_);
+        size_ = size;
+    }
+
+    /// Touches first: of what GLFW tells then it is known whose pointer it is.
+    void read_events() {
+        if (connection_.is_lost()) return;
+        if (touches_)
+            for (InputEvent& event : touches_->take()) {
+                std::tie(event.x, event.y) = pixels(event.x, event.y);
+                add(std::move(event));
+            }
+        glfwPollEvents();
+    }
+
+    void listen_for_touches() {
+        auto* const window_of = function<unsigned long(GLFWwindow*)>("glfwGetX11Window");
+        if (!connection_.is_open() || !window_of) {
+            touch_state_ = "touch screen: one finger (this is not X11)";
+            return;
+        }
+        auto opened = TouchScreen::open(window_of(window_));
+        touch_state_ = opened.ok() ? "touch screen: every finger touches"
+                                   : "touch screen: one finger (" + opened.error().message + ")";
+        if (opened.ok()) touches_ = std::move(*opened);
+    }
+
+    /// X's pointer goes along with a finger, which is told of already.
+    bool pointer_is_finger() const {
+        return touches_ && touches_->has_pointer();
+    }
+
+    static GlfwScreen& of(GLFWwindow* window) {
+        return *static_cast<GlfwScreen*>(glfwGetWindowUserPointer(window));
+    }
+    void add(InputEvent event) {
+        if (event.kind == InputEvent::Kind::key && at_once_) at_once_(event);
+        const std::lock_guard lock(mutex_);
+        events_.push_back(std::move(event));
+        has_news_.notify_all();
+    }
+
+    /// A place in the window's own units, in pixels of the picture.
+    std::pair<double, double> pixels(double x, double y) const {
+        if (units_.first < 1 || units_.second < 1) return {x, y};
+        return {x * size_.width / units_.first, y * size_.height / units_.second};
+    }
+
+    void listen() {
+        using Kind = InputEvent::Kind;
+        glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+            if (of(window).pointer_is_finger()) return;
+            const auto [px, py] = of(window).pixels(x, y);
+            of(window).add({.kind = Kind::moved, .x = px, .y = py});
+        });
+        glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int entered) {
+            if (!entered && !of(window).pointer_is_finger()) of(window).add({.kind = Kind::left_window});
+        });
+        glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int focused) {
+            if (!focused) of(window).add({.kind = Kind::left_window});
+        });
+        glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int held) {
+            constexpr const char* names[] = {"left", "right", "middle"};
+            if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+            // A button that was pressed before the finger came is let go of all the same.
+            if (action != GLFW_RELEASE && of(window).pointer_is_finger()) return;
+            of(window).add({.kind = action == GLFW_RELEASE ? Kind::released : Kind::pressed,
+                            .word = names[button],
+                            .control = (held & GLFW_MOD_CONTROL) != 0,
+                            .shift = (held & GLFW_MOD_SHIFT) != 0});
+        });
+        glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double notches) {
+            const bool control = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                                 glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+            of(window).add({.kind = Kind::wheel, .y = notches, .control = control});
+        });
+        glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int code, int action, int held) {
+            of(window).repeats_ = action == GLFW_REPEAT;
+            const std::string name = name_of_key(key, glfwGetKeyName(key, code));
+            if (name.empty()) return;
+            of(window).add({.kind = action == GLFW_RELEASE ? Kind::key_released : Kind::key,
+                            .word = name,
+                            .control = (held & GLFW_MOD_CONTROL) != 0,
+                            .shift = (held & GLFW_MOD_SHIFT) != 0,
+                            .repeated = action == GLFW_REPEAT});
+        });
+        // After the key that it comes of.
+        glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
+            const std::string name = name_of_sign(character);
+            if (!name.empty())
+                of(window).add({.kind = Kind::key, .word = name, .repeated = of(window).repeats_});
+        });
+        glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+            of(window).note_size();
+            of(window).add(
+                {.kind = Kind::resized, .x = static_cast<double>(width), .y = static_cast<double>(height)});
+        });
+        glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+            for (int k = 0; k < count; ++k) of(window).add({.kind = Kind::dropped, .word = paths[k]});
+        });
+        glfwSetWindowCloseCallback(window_,
+                                   [](GLFWwindow* window) { of(window).add({.kind = Kind::close}); });
+    }
+
+    std::thread thread_;
+    int wake_ = -1;  // the window's thread
+    std::atomic<bool> is_over_{false};
+    XConnection connection_;
+    GLFWwindow* window_ = nullptr;
+    std::string touch_state_;
+    std::function<void(InputEvent&)> at_once_;
+    // The main thread's.
+    std::unique_ptr<Swapchain> swapchain_;
+    bool hidden_ = false;
+    // From one to the other.
+    mutable std::mutex mutex_;
+    std::condition_variable has_news_;  // an event, or an errand is done
+    ScreenSize size_;                   // as last known; written by the window's thread
+    std::vector<InputEvent> events_;
+    std::vector<std::function<void()>> errands_;
+    std::uint64_t asked_ = 0, done_ = 0;
+    // The window's thread's.
+    std::pair<int, int> units_{1, 1};       // the window's size, in its own units
+    std::unique_ptr<TouchScreen> touches_;  // nothing: the first finger is the pointer
+    int place_[4] = {0, 0, 1280, 720};      // before it became full-screen: x, y, width, height
+    bool repeats_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Screen>> open_glfw_screen(const ScreenOptions& options) {
+    auto screen = std::make_unique<GlfwScreen>();
+    TRY(screen->open(options));
+    return std::unique_ptr<Screen>(std::move(screen));
+}
+
+}  // namespace touchable

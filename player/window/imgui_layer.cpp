@@ -1,0 +1,231 @@
+#include "player/window/imgui_layer.hpp"
+
+#include <imgui.h>
+#include <unistd.h>
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "player/window/empty_page.hpp"
+#include "player/window/invitation.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double text_pixels = 15, large_text_pixels = 56;
+
+void colour(ImGuiStyle& style) {
+    const ImVec4 ground(0.07F, 0.08F, 0.10F, 0.86F), field(0.20F, 0.22F, 0.26F, 0.90F);
+    const ImVec4 field_lit(0.28F, 0.31F, 0.37F, 1), accent(0.34F, 0.71F, 0.91F, 1);
+    const ImVec4 accent_lit(0.50F, 0.80F, 0.96F, 1), words(0.93F, 0.94F, 0.96F, 1);
+    ImVec4* const c = style.Colors;
+    c[ImGuiCol_Text] = words;
+    c[ImGuiCol_TextDisabled] = ImVec4(0.62F, 0.66F, 0.72F, 1);
+    c[ImGuiCol_WindowBg] = c[ImGuiCol_PopupBg] = ground;
+    c[ImGuiCol_Border] = ImVec4(1, 1, 1, 0.08F);
+    for (const int at : {ImGuiCol_FrameBg, ImGuiCol_Button, ImGuiCol_Header}) c[at] = field;
+    for (const int at : {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_ButtonHovered,
+                         ImGuiCol_ButtonActive, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive})
+        c[at] = field_lit;
+    for (const int at : {ImGuiCol_SliderGrab, ImGuiCol_CheckMark, ImGuiCol_PlotLines, ImGuiCol_PlotHistogram})
+        c[at] = accent;
+    c[ImGuiCol_SliderGrabActive] = accent_lit;
+    c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = ground;
+}
+
+/// Of both sizes of letters, and kept for as long as an atlas reads them.
+struct LetterRanges {
+    ImVector<ImWchar> text, large;
+    std::vector<ImVector<ImWchar>> others;
+};
+
+void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar* usual = nullptr) {
+    ImFontGlyphRangesBuilder builder;
+    if (usual) builder.AddRanges(usual);
+    // What Dear ImGui writes in place of a letter that is not there.
+    builder.AddChar(IM_UNICODE_CODEPOINT_INVALID);
+    builder.AddChar('?');
+    builder.AddText(letters.c_str());
+    to.clear();
+    builder.BuildRanges(&to);
+}
+
+/// `merged`: into the font that was added last.
+bool add_font(const FontFace& face, float pixels, const ImWchar* letters, bool merged) {
+    ImFontConfig config;
+    config.FontNo = face.index;
+    config.MergeMode = merged;
+    // Dear ImGui would end the program.
+    if (::access(face.file.c_str(), R_OK) != 0) return false;
+    return ImGui::GetIO().Fonts->AddFontFromFileTTF(face.file.c_str(), pixels, &config, letters);
+}
+
+/// The atlas's letters of both sizes: those of the usual typeface, and beside them those that others write.
+/// False where one of these cannot be read.
+bool build_letters(const FontFallback& found, const std::string& kiosk_words, double scale) {
+    static LetterRanges ranges;
+    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+    fonts.Clear();
+    ImGui::GetIO().FontGlobalScale = 1;
+    if (!found.usual) {
+        fonts.AddFontDefault();
+        ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
+        return fonts.Build();
+    }
+    // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign. Of the
+    // large size only what is written in it.
+    set_range(ranges.text, kiosk_words, fonts.GetGlyphRangesDefault());
+    set_range(ranges.large, std::string(invitation_words()) + empty_page_title() + kiosk_words);
+    ranges.others.resize(found.others.size());
+    for (std::size_t k = 0; k < found.others.size(); ++k)
+        set_range(ranges.others[k], found.others[k].letters);
+    for (const bool is_large : {false, true}) {
+        const auto pixels = static_cast<float>((is_large ? large_text_pixels : text_pixels) * scale);
+        const ImWchar* const own = (is_large ? ranges.large : ranges.text).Data;
+        if (!add_font(*found.usual, pixels, own, false)) return false;
+        for (std::size_t k = 0; k < found.others.size(); ++k)
+            if (!add_font(found.others[k].face, pixels, ranges.others[k].Data, true)) return false;
+    }
+    const bool is_built = fonts.Build();
+    fonts.ClearInputData();  // a file of Chinese has 20 MB, and is there twice
+    return is_built;
+}
+
+/// The current ImGui context's fonts; `scale` as in ScreenSize. Words are set in the system's own sans-serif
+/// typeface where it has one.
+void set_fonts(FontFallback& found, const std::string& kiosk_words, double scale) {
+    if (build_letters(found, kiosk_words, scale)) return;
+    for (const FallbackFont& other : std::exchange(found.others, {})) found.unwritten += other.letters;
+    if (build_letters(found, kiosk_words, scale)) return;
+    found.usual.reset();
+    build_letters(found, kiosk_words, scale);
+}
+
+/// The current ImGui context's colours and distances; `scale` as in ScreenSize.
+void apply_theme(double scale) {
+    ImGuiStyle& style = ImGui::GetStyle();
+    style = ImGuiStyle();
+    colour(style);
+    style.WindowRounding = 8;
+    style.FrameRounding = style.GrabRounding = style.PopupRounding = 5;
+    style.WindowBorderSize = 1;
+    style.WindowPadding = ImVec2(12, 10);
+    style.FramePadding = ImVec2(8, 4);
+    style.ItemSpacing = ImVec2(8, 6);
+    style.GrabMinSize = 12;
+    style.ScaleAllSizes(static_cast<float>(scale));
+}
+
+/// The keys that a text field or a slider knows, as ImGui 1.86 numbers what it is told.
+int number_of_key(const std::string& name) {
+    constexpr const char* names[] = {"tab",  "left", "right",  "up",        "down",  "pageup", "pagedown",
+                                     "home", "end",  "delete", "backspace", "enter", "escape"};
+    for (std::size_t k = 0; k < std::size(names); ++k)
+        if (name == names[k]) return static_cast<int>(k);
+    return -1;
+}
+
+void map_keys(ImGuiIO& io) {
+    constexpr ImGuiKey keys[] = {
+        ImGuiKey_Tab,       ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow,
+        ImGuiKey_PageUp,    ImGuiKey_PageDown,  ImGuiKey_Home,       ImGuiKey_End,     ImGuiKey_Delete,
+        ImGuiKey_Backspace, ImGuiKey_Enter,     ImGuiKey_Escape};
+    for (int k = 0; k < static_cast<int>(std::size(keys)); ++k) io.KeyMap[keys[k]] = k;
+}
+
+int button_of(const std::string& word) {
+    return word == "left" ? 0 : (word == "right" ? 1 : 2);
+}
+
+void tell(ImGuiIO& io, const InputEvent& event) {
+    using Kind = InputEvent::Kind;
+    switch (event.kind) {
+        case Kind::moved:
+            io.MousePos = ImVec2(static_cast<float>(event.x), static_cast<float>(event.y));
+            break;
+        case Kind::left_window:
+            io.MousePos = ImVec2(-FLT_MAX, -FLT_MAX);
+            break;
+        case Kind::pressed:
+        case Kind::released:
+            io.MouseDown[button_of(event.word)] = event.kind == Kind::pressed;
+            break;
+        case Kind::wheel:
+            io.MouseWheel += static_cast<float>(event.y);
+            break;
+        case Kind::key:
+        case Kind::key_released:
+            if (const int key = number_of_key(event.word); key >= 0)
+                io.KeysDown[key] = event.kind == Kind::key;
+            io.KeyCtrl = event.control;
+            io.KeyShift = event.shift;
+            break;
+        case Kind::touch_began:  // one that is at a panel comes as the pointer
+        case Kind::touch_moved:
+        case Kind::touch_ended:
+        case Kind::resized:
+        case Kind::dropped:
+        case Kind::close:
+            break;
+    }
+}
+
+}  // namespace
+
+ImGuiLayer::ImGuiLayer(double scale, const std::string& words, const std::string& language)
+    : context_(ImGui::CreateContext()), words_(words), fonts_(find_fonts(words, language)), scale_(scale) {
+    ImGui::SetCurrentContext(context_);
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.LogFilename = nullptr;
+    map_keys(io);
+    apply_theme(scale);
+    set_fonts(fonts_, words_, scale);
+}
+
+void ImGuiLayer::set_scale(double scale) {
+    scale_ = scale;
+    apply_theme(scale);
+    set_fonts(fonts_, words_, scale);
+}
+
+ImGuiLayer::~ImGuiLayer() {
+    ImGui::DestroyContext(context_);
+}
+
+void ImGuiLayer::begin(int width, int height, double seconds, std::span<const InputEvent> events) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
+    io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
+    // ImGui sees what a button is when a picture begins: of a short click each half gets a picture, and a
+    // pointer that goes away with it, as a finger's or a quick hand's does, is there until it is let go.
+    std::vector<InputEvent> now = std::exchange(later_, {});
+    now.insert(now.end(), events.begin(), events.end());
+    std::set<std::string> pressed;
+    bool is_released = false;
+    for (const InputEvent& event : now) {
+        using Kind = InputEvent::Kind;
+        const bool is_let_go = event.kind == Kind::released && pressed.contains(event.word),
+                   goes = (event.kind == Kind::moved || event.kind == Kind::left_window) && is_released;
+        if (is_let_go || goes || !later_.empty()) {
+            later_.push_back(event);
+            continue;
+        }
+        if (event.kind == Kind::pressed) pressed.insert(event.word);
+        is_released = is_released || event.kind == Kind::released;
+        tell(io, event);
+    }
+    ImGui::NewFrame();
+}
+
+void ImGuiLayer::end() {
+    ImGui::Render();
+}
+
+bool ImGuiLayer::holds_pointer() const {
+    return ImGui::IsAnyItemActive();
+}
+
+}  // namespace touchable

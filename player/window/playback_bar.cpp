@@ -1,0 +1,215 @@
+#include "player/window/playback_bar.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "engine/base/number_words.hpp"
+#include "player/window/button_signs.hpp"
+#include "player/window/corner_panels.hpp"
+#include "player/window/panel_rows.hpp"
+
+namespace touchable {
+namespace {
+
+std::string clock_words(double seconds) {
+    const auto tenths = static_cast<long>(std::floor(std::max(seconds, 0.0) * 10 + 0.5));
+    return formatted("%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
+}
+
+/// How wide words are with any digits in the place of theirs.
+float wide_digits(std::string words) {
+    for (char& letter : words)
+        if (letter >= '0' && letter <= '9') letter = '0';
+    return ImGui::CalcTextSize(words.c_str()).x;
+}
+
+/// The least needed first, which is also the first to go where there is little room.
+enum class Need { colours, loop, speed, other_clip, settings, turn, measure, home, always };
+
+struct BarButton {
+    std::string words;  ///< with an identity behind ##
+    const char* what;   ///< for a person
+    Need need;
+    WindowCommand command;
+    bool is_lit = false;
+    ButtonSign sign = ButtonSign::none;
+    float width = 0;  ///< 0: as wide as its words
+
+    float wide(float side) const {
+        if (sign != ButtonSign::none) return side;
+        const float words_wide = ImGui::CalcTextSize(words.c_str(), nullptr, true).x;
+        return std::max({side, width, words_wide + 2 * ImGui::GetStyle().FramePadding.x});
+    }
+};
+
+/// Whether it is explained.
+bool draw_button(const BarButton& button, float side, std::vector<WindowCommand>& asked) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec4* const colours = ImGui::GetStyle().Colors;
+    if (button.is_lit) ImGui::PushStyleColor(ImGuiCol_Text, colours[ImGuiCol_SliderGrab]);
+    if (ImGui::Button(button.words.c_str(), ImVec2(button.wide(side), side))) asked.push_back(button.command);
+    if (button.is_lit) ImGui::PopStyleColor();
+    draw_sign(button.sign, at, side, ImGui::GetColorU32(ImGuiCol_Text));
+    const bool is_explained = explain_button(button.what);
+    ImGui::SameLine();
+    return is_explained;
+}
+
+BarButton play_button(const PanelFacts& facts) {
+    const bool plays = facts.playing && !facts.at_end;
+    return {.words = "##play",
+            .what = "play, or pause (Space)",
+            .need = Need::always,
+            .command = {WindowVerb::play_pause},
+            .sign = plays ? ButtonSign::pause : ButtonSign::play};
+}
+
+/// Right of the seek bar.
+std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool panel_shown, bool help_shown) {
+    std::vector<BarButton> buttons{{.words = formatted("%g\xC3\x97##speed", facts.speed),
+                                    .what = "how fast the clip plays ([ ])",
+                                    .need = Need::speed,
+                                    .command = {WindowVerb::speed, facts.speed >= 4 ? 0.25 : facts.speed * 2},
+                                    .width = 46 * scale},
+                                   {.words = "loop",
+                                    .what = "again from the beginning at the end, or not (L)",
+                                    .need = Need::loop,
+                                    .command = {WindowVerb::loop},
+                                    .is_lit = facts.looping},
+                                   {.words = facts.overlay + "##overlay",
+                                    .what = "what the surface is coloured by (O)",
+                                    .need = Need::colours,
+                                    .command = {WindowVerb::overlay},
+                                    .width = 132 * scale}};
+    if (!facts.hand)  // there dragging always turns
+        buttons.push_back({.words = "turn",
+                           .what = "dragging turns the view, or presses again (V)",
+                           .need = Need::turn,
+                           .command = {WindowVerb::turning},
+                           .is_lit = facts.is_turning});
+    buttons.insert(buttons.end(), {{.words = "##home",
+                                    .what = "back to the clip's own view (Home)",
+                                    .need = Need::home,
+                                    .command = {WindowVerb::home},
+                                    .sign = ButtonSign::home},
+                                   {.words = "measure",
+                                    .what = "how far two places are apart: click both (T)",
+                                    .need = Need::measure,
+                                    .command = {WindowVerb::measure},
+                                    .is_lit = facts.measure.is_held},
+                                   {.words = "settings",
+                                    .what = "fingers, filters, colours, and how it goes (Tab)",
+                                    .need = Need::settings,
+                                    .command = {WindowVerb::panel},
+                                    .is_lit = panel_shown},
+                                   {.words = "?",
+                                    .what = "all keys",
+                                    .need = Need::always,
+                                    .command = {WindowVerb::help},
+                                    .is_lit = help_shown}});
+    return buttons;
+}
+
+/// Left of it, beside play.
+std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
+    if (facts.clips < 2) return {};
+    return {{.words = "##previous",
+             .what = "the clip before (PageUp)",
+             .need = Need::other_clip,
+             .command = {WindowVerb::previous},
+             .sign = ButtonSign::previous},
+            {.words = "##next",
+             .what = "the next clip (PageDown)",
+             .need = Need::other_clip,
+             .command = {WindowVerb::next},
+             .sign = ButtonSign::next}};
+}
+
+/// Where the clip is.
+struct TimeWords {
+    std::string words;
+    float width = 0;  ///< that it needs while the clip plays and while it rests, whatever the digits are
+};
+
+TimeWords time_words(const PanelFacts& facts, bool has_room) {
+    const std::string now = clock_words(facts.seconds);
+    if (!has_room) return {now, wide_digits(now)};
+    const std::string frame = now + " frame " + std::to_string(facts.frame),
+                      end = facts.clip_seconds > 0 ? now + " / " + clock_words(facts.clip_seconds) : now;
+    const bool plays = facts.playing && !facts.at_end;
+    return {plays ? end : frame, std::max(wide_digits(frame), wide_digits(end))};
+}
+
+float width_of(const std::vector<BarButton>& buttons, float side) {
+    float wide = 0;
+    for (const BarButton& button : buttons) wide += button.wide(side) + ImGui::GetStyle().ItemSpacing.x;
+    return wide;
+}
+
+}  // namespace
+
+/// The bar of time, with a mark where the picture's depth changes all at once.
+void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
+                            std::vector<WindowCommand>& asked) {
+    const float wide = std::max(60 * scale, room);
+    ImGui::SetNextItemWidth(wide);
+    const ImVec2 at_left = ImGui::GetCursorScreenPos();
+    float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
+    // At the last frame the handle is at the end; a still has no other.
+    const auto end = static_cast<float>(std::max(facts.last_seconds, 0.001));
+    if (!dragging_ && facts.at_end) at = end;
+    if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
+        dragged_seconds_ = at;
+        asked.push_back({WindowVerb::seek_to, static_cast<double>(std::clamp(at, 0.0F, end))});
+    }
+    dragging_ = ImGui::IsItemActive();
+    const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
+    for (const double cut : facts.cuts) {
+        if (cut > end) continue;  // of what has no end
+        const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;
+        ImGui::GetWindowDrawList()->AddLine(ImVec2(x, at_left.y + tall * 0.68F), ImVec2(x, at_left.y + tall),
+                                            IM_COL32(255, 200, 110, 230), 2 * scale);
+    }
+}
+
+void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float scale, bool panel_shown,
+                       bool help_shown, std::vector<WindowCommand>& asked) {
+    const float m = panel_margin * scale, side = 30 * scale, least_seek = 90 * scale;
+    begin_box(
+        "playback",
+        {.x = m, .y = height - m, .pivot_y = 1, .width = width - 2 * m, .height = panel_bar_height * scale});
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(8 * scale, (side - ImGui::GetFontSize()) / 2));
+    const TimeWords time = time_words(facts, width > 420 * scale);
+    std::vector<BarButton> left = buttons_of_list(facts),
+                           right = buttons_of(facts, scale, panel_shown, help_shown);
+    const auto room = [&] {
+        const float gap = ImGui::GetStyle().ItemSpacing.x;
+        return ImGui::GetContentRegionAvail().x - width_of(left, side) - width_of(right, side) -
+               (side + gap) - (time.width + gap);
+    };
+    for (Need need = Need::colours; need != Need::always && room() < least_seek;
+         need = static_cast<Need>(static_cast<int>(need) + 1))
+        for (auto* const buttons : {&left, &right})
+            std::erase_if(*buttons, [need](const BarButton& button) { return button.need == need; });
+    const float seek = room();
+    explains_ = false;
+    const auto draw_one = [&](const BarButton& button) {
+        explains_ = draw_button(button, side, asked) || explains_;
+    };
+    if (!left.empty()) draw_one(left.front());
+    draw_one(play_button(facts));
+    if (!left.empty()) draw_one(left.back());
+    ImGui::AlignTextToFramePadding();
+    const float time_left = ImGui::GetCursorPosX();
+    ImGui::TextUnformatted(time.words.c_str());
+    ImGui::SameLine(time_left + time.width + ImGui::GetStyle().ItemSpacing.x);
+    draw_seek(facts, scale, seek, asked);
+    ImGui::SameLine();
+    for (const BarButton& button : right) draw_one(button);
+    ImGui::PopStyleVar();
+}
+
+}  // namespace touchable

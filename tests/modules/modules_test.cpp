@@ -1,0 +1,340 @@
+// What docs/architecture.md says of modules, held against every folder, #include and linked target: a
+// module's CMakeLists.txt says which others it uses, and which of its headers these may include.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Names = std::set<std::string>;
+
+struct Module {
+    std::string folder;  ///< from the root
+    Names headers;       ///< that other modules may include
+    Names uses;          ///< names of modules
+    Names libraries;     ///< CMake targets of others
+};
+
+fs::path source(const fs::path& file) {
+    return fs::path(TOUCHABLE_SOURCE_DIR) / file;
+}
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The words of each call of a CMake function in a text, without what stands in quotes.
+std::vector<std::vector<std::string>> calls_of(const std::string& function, const std::string& cmake) {
+    std::vector<std::vector<std::string>> calls;
+    for (auto at = cmake.find(function + '('); at != std::string::npos;
+         at = cmake.find(function + '(', at + 1)) {
+        const auto begin = at + function.size() + 1;
+        std::istringstream in(cmake.substr(begin, cmake.find(')', begin) - begin));
+        calls.emplace_back(std::istream_iterator<std::string>(in), std::istream_iterator<std::string>());
+    }
+    return calls;
+}
+
+const std::vector<std::string> kProduct{"capi", "engine", "haptics_cpu", "device", "player"};
+
+std::map<std::string, Module> read_modules() {
+    std::map<std::string, Module> modules;
+    for (const std::string& part : kProduct)
+        for (const auto& entry : fs::recursive_directory_iterator(source(part))) {
+            if (entry.path().filename() != "CMakeLists.txt") continue;
+            const std::string cmake = text_of(entry.path());
+            for (const auto& words : calls_of("touchable_module", cmake)) {
+                Module& module = modules[words.at(0)];
+                module.folder = fs::relative(entry.path().parent_path(), source("")).string();
+                Names* into = nullptr;
+                for (auto word = words.begin() + 1; word != words.end(); ++word) {
+                    if (*word == "HEADERS")
+                        into = &module.headers;
+                    else if (*word == "USES")
+                        into = &module.uses;
+                    else if (*word == "LIBRARIES" || *word == "PUBLIC_LIBRARIES")
+                        into = &module.libraries;
+                    else if (*word == "SOURCES" || *word == "WITHOUT" || *word == "OPTIMISED")
+                        into = nullptr;
+                    else if (into)
+                        into->insert(*word);
+                }
+            }
+            // What a module links only where the machine has it.
+            for (const auto& words : calls_of("target_link_libraries", cmake))
+                if (words.at(0).starts_with("touchable_"))
+                    if (const auto module = modules.find(words[0].substr(std::string("touchable_").size()));
+                        module != modules.end())
+                        module->second.libraries.insert(words.begin() + 2, words.end());
+        }
+    return modules;
+}
+
+const std::map<std::string, Module>& modules() {
+    static const auto read = read_modules();
+    return read;
+}
+
+/// A module, those that it uses, and those that these use.
+Names reach_of(const std::string& name) {
+    Names reached{name};
+    for (const std::string& used : modules().at(name).uses) reached.merge(reach_of(used));
+    return reached;
+}
+
+/// The same of all modules of a folder: `capi` has three.
+Names reach_of_folder(const std::string& folder) {
+    Names reached;
+    for (const auto& [name, module] : modules())
+        if (module.folder == folder) reached.merge(reach_of(name));
+    return reached;
+}
+
+std::vector<fs::path> files_of(const Module& module) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(source(module.folder)))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    return files;
+}
+
+/// What stands between two marks in the lines that begin with the first one.
+Names included_by(const fs::path& file, const std::string& begin, char end) {
+    Names names;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with(begin))
+            names.insert(line.substr(begin.size(), line.find(end, begin.size()) - begin.size()));
+    return names;
+}
+
+/// The CMake target whose a header is, by how its name begins; nothing: the machine's, or the language's.
+std::string library_of_header(const std::string& header) {
+    static const std::map<std::string, std::string> libraries{
+        {"CLI/", "CLI11::CLI11"},
+        {"GLFW/", "glfw"},
+        {"SDL.h", "PkgConfig::SDL2"},
+        {"X11/extensions/XInput2.h", "PkgConfig::X_TOUCH"},
+        {"X11/extensions/scrnsaver.h", "PkgConfig::XSS"},
+        {"alsa/", "PkgConfig::ALSA"},
+        {"backends/imgui", "PkgConfig::IMGUI"},
+        {"bzlib.h", "BZip2::BZip2"},
+        {"cairo.h", "PkgConfig::CAIRO"},
+        {"fontconfig/", "PkgConfig::FONTCONFIG"},
+        {"glm/", "glm::glm"},
+        {"hidapi.h", "PkgConfig::HIDAPI"},
+        {"imgui.h", "PkgConfig::IMGUI"},
+        {"libav", "PkgConfig::FFMPEG"},
+        {"libheif/", "PkgConfig::HEIF"},
+        {"libsw", "PkgConfig::FFMPEG"},
+        {"libusb.h", "PkgConfig::LIBUSB"},
+        {"libwebsockets.h", "PkgConfig::WEBSOCKETS"},
+        {"lz4frame.h", "PkgConfig::LZ4"},
+        {"nlohmann/", "nlohmann_json::nlohmann_json"},
+        {"openexr.h", "PkgConfig::OPENEXR"},
+        {"pugixml.hpp", "PkgConfig::PUGIXML"},
+        {"sqlite3.h", "SQLite::SQLite3"},
+        {"srt/", "PkgConfig::SRT"},
+        {"tiffio.h", "PkgConfig::TIFF"},
+        {"vulkan/", "Vulkan::Vulkan"},
+        {"zip.h", "PkgConfig::ZIP"},
+        {"zlib.h", "ZLIB::ZLIB"},
+        {"zstd.h", "PkgConfig::ZSTD"}};
+    for (const auto& [begin, library] : libraries)
+        if (header.starts_with(begin)) return library;
+    return "";
+}
+
+/// Of the language, of the system, of X11 (which two optional libraries bring), or xxhash, which base alone
+/// has.
+bool is_of_the_machine(const std::string& header) {
+    static const Names files{"dlfcn.h", "fcntl.h",   "grp.h",  "link.h",   "malloc.h",    "netdb.h",
+                             "poll.h",  "pthread.h", "pwd.h",  "sched.h",  "stddef.h",    "stdint.h",
+                             "spawn.h", "termios.h", "time.h", "unistd.h", "emmintrin.h", "xxhash.h"};
+    const bool is_standard = header.find_first_of("./") == std::string::npos;
+    return is_standard || files.contains(header) || header.starts_with("sys/") ||
+           header.starts_with("X11/") || header.starts_with("linux/") || header.starts_with("arpa/") ||
+           header.starts_with("netinet/");
+}
+
+bool is_code(const fs::path& file) {
+    return file.extension() == ".cpp" || file.extension() == ".hpp" || file.extension() == ".h";
+}
+
+TEST(Modules, HaveEachFileOfTheProduct) {
+    Names folders;
+    for (const auto& [name, module] : modules()) folders.insert(module.folder);
+    for (const std::string& part : kProduct)
+        for (const auto& entry : fs::recursive_directory_iterator(source(part)))
+            if (is_code(entry.path())) {
+                EXPECT_TRUE(folders.contains(fs::relative(entry.path().parent_path(), source("")).string()))
+                    << entry.path() << " is in no module's folder";
+            }
+    EXPECT_GT(folders.size(), 15u);
+}
+
+TEST(Modules, HaveTheHeadersThatTheyShow) {
+    for (const auto& [name, module] : modules())
+        for (const std::string& header : module.headers)
+            EXPECT_TRUE(fs::exists(source(module.folder) / header)) << name << " has no " << header;
+}
+
+TEST(Modules, IncludeOnlyWhatOthersShow) {
+    std::map<std::string, std::string> of_folder;
+    for (const auto& [name, module] : modules())
+        if (!module.folder.starts_with("capi")) of_folder[module.folder] = name;
+    std::map<std::string, Names> included;
+    int includes = 0;
+    for (const auto& [name, module] : modules()) {
+        const Names reach = reach_of_folder(module.folder);
+        for (const fs::path& file : files_of(module))
+            for (const std::string& header : included_by(file, "#include \"", '"')) {
+                const std::string folder = fs::path(header).parent_path().string();
+                ++includes;
+                if (folder == "shaders" || folder == module.folder) continue;
+                if (folder.empty()) {  // a header that is installed, beside those that it includes
+                    EXPECT_TRUE(fs::exists(source(module.folder) / header)) << file << " includes " << header;
+                    continue;
+                }
+                const auto used = of_folder.find(folder);
+                ASSERT_NE(used, of_folder.end()) << file << " includes " << header;
+                EXPECT_TRUE(reach.contains(used->second))
+                    << file << " includes " << header << ", and " << name << " does not use " << used->second;
+                const std::string file_name = fs::path(header).filename().string();
+                EXPECT_TRUE(modules().at(used->second).headers.contains(file_name))
+                    << file << " includes " << header << ", which is private to " << used->second;
+                included[used->second].insert(file_name);
+            }
+    }
+    EXPECT_GT(includes, 450) << "hardly anything was looked at";
+    for (const auto& [name, module] : modules())
+        for (const std::string& header : module.headers)
+            EXPECT_TRUE(included[name].contains(header))
+                << "no other module includes " << module.folder << '/' << header;
+}
+
+TEST(Modules, IncludeOnlyLibrariesThatTheyLink) {
+    for (const auto& [name, module] : modules()) {
+        Names linked;
+        for (const std::string& reached : reach_of(name))
+            linked.insert(modules().at(reached).libraries.begin(), modules().at(reached).libraries.end());
+        for (const fs::path& file : files_of(module))
+            for (const std::string& header : included_by(file, "#include <", '>')) {
+                const std::string library = library_of_header(header);
+                // GLM and JSON come with the modules that show them in headers.
+                const bool comes_along = library == "glm::glm" || library == "nlohmann_json::nlohmann_json" ||
+                                         library == "Vulkan::Vulkan" || library == "CLI11::CLI11";
+                EXPECT_TRUE(library.empty() ? is_of_the_machine(header)
+                                            : (comes_along ? linked : module.libraries).contains(library))
+                    << file << " includes " << header << ", and " << name << " does not link "
+                    << (library.empty() ? "a library that is known here" : library);
+            }
+    }
+}
+/// What stands between double quotes in a file, comments left out.
+std::vector<std::string> literals_of(const std::string& code) {
+    std::vector<std::string> literals;
+    for (std::size_t at = 0; at < code.size(); ++at) {
+        if (code.compare(at, 2, "//") == 0) at = std::min(code.find('\n', at), code.size());
+        if (at >= code.size()) break;
+        const char quote = code[at];
+        const auto is_digit = [&](std::size_t n) {
+            return std::isxdigit(static_cast<unsigned char>(code[n]));
+        };
+        const bool is_digit_mark =
+            quote == '\'' && at > 0 && at + 1 < code.size() && is_digit(at - 1) && is_digit(at + 1);
+        if ((quote != '"' && quote != '\'') || is_digit_mark) continue;
+        const std::size_t begin = ++at;
+        while (at < code.size() && code[at] != quote) at += code[at] == '\\' ? 2 : 1;
+        if (quote == '"') literals.push_back(code.substr(begin, at - begin));
+    }
+    return literals;
+}
+
+/// Whether "--fov" or its like is in a text.
+bool names_an_option(const std::string& text) {
+    for (std::size_t at = text.find("--"); at != std::string::npos; at = text.find("--", at + 2))
+        if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2]))) return true;
+    return false;
+}
+
+TEST(Modules, LiteralsAreFoundInCode) {
+    EXPECT_EQ(literals_of("f(\"a\\\"b\");  // \"no\"\nconstexpr int k = 1'000; g('\"', L' ', \"--fov\");"),
+              (std::vector<std::string>{"a\\\"b", "--fov"}));
+    EXPECT_TRUE(names_an_option("with --fov"));
+    EXPECT_FALSE(names_an_option("a -- b, --, -f"));
+}
+
+// A library has no command line: an error or a guess there hints at a `Setting`, and
+// player/commands/setting_words.cpp knows its option.
+TEST(Modules, OnlyTheCommandLineNamesOptions) {
+    const std::map<std::string, std::string> allowed{
+        {"engine/camera/video_system.cpp", "udevadm's"},
+        {"device/udev_rules.hpp", "udevadm's, behind the command that prints the rules"}};
+    std::size_t literals = 0;
+    for (const auto& [name, module] : modules()) {
+        if (name == "commands") continue;
+        for (const fs::path& file : files_of(module)) {
+            if (file.extension() != ".cpp" && file.extension() != ".hpp") continue;
+            if (allowed.contains(fs::relative(file, source("")).string())) continue;
+            for (const std::string& literal : literals_of(text_of(file))) {
+                ++literals;
+                EXPECT_FALSE(names_an_option(literal)) << file << ": \"" << literal << '"';
+            }
+        }
+    }
+    EXPECT_GT(literals, 5000u) << "hardly anything was looked at";
+}
+
+/// The words behind each `std::` or `glm::` of a line of code.
+std::set<std::string> library_words(std::string line) {
+    line.resize(std::min(line.size(), line.find("//")));
+    std::set<std::string> words;
+    for (const std::string from : {"std::", "glm::"})
+        for (std::size_t at = line.find(from); at != std::string::npos; at = line.find(from, at)) {
+            const std::size_t begin = at += from.size();
+            while (at < line.size() &&
+                   (std::isalnum(static_cast<unsigned char>(line[at])) || line[at] == '_'))
+                ++at;
+            words.insert(line.substr(begin, at - begin));
+        }
+    return words;
+}
+
+// The C library's may round otherwise on another machine (docs/architecture.md, decision 3);
+// engine/base/trigonometry.hpp has some that do not.
+TEST(Modules, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
+    const std::set<std::string> rounded{
+        "sin",  "cos",    "tan",    "asin",  "acos",   "atan",      "atan2", "sinh",
+        "cosh", "tanh",   "asinh",  "acosh", "atanh",  "exp",       "exp2",  "expm1",
+        "log",  "log2",   "log10",  "log1p", "pow",    "cbrt",      "hypot", "erf",
+        "erfc", "tgamma", "lgamma", "fma",   "rotate", "angleAxis", "slerp", "perspective"};
+    int files = 0;
+    for (const auto& [name, module] : modules()) {
+        if (module.folder.starts_with("player") && name != "run" && name != "session") continue;
+        for (const fs::path& file : files_of(module)) {
+            // This one compares forces that were written down, for a person.
+            if (file.filename() == "force_comparison.cpp") continue;
+            std::ifstream in(file);
+            ++files;
+            for (std::string line; std::getline(in, line);)
+                for (const std::string& word : library_words(line))
+                    EXPECT_FALSE(rounded.contains(word)) << file << ": " << line;
+        }
+    }
+    EXPECT_GT(files, 300) << "hardly anything was looked at";
+}
+
+}  // namespace
+}  // namespace touchable::test
