@@ -158,11 +158,11 @@ Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
     TRY_ASSIGN(auto picture, decode_picture(bytes, where));
     const AVFrame& frame = *picture.frame;
     if (picture.codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
-        TRY_ASSIGN(
-            auto indices,
+        auto indices =
             gathered(where, *picture.frame, 1, 1,
-                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1})));
-        return std::move(*indices);
+                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1}));
+        if (!indices) return indices.error();  // TRY_ASSIGN's move of an optional picture makes GCC 12 warn
+        return std::move(**indices);
     }
     TRY_ASSIGN(auto stored, decode_coded_image(bytes, where));
     const Image& image = stored.image;

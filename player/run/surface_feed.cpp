@@ -197,7 +197,7 @@ Result<void> SurfaceFeed::feed_next() {
         timeline_.end_epoch();
         return {};
     }
-    TRY_ASSIGN(const auto published, publish(*frame));
+    TRY_ASSIGN([[maybe_unused]] const auto published, publish(*frame));
     assert(published && "the reader of virtual time never holds more than two pairs");
     return {};
 }
