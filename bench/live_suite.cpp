@@ -8,7 +8,7 @@
 #include "bench/live/touch_live.hpp"
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 
 namespace touchable {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "bench/loop/stability.hpp"
 #include "bench/suite.hpp"
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

@@ -6,8 +6,8 @@
 #include "bench/paper/scratch_run.hpp"
 #include "bench/paper/sweep_run.hpp"
 #include "bench/suite.hpp"
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

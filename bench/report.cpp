@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "engine/base/new_file.hpp"
-#include "engine/base/number_words.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

@@ -16,7 +16,7 @@
 #include "bench/surface/surface_case.hpp"
 #include "bench/surface/temporal_race.hpp"
 #include "engine/base/try.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
 namespace {

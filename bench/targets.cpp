@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/base/number_words.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

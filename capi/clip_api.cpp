@@ -8,13 +8,12 @@
 #include "capi/frames.hpp"
 #include "capi/open_clips.hpp"
 #include "capi/status.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/prefetch.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "engine/surface/filter_choice.hpp"
 
 using namespace touchable;
 using namespace touchable::capi;

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/remark.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::capi {
 

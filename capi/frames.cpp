@@ -7,9 +7,9 @@
 #include <string>
 
 #include "capi/status.hpp"
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
-#include "engine/surface/raw_check.hpp"
+#include "engine/base/words.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 namespace touchable::capi {
 

@@ -5,7 +5,7 @@
 
 #include "capi/touchable.h"
 #include "engine/base/result.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable::capi {

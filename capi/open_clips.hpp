@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "capi/handle_table.hpp"
-#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip.hpp"
 
 namespace touchable::capi {
 

@@ -9,10 +9,9 @@
 #include "capi/objects.hpp"
 #include "capi/scene_text.hpp"
 #include "capi/status.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/stored_code.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "engine/surface/filter_choice.hpp"
 
 using namespace touchable;
 using namespace touchable::capi;

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::capi {
 

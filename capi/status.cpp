@@ -1,8 +1,5 @@
 #include "capi/status.hpp"
 
-#include <algorithm>
-#include <string>
-
 namespace touchable::capi {
 
 namespace {

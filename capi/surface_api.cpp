@@ -3,8 +3,8 @@
 
 #include "capi/objects.hpp"
 #include "capi/status.hpp"
-#include "engine/surface/depth_quantile.hpp"
-#include "haptics_cpu/workspace.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 using namespace touchable;
 using namespace touchable::capi;

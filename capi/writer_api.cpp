@@ -10,9 +10,9 @@
 #include "capi/scene_text.hpp"
 #include "capi/status.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/frame_check.hpp"
-#include "engine/clip/mp4_writer.hpp"
-#include "engine/formats/image_folder_writer.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/stream/stream_url.hpp"
 
 using namespace touchable;

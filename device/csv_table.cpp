@@ -1,4 +1,4 @@
-#include "device/csv_table.hpp"
+#include "device/hand.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "engine/base/given_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -53,9 +53,9 @@ Result<CsvTable> CsvTable::read(const std::string& file) {
     CsvTable table;
     table.file_ = file;
     table.text_ = std::make_shared<const std::string>(std::move(text));
-    if (const Result<void> done = table.find_lines(); !done) return done.error();
+    TRY(table.find_lines());
     table.choose_separator();
-    if (const Result<void> done = table.check_fields(); !done) return done.error();
+    TRY(table.check_fields());
     return table;
 }
 
@@ -177,14 +177,6 @@ Result<std::size_t> CsvTable::column(std::string_view name_or_number) const {
     if (fault == std::errc() && end == last && number >= 1 && number <= columns()) return number - 1;
     return input_error(file_ + ": has no column '" + printable(name_or_number) + "'; columns are " +
                        printable(legal, 400));
-}
-
-Result<std::vector<double>> CsvTable::numbers(std::size_t column) const {
-    return numbers(column, false);
-}
-
-Result<std::vector<double>> CsvTable::numbers_where_given(std::size_t column) const {
-    return numbers(column, true);
 }
 
 Result<std::vector<double>> CsvTable::numbers(std::size_t column, bool may_be_empty) const {

@@ -1,24 +1,24 @@
 #include "device/device_catalog.hpp"
 
 #include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
 #include <utility>
-#include <vector>
 
-#include "device/device_list.hpp"
 #include "device/falcon_device.hpp"
 #include "device/inverse3_device.hpp"
 #include "device/known_devices.hpp"
 #include "device/network_device.hpp"
 #include "device/recorded_device.hpp"
 #include "device/spacemouse_device.hpp"
+#include "device/udev_rules.hpp"
 #include "device/woodenhaptics_device.hpp"
-#include "engine/base/nearest_word.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr DeviceKind kinds[] = {
+constexpr DeviceKind kinds_of_devices[] = {
     {"falcon", "a Novint Falcon (USB)", ":firmware=FILE", make_falcon_device},
     {"inverse3", "a Haply Inverse3, through the service of its makers", "", make_inverse3_device},
     {"woodenhaptics", "WoodenHaptics and Polhem, open hardware (HID); its build is described in a file",
@@ -29,7 +29,7 @@ constexpr DeviceKind kinds[] = {
     {"recorded", "a log of any device, told again", ":FILE", make_recorded_device},
 };
 
-/// Whoever gives a file that will not do hears of missing hardware at once, not after that.
+/// An unusable file and missing hardware are reported together, not one after the other.
 Error also_unplugged(Error error, std::string_view name) {
     const auto known = known_devices();
     const bool is_hardware =
@@ -48,7 +48,7 @@ Error unknown_device(const std::string& name) {
         return usage_error("device mouse is the window's, where no device is needed: touchable play CLIP",
                            {{Setting::device}});
     std::vector<std::string> words;
-    for (const DeviceKind& each : kinds) words.emplace_back(each.name);
+    for (const DeviceKind& each : kinds_of_devices) words.emplace_back(each.name);
     words.emplace_back("simulated");
     std::string names;
     for (const std::string& word : words) names += (names.empty() ? "" : ", ") + word;
@@ -58,24 +58,112 @@ Error unknown_device(const std::string& name) {
                        names + "; and mouse, in the window alone (touchable play)");
 }
 
+// ---- In words
+
+constexpr const char* simulated_words = "a handle that a scripted hand holds, in a run without a window";
+
+std::string ids_in_words(const ConnectedDevice& device) {
+    return formatted("%04x:%04x", device.vendor, device.product);
+}
+
+std::string listed_programs(const std::vector<std::string>& items) {
+    std::string words;
+    for (const std::string& item : items) words += (words.empty() ? "" : ", ") + printable(item);
+    return words;
+}
+
+std::string device_lines(const ConnectedDevice& device, const std::string& naming) {
+    std::string words = device.what + "  (" + device.place + ", " + ids_in_words(device);
+    if (!device.name.empty()) words += ", " + in_quotes(device.name);
+    words += ")\n";
+    if (!device.driven.empty()) words += "    drive it with:  " + naming + device.driven + "\n";
+    if (!device.why_not.empty()) words += "    known, but cannot be driven: " + device.why_not + "\n";
+    if (!device.firmware.empty()) words += "    firmware: " + printable(device.firmware) + "\n";
+    if (!device.node.empty())
+        words += "    node: " + device.node +
+                 (device.may_use ? ", may be used" : ", may not be used by you") + "\n";
+    for (const std::string& rule : device.rules) words += "    rule: " + rule + "\n";
+    if (!device.held_by.empty()) words += "    open in: " + listed_programs(device.held_by) + "\n";
+    if (device.ready) return words + "    ready\n";
+    if (device.next.empty()) return words;
+    words +=
+        (device.why_not.empty() ? "    not ready; do:  " : "    instead: ") + printable(device.next, 400);
+    if (!device.why_not.empty() && device.next.ends_with("the device network"))
+        words += " (" + naming + "network)";
+    return words + '\n';
+}
+
 }  // namespace
 
 std::span<const DeviceKind> device_kinds() {
-    return kinds;
+    return kinds_of_devices;
 }
 
 Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,
                                                   const DrivenSettings& driven) {
     const std::size_t colon = description.find(':');
     const std::string name = description.substr(0, colon);
-    const auto kind = std::find_if(std::begin(kinds), std::end(kinds),
+    const auto kind = std::find_if(std::begin(kinds_of_devices), std::end(kinds_of_devices),
                                    [&](const DeviceKind& each) { return each.name == name; });
-    if (kind == std::end(kinds)) return unknown_device(name);
+    if (kind == std::end(kinds_of_devices)) return unknown_device(name);
     auto device = kind->make(
         colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1),
         driven);
-    if (!device.ok()) return also_unplugged(device.error(), name);
+    if (!device) return also_unplugged(device.error(), name);
     return device;
+}
+
+// ---- In words
+
+std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming) {
+    if (devices.empty())
+        return std::string(
+                   "No device that is known here is connected: plug one in and switch it on. Most have to be "
+                   "permitted, once for all of them:\n    ") +
+               udev_rules_command + "\nNone is needed: any program can be the hand (" + naming +
+               "network), and in the window the mouse is (touchable play).\n";
+    std::string words;
+    for (const ConnectedDevice& device : devices) words += device_lines(device, naming);
+    return words;
+}
+
+std::string device_words_in_words(const std::string& with_simulated) {
+    constexpr std::size_t column = 24;
+    std::string words;
+    const auto line = [&words](std::string_view word, std::string_view what) {
+        words += "    " + std::string(word) +
+                 std::string(word.size() < column ? column - word.size() : 1, ' ') + std::string(what) + "\n";
+    };
+    for (const DeviceKind& kind : device_kinds())
+        line(std::string(kind.name) + std::string(kind.keys), kind.words);
+    line("simulated", simulated_words + (with_simulated.empty() ? "" : ": " + with_simulated));
+    return words;
+}
+
+std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const ConnectedDevice& device : devices)
+        list.push_back({{"place", device.place},
+                        {"ids", ids_in_words(device)},
+                        {"name", device.name},
+                        {"what", device.what},
+                        {"driven", device.driven},
+                        {"why_not", device.why_not},
+                        {"firmware", device.firmware},
+                        {"nodes", device.nodes},
+                        {"node", device.node},
+                        {"may_use", device.may_use},
+                        {"rules", device.rules},
+                        {"held_by", device.held_by},
+                        {"ready", device.ready},
+                        {"next", device.next}});
+    nlohmann::ordered_json words = nlohmann::ordered_json::array();
+    for (const DeviceKind& kind : device_kinds())
+        words.push_back({{"word", kind.name}, {"keys", kind.keys}, {"what", kind.words}});
+    words.push_back({{"word", "simulated"}, {"keys", ""}, {"what", simulated_words}});
+    const nlohmann::ordered_json whole = {
+        {"touchable_devices", 1}, {"devices", std::move(list)}, {"words", std::move(words)}};
+    return whole.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace touchable

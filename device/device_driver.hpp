@@ -6,22 +6,30 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "device/haptic_device.hpp"
+#include "engine/base/result.hpp"
+
+// What a backend is written against: the driver's interface, what goes between it and DrivenDevice, and the
+// bytes below it (docs/devices.md, "Add a device in an afternoon").
 
 namespace touchable {
+
+/// Of a finger that has no position now.
+inline constexpr glm::dvec3 no_place(std::numeric_limits<double>::quiet_NaN());
 
 /// What one message of a device says. Device metres, as HapticDevice has them.
 struct DeviceSample {
     static constexpr std::size_t most_fingers = 10;
 
-    std::array<glm::dvec3, most_fingers> metres{};  ///< not a number: this finger has no position now
-    std::uint32_t buttons = 0;                      ///< one bit for each that is pressed
-    std::int64_t kept_ns = 0;  ///< for how long the driver has had it, waiting for a newer one
+    std::array<glm::dvec3, most_fingers> metres{};
+    std::uint32_t buttons = 0;  ///< one bit for each that is pressed
+    std::int64_t kept_ns = 0;   ///< for how long the driver has had it, waiting for a newer one
 };
 
 /// Bytes that leave a device without force, and where another process can write them (SafetyWatchdog).
@@ -34,8 +42,37 @@ struct ZeroForcePacket {
     std::vector<std::byte> meanwhile{};
 };
 
+/// Of a driver, so that a test may have time pass as it likes: ns that do not go back, never 0.
+using DriverClock = std::function<std::int64_t()>;
+
 /// Whether the caller has given up: calls that wait long ask it now and then, and return once it is true.
 using GivenUp = std::function<bool()>;
+
+/// Carries a device's bytes, whatever they mean. One thread's. A call that fails says why (ErrorKind::device)
+/// and what it was that failed; the device is taken for gone then.
+class Transport {
+public:
+    Transport() = default;
+    Transport(const Transport&) = delete;
+    Transport& operator=(const Transport&) = delete;
+    virtual ~Transport() = default;
+
+    /// All of it, or an error. A transport of messages (HID reports, WebSocket) sends one.
+    virtual Result<void> send(std::span<const std::byte> bytes) = 0;
+    /// How many bytes came, at most `room`'s; of messages one. Waits for them `patience` at most. 0: none.
+    virtual Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) = 0;
+    /// Drops what has come and was not received; into `room`, of the longest message.
+    Result<void> drop_what_came(std::span<std::byte> room) {
+        for (int most = 256; most > 0; --most) {  // whatever babbles must not hold the thread
+            const auto came = receive(room, std::chrono::microseconds(0));
+            if (!came) return came.error();
+            if (*came == 0) break;
+        }
+        return {};
+    }
+    /// The descriptor that poll(2) reports as readable once something has come; -1: there is none.
+    virtual int descriptor() const { return -1; }
+};
 
 /// A backend: it knows one kind of hardware and its bytes. `DrivenDevice` makes a HapticDevice of it, keeps
 /// the safety contract, and calls it from one thread of its own, so it may wait where it says so. A call that
@@ -48,7 +85,7 @@ public:
     virtual ~DeviceDriver() = default;
 
     virtual std::string name() const = 0;
-    virtual int fingers() const = 0;  ///< 1 to DeviceSample::most_fingers
+    virtual int fingers() const { return 1; }  ///< 1 to DeviceSample::most_fingers
     virtual DeviceLimits limits() const = 0;
     virtual DeviceCapabilities capabilities() const = 0;
 

@@ -12,9 +12,7 @@
 #include <limits>
 #include <utility>
 
-#include "device/steady_time.hpp"
-#include "engine/base/start_thread.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -24,8 +22,7 @@ using std::chrono::microseconds;
 
 constexpr microseconds a_tick{1000};
 constexpr microseconds slowest_bus{5000};          // that a driver is given to answer, where it waits itself
-constexpr std::int64_t sent_again_ns = 5'000'000;  // zeros for hardware that nobody asks anything of
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+constexpr std::int64_t sent_again_ns = 5'000'000;  // zeros, while no force is asked for
 
 /// Of a moment that may never have been.
 double age_of(std::int64_t moment_ns, std::int64_t now) {
@@ -69,9 +66,9 @@ Result<void> DrivenDevice::open() {
     asked_.write({});
     lost_ = over_ = false;
     auto held = take_hold();
-    if (held.ok() && settings_.own_thread)
+    if (held && settings_.own_thread)
         held = start_thread(thread_, "device", "of the device", [this] { drive(); });
-    if (!held.ok()) {
+    if (!held) {
         driver_->disconnect();
         ::close(std::exchange(wake_, -1));
         return held;
@@ -100,9 +97,8 @@ bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
     age_s_ = age_of(latest.time_ns, now);
     buttons_ = age_s_ <= oldest_s ? latest.sample.buttons : 0;
     for (std::size_t finger = 0; finger < device_metres.size(); ++finger)
-        device_metres[finger] = age_of(latest.place_ns[finger], now) <= oldest_s
-                                    ? latest.sample.metres[finger]
-                                    : glm::dvec3(no_number);
+        device_metres[finger] =
+            age_of(latest.place_ns[finger], now) <= oldest_s ? latest.sample.metres[finger] : no_place;
     return true;
 }
 
@@ -161,16 +157,16 @@ bool DrivenDevice::given_up() const {
     return stopping_.load(std::memory_order_relaxed) || stop_requested();
 }
 
-/// Whoever was held before is new: nothing that was heard of it counts.
+/// Hardware that is taken hold of again is new: nothing that came from it before counts.
 Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
-    const auto packet = held.ok() && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
+    const auto packet = held && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
     if (packet && !kept_) {
         TRY_ASSIGN(auto kept, SafetyWatchdog::keep(settings_.watchdog));
         kept_.emplace(std::move(kept));
     }
     if (packet) held = kept_->set_packet(*packet);
-    if (!held.ok()) return held;
+    if (!held) return held;
     for (PlausibleMotion& motion : motions_) motion.forget();
     received_ = {};
     exerts_since_ns_ = {};
@@ -190,10 +186,10 @@ void DrivenDevice::drive() {
 bool DrivenDevice::turn() {
     if (!held_) return look_for_it();
     const auto served = answer_of(name_, [this] { return serve(); });
-    if (served.ok()) return true;
+    if (served) return true;
     let_go(served.error());
     const auto kept = settings_.watchdog ? settings_.watchdog->health() : Result<void>{};
-    if (kept.ok()) return true;
+    if (kept) return true;
     set_words(Error{kept.error().kind, name_ + ": " + kept.error().message}, {});
     lost_.store(true, std::memory_order_release);
     return false;
@@ -204,14 +200,13 @@ bool DrivenDevice::turn() {
 Result<void> DrivenDevice::serve() {
     const int descriptor = driver_->descriptor();
     if (descriptor < 0) {
-        if (auto sent = send(); !sent.ok()) return sent;
+        TRY(send());
         return receive(slowest_bus);
     }
     pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
     const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
-    if (waited_for[1].revents != 0)
-        if (auto came = receive(microseconds(0)); !came.ok()) return came;
+    if (waited_for[1].revents != 0) TRY(receive(microseconds(0)));
     const bool asked = waited_for[0].revents != 0;
     if (asked) {
         std::uint64_t count = 0;
@@ -224,10 +219,10 @@ Result<void> DrivenDevice::serve() {
 
 Result<void> DrivenDevice::receive(microseconds patience) {
     DeviceSample sample;
-    sample.metres.fill(glm::dvec3(no_number));
+    sample.metres.fill(no_place);
     const auto came = driver_->receive(sample, patience);
     left_out_.store(driver_->left_out(), std::memory_order_relaxed);
-    if (!came.ok()) return came.error();
+    if (!came) return came.error();
     over_.store(driver_->is_over(), std::memory_order_release);
     pass_on_prompt();
     // What waited while this thread stood still is older than it seems.
@@ -284,7 +279,7 @@ Result<void> DrivenDevice::beat() {
 }
 
 Result<void> DrivenDevice::send() {
-    if (auto kept = beat(); !kept.ok()) return kept;
+    TRY(beat());
     const std::int64_t now = settings_.clock();
     const Forces newtons = due_forces(now);
     sent_ns_ = now;
@@ -292,7 +287,7 @@ Result<void> DrivenDevice::send() {
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
     if (settings_.on_sent) settings_.on_sent(settings_.clock());
     // Also of hardware from which nothing comes.
-    if (sent.ok()) pass_on_prompt();
+    if (sent) pass_on_prompt();
     return sent;
 }
 
@@ -314,7 +309,7 @@ bool DrivenDevice::look_for_it() {
     if (age_of(looked_ns_, now) < settings_.look_again_s) return true;
     looked_ns_ = now;
     const auto held = take_hold();
-    if (held.ok()) return true;
+    if (held) return true;
     driver_->disconnect();
     kept_.reset();  // which may hold a descriptor that the next try needs
     // What stands in its way now may be something that a person can do something about.

@@ -12,7 +12,7 @@
 
 #include "device/device_driver.hpp"
 #include "device/newest_value.hpp"
-#include "device/plausible_motion.hpp"
+#include "device/point_motion.hpp"
 #include "device/safety_watchdog.hpp"
 
 namespace touchable {
@@ -26,13 +26,13 @@ struct DrivenSettings {
     /// Called by the device's thread when it begins, for instance to become real-time.
     std::function<void()> as_thread_begins{};
     /// Leaves the device unpowered when this process is gone or stands still. Where it is set and does not
-    /// work, the device exerts no force. Null: nobody leaves the device unpowered then.
+    /// work, the device exerts no force. Null: no other process leaves the device unpowered.
     std::shared_ptr<SafetyWatchdog> watchdog{};
-    std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
+    DriverClock clock{};  ///< nothing: steady_ns
     /// Called by the device's thread with the moment (ns) at which a position was received, and at which a
     /// force was sent; they may not wait.
     std::function<void(std::int64_t)> on_received{}, on_sent{};
-    /// False: whoever opens it calls `turn` in its place, and waits in its place, as a test in virtual time.
+    /// False: it has no thread; its owner calls `turn` and does the waiting, as a test in virtual time.
     bool own_thread = true;
 };
 

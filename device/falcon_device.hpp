@@ -1,12 +1,259 @@
 #pragma once
 
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "device/driven_device.hpp"
-#include "device/falcon_driver.hpp"
+#include "engine/base/result.hpp"
+
+// The Novint Falcon, from its USB cable up to `--device falcon:`.
 
 namespace touchable {
+
+// ---- USB
+
+/// What a serial converter by FTDI is told beside the bytes that it passes on: a vendor's control request
+/// without data (type 0x40, index 0).
+struct FtdiCommand {
+    std::uint8_t request = 0;
+    std::uint16_t value = 0;
+    bool operator==(const FtdiCommand&) const = default;
+};
+
+/// A USB device that is one's own, whatever carries its packets. One thread's. A call that fails says why in
+/// one line (ErrorKind::device); the device is taken for gone then.
+class UsbPort {
+public:
+    UsbPort() = default;
+    UsbPort(const UsbPort&) = delete;
+    UsbPort& operator=(const UsbPort&) = delete;
+    virtual ~UsbPort() = default;  ///< lets go of it
+
+    static constexpr std::size_t packet_bytes = 64;  ///< most that come at once
+
+    virtual Result<void> command(const FtdiCommand& command) = 0;
+    virtual Result<void> write(std::span<const std::byte> bytes) = 0;
+    /// One packet, into room for `packet_bytes`. Waits for it `patience` at most. 0: none.
+    virtual Result<std::size_t> read(std::span<std::byte> room, std::chrono::microseconds patience) = 0;
+    /// Of usbfs; -1: there is none.
+    virtual int usbfs() const { return -1; }
+};
+
+/// Where Linux describes USB devices, and where their nodes are.
+struct UsbFolders {
+    std::filesystem::path devices = "/sys/bus/usb/devices";
+    std::filesystem::path nodes = "/dev/bus/usb";
+};
+
+/// The node in `nodes` of the first device of that vendor and product (four hexadecimal digits each), by bus
+/// and number; empty: none is plugged in.
+std::filesystem::path find_usb_device(const std::string& vendor, const std::string& product,
+                                      const UsbFolders& folders);
+
+/// The first Novint Falcon that is plugged in, through libusb. Error (ErrorKind::device): why it cannot be
+/// had, and what would change that.
+Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders = {});
+
+// ---- The serial converter in it
+
+// Commands, as FTDI's chips of this generation take them.
+FtdiCommand ftdi_latency(std::chrono::milliseconds waits);  ///< 1 to 255 ms, for a packet to become full
+FtdiCommand ftdi_divisor(std::uint16_t encoded);            ///< of 3 MHz; bits 14 and 15: eighths
+FtdiCommand ftdi_eight_bits();                              ///< of data, no parity, one stop bit
+FtdiCommand ftdi_no_flow_control();
+FtdiCommand ftdi_dtr(bool high);
+FtdiCommand ftdi_rts(bool high);
+FtdiCommand ftdi_purge_received();
+FtdiCommand ftdi_purge_to_send();
+
+/// Bytes through such a converter. Its packets begin with two bytes of line state, which are no data.
+class FtdiTransport final : public Transport {
+public:
+    static constexpr std::size_t state_bytes = 2;
+
+    explicit FtdiTransport(std::unique_ptr<UsbPort> port, DriverClock clock = steady_ns)
+        : port_(std::move(port)), clock_(std::move(clock)) {}
+
+    Result<void> command(const FtdiCommand& command) { return port_->command(command); }
+    /// Whatever has come and was not received, here and in the converter, is dropped.
+    Result<void> purge();
+    Result<void> send(std::span<const std::byte> bytes) override { return port_->write(bytes); }
+    Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) override;
+    int usbfs() const { return port_->usbfs(); }
+    std::int64_t now_ns() const { return clock_(); }
+
+private:
+    std::unique_ptr<UsbPort> port_;
+    DriverClock clock_;
+    std::array<std::byte, UsbPort::packet_bytes> packet_{};
+    std::size_t next_ = 0, end_ = 0;  // of what came and was not received
+};
+
+// ---- Firmware
+
+/// How long it is waited for an answer, at each step.
+struct FalconPatience {
+    std::chrono::milliseconds greeting{60};
+    std::chrono::milliseconds echo{500};
+    std::chrono::milliseconds question{20};
+};
+
+/// The Falcon's firmware, of a file that the person names: its makers' licence does not let others pass it
+/// on. Error (ErrorKind::input): no such file, or none of a size that firmware has.
+Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path);
+
+/// Loads firmware into a Falcon, which has none when its power comes. About two seconds. What it sends back
+/// is compared byte by byte. Error (device): at which step it did not answer, or differently. (interrupted):
+/// given up.
+Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std::byte> firmware,
+                                  const FalconPatience& patience, const GivenUp& given_up);
+
+/// Sets the serial line as firmware that runs expects it.
+Result<void> begin_falcon_run(FtdiTransport& transport);
+
+// ---- Packets
+
+/// The packets of the Novint Falcon, as its owners have described them (libnifalcon's documentation): 16
+/// bytes in each direction, '<', 14 that carry four bits each as 'A' + bits, '>'. The device answers each
+/// packet with one; packets have no number, time or checksum.
+inline constexpr std::size_t falcon_packet_bytes = 16;
+using FalconPacket = std::array<std::byte, falcon_packet_bytes>;
+
+/// Lamps in the Falcon's ring.
+enum class FalconLamp : std::uint8_t { none = 0, green = 2, blue = 4, red = 8 };
+
+struct FalconCommand {
+    std::array<std::int16_t, 3> motors{};  ///< of the top, right and left arm
+    FalconLamp lamp = FalconLamp::none;
+};
+/// It also asks for the state of homing, always: without that the Falcon does not follow its encoders.
+FalconPacket encode(const FalconCommand& command);
+
+struct FalconReport {
+    std::array<std::int16_t, 3> counts{};  ///< of the top, right and left encoder
+    std::uint8_t buttons = 0;              ///< bits 0 to 3: right, forward, middle, left one of the grip
+    bool homed = false;  ///< all three encoders have met their marks, so that counts mean places
+};
+
+/// Finds reports among bytes that may be cut, damaged or repeated: one begins at each '<', and none is
+/// believed of which a byte cannot be what it stands for.
+class FalconReader {
+public:
+    /// A report that this byte completes.
+    std::optional<FalconReport> take(std::byte byte);
+    void forget() { filled_ = 0; }  ///< of a report that has begun
+    std::int64_t damaged() const { return damaged_; }
+
+private:
+    FalconPacket packet_{};
+    std::size_t filled_ = 0;
+    std::int64_t damaged_ = 0;
+};
+
+// ---- Kinematics
+
+/// Geometry of the Novint Falcon, as its owners have measured it (libnifalcon, after Stamper's thesis, 1997):
+/// three arms around an axis, which a motor each turns in a plane through (about) the axis, and from the end
+/// of each a parallelogram that carries the grip without turning it. Top, right and left arm, in this order.
+///
+/// Places are the grip's, in metres of the device: x right, y up, z towards the person, from the middle of
+/// the reach, 0.125 m before the motors' plane.
+inline constexpr double falcon_reach = 0.05;  ///< metres to each side; every place in this ball is reached
+inline constexpr double falcon_edge = 0.075;  ///< metres; no grip gets as far from the middle
+using FalconAngles =
+    std::array<double, 3>;  ///< radians, 0: the arm points outward; grows as the grip is pulled
+
+/// Of the arm, at an encoder's count: 320 slots of four counts on the motor's shaft, whose capstan of 14.25
+/// mm turns the arm's drum of 110 mm; 35 degrees at 0.
+double falcon_angle(std::int16_t count);
+
+/// Closed form. Nothing where an arm does not reach.
+std::optional<FalconAngles> falcon_angles(const glm::dvec3& place);
+
+struct FalconPose {
+    glm::dvec3 place{0.0};
+    glm::dmat3 metres_per_radian{0.0};  ///< column: how the grip moves as that arm turns
+};
+/// By Newton's method from `start`, converged to far below a nanometre. Nothing where these angles belong to
+/// no place within `falcon_edge`, as those of damaged packets.
+std::optional<FalconPose> falcon_pose(const FalconAngles& angles, const glm::dvec3& start = glm::dvec3(0.0));
+
+/// Largest motor word that is sent. The public driver's description has it as the cap; what a motor bears at
+/// most is not published.
+inline constexpr int falcon_largest_word = 4096;
+/// Motor words whose torques exert that force, N. Too large ones are made smaller together, so the direction
+/// stays. The unit of words is not published: as with the public driver, one is -0.1 mN m of the arm's
+/// torque.
+std::array<std::int16_t, 3> falcon_motor_words(const FalconPose& pose, const glm::dvec3& newtons);
+
+// ---- The driver and its keys
+
+/// How a Falcon is used.
+struct FalconSettings {
+    std::vector<std::byte> firmware{};  ///< empty: none can be loaded, it must have some
+    DeviceLimits limits{8, 1000};       ///< N, N/m
+    FalconPatience patience{};
+};
+
+/// Takes hold of a Falcon that is plugged in. Error (ErrorKind::device): what would make it ready.
+using FalconPlug = std::function<Result<std::unique_ptr<UsbPort>>()>;
+
+/// A Novint Falcon. `connect` loads its firmware where it has none. It then has no position and no force
+/// until a person has moved its grip over the marks of its encoders (`prompt` asks for that).
+class FalconDriver final : public DeviceDriver {
+public:
+    static constexpr std::uint8_t usb_endpoint_out = 0x02;
+    static constexpr double silent_s = 0.25;  ///< after which it is taken for gone
+    static constexpr int homed_reports = 8;   ///< one after the other, before homing is believed
+
+    FalconDriver(FalconSettings settings, FalconPlug plug, DriverClock clock = steady_ns)
+        : settings_(std::move(settings)), plug_(std::move(plug)), clock_(std::move(clock)) {}
+    ~FalconDriver() override { disconnect(); }
+
+    std::string name() const override { return "Novint Falcon"; }
+    DeviceLimits limits() const override { return settings_.limits; }
+    DeviceCapabilities capabilities() const override;
+    Result<void> connect(const GivenUp& given_up) override;
+    void disconnect() noexcept override;
+    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    Result<void> forget_what_came() override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    std::string prompt() const override;
+
+    std::int64_t left_out() const override { return reader_.damaged(); }
+
+private:
+    bool is_homed() const { return homed_in_a_row_ >= homed_reports; }
+    Result<void> command(const std::array<std::int16_t, 3>& motors);
+    Result<std::optional<FalconReport>> newest_report(std::chrono::microseconds patience);
+    Result<bool> answers(const GivenUp& given_up);
+    Result<void> load(const GivenUp& given_up);
+    void take(const FalconReport& report, DeviceSample& sample);
+
+    const FalconSettings settings_;
+    const FalconPlug plug_;
+    const DriverClock clock_;
+    std::unique_ptr<FtdiTransport> transport_;
+    bool runs_ = false;  // its firmware does, so that motor words mean something
+    FalconReader reader_;
+    int unanswered_ = 0;
+    std::int64_t received_ns_ = 0;
+    int homed_in_a_row_ = 0, impossible_in_a_row_ = 0;
+    std::optional<FalconPose> pose_;  // of the newest report
+};
 
 /// Of the keys of "falcon[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none, and
 /// (ErrorKind::input) a file that cannot be firmware.

@@ -1,34 +1,306 @@
 #include "device/hand.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
+#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "device/finger_circle.hpp"
-#include "device/hand_options.hpp"
-#include "device/hand_script.hpp"
-#include "device/local_relief.hpp"
-#include "device/recorded_hand.hpp"
+#include "device/hand_parts.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
+// ---- Scripts
+
+constexpr double tick_s = 0.001;  // seconds from one tick to the next
+
+/// The ground under the hand's centre at the tick before.
+struct Ground {
+    glm::dvec2 metres_per_pixel;  ///< device metres that one pixel spans there, across and down
+    bool surface;                 ///< whether there is a surface under that pixel
+};
+
+/// A scripted motion: a path of the hand's centre over the picture, and how deep each finger reaches.
+class HandScript {
+public:
+    virtual ~HandScript() = default;
+    /// Where the hand's centre is, pixels.
+    virtual glm::dvec2 pixel() const = 0;
+    /// Moves on by one tick.
+    virtual void advance(const Ground& ground, const SurfaceProbe& probe) = 0;
+    /// Whether it is on its way; if not, it stays over its pixel.
+    virtual bool moves() const = 0;
+    /// Device metres under the surface; negative: above it.
+    virtual double penetration(int finger) const = 0;
+};
+
+/// SplitMix64: small, and the same sequence everywhere.
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    /// In [0, 1).
+    double next() {
+        std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+double finger_phase(int finger, int fingers) {
+    return 2 * pi * finger / fingers;
+}
+
+/// The pixel step of `metres` of device space in direction (x right, y up).
+glm::dvec2 pixel_step(const glm::dvec2& direction, double metres, const Ground& ground) {
+    return glm::dvec2(direction.x, -direction.y) * metres / ground.metres_per_pixel;
+}
+
+/// The penetration of a hand that glides along: it breathes about its mean, each finger in its own phase, so
+/// that the force keeps changing and stays above zero.
+double breathing(double mean, double seconds, double phase) {
+    constexpr double hertz = 0.9;
+    constexpr double share = 3.0 / 7.0;
+    return mean * (1 + share * sine(2 * pi * hertz * seconds + phase));
+}
+
+struct WanderSettings {
+    double speed;  ///< m/s
+    double depth;  ///< mean, device metres
+    std::uint64_t seed;
+};
+/// Follows a heading that turns smoothly, from the surface nearest to the picture's centre, reflected at the
+/// box. Having strayed too far over pixels without a surface it turns back to where it last had one.
+class Wander final : public HandScript {
+public:
+    Wander(const WanderSettings& settings, int fingers, const HandArea& box, const SurfaceProbe& probe)
+        : settings_(settings), fingers_(fingers), box_(box) {
+        const glm::dvec2 centre = 0.5 * (box.least + box.greatest);
+        const std::optional<SurfacePoint> start = nearest_surface(probe, centre, box);
+        pixel_ = home_ = start ? start->pixel : centre;
+        Random random(settings.seed);
+        heading_ = 2 * pi * random.next();
+        turn_phase_ = 2 * pi * random.next();
+    }
+
+    glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return true; }
+
+    void advance(const Ground& ground, const SurfaceProbe&) override {
+        keep_near_the_surface(ground);
+        const double turn = 0.9 * sine(2 * pi * 0.37 * seconds_ + turn_phase_) + 0.4;  // rad/s
+        heading_ += turn * tick_s;
+        pixel_ += pixel_step({cosine(heading_), sine(heading_)}, settings_.speed * tick_s, ground);
+        if (reflect(pixel_.x, box_.least.x, box_.greatest.x)) heading_ = pi - heading_;
+        if (reflect(pixel_.y, box_.least.y, box_.greatest.y)) heading_ = -heading_;
+        seconds_ = static_cast<double>(++tick_) * tick_s;
+    }
+
+    double penetration(int finger) const override {
+        return breathing(settings_.depth, seconds_, finger_phase(finger, fingers_));
+    }
+
+private:
+    static constexpr double shortest_leash = 0.01;  // device metres
+
+    /// A clip may have no surface over nearly half of its picture, in a few large holes: without this a hand
+    /// would feel nothing for seconds. The leash grows with every turn, so that a hand whose surface has
+    /// moved away finds it again.
+    void keep_near_the_surface(const Ground& ground) {
+        if (ground.surface) {
+            home_ = pixel_;
+            leash_ = shortest_leash;
+            strayed_ = 0;
+            return;
+        }
+        strayed_ += settings_.speed * tick_s;
+        if (strayed_ < leash_) return;
+        const glm::dvec2 way = (home_ - pixel_) * ground.metres_per_pixel;
+        heading_ = arctangent2(-way.y, way.x);
+        leash_ = 2 * leash_;
+        strayed_ = 0;
+    }
+
+    static bool reflect(double& x, double least, double greatest) {
+        if (x >= least && x <= greatest) return false;
+        const double mirrored = x < least ? least + (least - x) : greatest - (x - greatest);
+        x = std::clamp(mirrored, least, greatest);
+        return true;
+    }
+
+    WanderSettings settings_;
+    int fingers_;
+    HandArea box_;
+    glm::dvec2 pixel_{0, 0};
+    glm::dvec2 home_{0, 0};  // where there last was a surface
+    double heading_ = 0;     // radians counter-clockwise from the right
+    double turn_phase_ = 0;
+    double leash_ = shortest_leash;
+    double strayed_ = 0;  // device metres since home, or since the last turn
+    std::int64_t tick_ = 0;
+    double seconds_ = 0;
+};
+
+struct StrokeSettings {
+    double speed;  ///< m/s
+    double depth;  ///< mean, device metres
+    double angle;  ///< radians counter-clockwise from the picture's right
+};
+/// Goes back and forth in a straight line through the box's centre, turning at the box.
+class Stroke final : public HandScript {
+public:
+    Stroke(const StrokeSettings& settings, int fingers, const HandArea& box)
+        : settings_(settings),
+          fingers_(fingers),
+          box_(box),
+          pixel_(0.5 * (box.least + box.greatest)),
+          direction_(cosine(settings.angle), sine(settings.angle)) {}
+
+    glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return true; }
+
+    void advance(const Ground& ground, const SurfaceProbe&) override {
+        glm::dvec2 step = pixel_step(direction_, settings_.speed * tick_s, ground);
+        if (!box_.contains(pixel_ + step)) {
+            direction_ = -direction_;
+            step = -step;
+        }
+        if (box_.contains(pixel_ + step)) pixel_ += step;
+        seconds_ = static_cast<double>(++tick_) * tick_s;
+    }
+
+    double penetration(int finger) const override {
+        return breathing(settings_.depth, seconds_, finger_phase(finger, fingers_));
+    }
+
+private:
+    StrokeSettings settings_;
+    int fingers_;
+    HandArea box_;
+    glm::dvec2 pixel_;
+    glm::dvec2 direction_;
+    std::int64_t tick_ = 0;
+    double seconds_ = 0;
+};
+
+struct PressSettings {
+    glm::dvec2 pixel;
+    double depth;   ///< greatest, device metres
+    double lift;    ///< greatest height above the surface, device metres
+    double period;  ///< seconds
+};
+/// Stays over one pixel, swinging between `lift` above and `depth` under the surface.
+class Press final : public HandScript {
+public:
+    Press(const PressSettings& settings, int fingers) : settings_(settings), fingers_(fingers) {}
+
+    glm::dvec2 pixel() const override { return settings_.pixel; }
+    bool moves() const override { return false; }
+
+    void advance(const Ground&, const SurfaceProbe&) override { ++tick_; }
+
+    double penetration(int finger) const override {
+        const double seconds = static_cast<double>(tick_) * tick_s;
+        const double swing = cosine(2 * pi * seconds / settings_.period + finger_phase(finger, fingers_));
+        return 0.5 * (settings_.depth - settings_.lift) - 0.5 * (settings_.depth + settings_.lift) * swing;
+    }
+
+private:
+    PressSettings settings_;
+    int fingers_;
+    std::int64_t tick_ = 0;
+};
+
+struct PokeSettings {
+    double speed;   ///< between pokes, m/s
+    double depth;   ///< greatest, device metres
+    double lift;    ///< height above the surface between pokes, device metres
+    double period;  ///< of one poke in and out, seconds
+    std::uint64_t seed;
+};
+/// Pokes at random pixels of the box that have a surface, the fingers shortly after one another, and travels
+/// straight from one to the next above the surface.
+class Poke final : public HandScript {
+public:
+    Poke(const PokeSettings& settings, int fingers, const HandArea& box, const SurfaceProbe& probe)
+        : settings_(settings), fingers_(fingers), box_(box), random_(settings.seed) {
+        pixel_ = next_target(probe);
+        target_ = pixel_;
+    }
+
+    glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return pixel_ != target_; }
+
+    void advance(const Ground& ground, const SurfaceProbe& probe) override {
+        if (pixel_ != target_) {
+            travel(ground);
+        } else if (++poking_ > poke_ticks()) {
+            target_ = next_target(probe);
+            poking_ = 0;
+        }
+    }
+
+    double penetration(int finger) const override {
+        const double begun = static_cast<double>(poking_) * tick_s - delay(finger);
+        const double share = std::clamp(begun / settings_.period, 0.0, 1.0);
+        return (settings_.depth + settings_.lift) * 0.5 * (1 - cosine(2 * pi * share)) - settings_.lift;
+    }
+
+private:
+    /// Fingers poke within half a period of one another.
+    double delay(int finger) const { return 0.5 * settings_.period * finger / fingers_; }
+
+    std::int64_t poke_ticks() const {
+        return static_cast<std::int64_t>(std::ceil((settings_.period + delay(fingers_ - 1)) / tick_s));
+    }
+
+    void travel(const Ground& ground) {
+        const glm::dvec2 way = (target_ - pixel_) * ground.metres_per_pixel;
+        const double left = glm::length(way);
+        const double step = settings_.speed * tick_s;
+        pixel_ = left <= step ? target_ : pixel_ + (target_ - pixel_) * (step / left);
+    }
+
+    /// A random pixel with a surface under it; any pixel once a good many had none.
+    glm::dvec2 next_target(const SurfaceProbe& probe) {
+        glm::dvec2 pixel{};
+        for (int attempt = 0; attempt < 64; ++attempt) {
+            const double across = random_.next();
+            const double down = random_.next();
+            pixel = box_.least + (box_.greatest - box_.least) * glm::dvec2(across, down);
+            if (probe.depth_under(pixel.x, pixel.y)) break;
+        }
+        return pixel;
+    }
+
+    PokeSettings settings_;
+    int fingers_;
+    HandArea box_;
+    Random random_;
+    glm::dvec2 pixel_{0, 0};
+    glm::dvec2 target_{0, 0};
+    std::int64_t poking_ = 0;  // ticks into the present poke; 0 while travelling
+};
+
+// ---- Fingers that follow a script
+
 /// Fingers that follow a script over whatever surface is there: on a circle about the script's pixel, each
-/// its own penetration along -Z behind the surface under it. A finger
-/// rises over broken ground before it crosses it, and the script waits for it; it hops off rough ground now
-/// and then, lest what presses there stay behind.
+/// its own penetration along -Z behind the surface under it. A finger rises over broken ground before it
+/// crosses it, and the script waits for it; it hops off rough ground now and then, lest what presses there
+/// stay behind.
 class ScriptedHand final : public Hand {
 public:
     struct Settings {
         int fingers;
         Workspace workspace;
-        PixelBox box;      ///< no finger leaves it; one that would glides along its edge
+        HandArea box;      ///< no finger leaves it; one that would glides along its edge
         double spread;     ///< radius of the fingers' circle, device metres
         double speed;      ///< at which the script moves, m/s of device space
         double max_speed;  ///< of a goal, m/s of device space
@@ -41,6 +313,16 @@ public:
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
 
 private:
+    static constexpr double entry_s = 0.25;       // a hand comes down in this time ...
+    static constexpr double entry_height = 0.05;  // ... from this far above, device metres
+    static constexpr double settling_s = 0.1;     // time constant of the depth that pixels are measured at
+    static constexpr double reach = 0.0006;       // a finger looks this far about itself, device metres
+    static constexpr double clearance = 0.001;    // it crosses broken ground this far above it, device metres
+    static constexpr double greatest_lag =
+        0.00025;  // the script waits for one that is farther off, device metres
+    static constexpr double nearest_goal =
+        0.1;  // a goal stays this share of the surface's depth in front of the camera
+
     struct Finger {
         glm::dvec2 offset;            // from the hand's centre, device metres, x right, y up
         double depth;                 // planar, scene units: of the surface under it, or the last there was
@@ -60,7 +342,6 @@ private:
     Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const;
     glm::dvec3 aim(Finger& finger, double penetration, double height, const SurfaceProbe& probe) const;
     bool move(Finger& finger, const glm::dvec3& target) const;
-    double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel) const;
 
     Settings settings_;
     LocalReliefSearch local_relief_;
@@ -71,14 +352,6 @@ private:
     bool waits_ = false;  // the script, for a finger that is not yet where it should be
 };
 
-constexpr double entry_s = 0.25;          // a hand comes down in this time ...
-constexpr double entry_height = 0.05;     // ... from this far above, device metres
-constexpr double settling_s = 0.1;        // time constant of the depth that pixels are measured at
-constexpr double reach = 0.0006;          // a finger looks this far about itself, device metres
-constexpr double clearance = 0.001;       // it crosses broken ground this far above it, device metres
-constexpr double greatest_lag = 0.00025;  // the script waits for one that is farther off, device metres
-constexpr double nearest_goal = 0.1;  // a goal stays this share of the surface's depth in front of the camera
-
 bool ScriptedHand::hops(const Finger& finger) const {
     return finger.ridge && finger.glided > settings_.glide;
 }
@@ -88,20 +361,14 @@ ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript>
     : settings_(settings),
       local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit, settings.box),
       script_(std::move(script)) {
-    centre_depth_ = start_depth(probe, script_->pixel());
+    centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
     look_at_ground(probe);
     for (int k = 0; k < settings.fingers; ++k) {
         Finger finger{finger_offset(k, settings.fingers, settings.spread), 0, glm::dvec3(0), {}};
-        finger.depth = start_depth(probe, finger_pixel(finger));
+        finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
         finger.goal = aim(finger, script_->penetration(k), entry_height, probe);
         fingers_.push_back(finger);
     }
-}
-
-/// The depth at or nearest to `pixel`; where nothing is to be seen, that of the device's centre.
-double ScriptedHand::start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel) const {
-    const std::optional<SurfacePoint> found = nearest_surface(probe, pixel, settings_.box);
-    return found ? found->depth : device_depth(settings_.workspace);
 }
 
 void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
@@ -187,6 +454,7 @@ bool ScriptedHand::move(Finger& finger, const glm::dvec3& target) const {
 using Kind = HandKey::Kind;
 constexpr double millimetre = 0.001;
 
+namespace hand_keys {
 constexpr HandKey speed{"speed", "m/s", 0.001, 2, 0.1};
 constexpr HandKey depth{"depth", "mm", 0, 50, 2};
 constexpr HandKey lift{"lift", "mm", 0, 50, 2};
@@ -199,65 +467,89 @@ constexpr HandKey angle{"angle", "degrees", -360, 360, 0};
 constexpr HandKey x{"x", "of the picture's width", 0, 1, 0.5};
 constexpr HandKey y{"y", "of the picture's height", 0, 1, 0.5};
 
-constexpr std::array wander_keys{speed, depth, seed, spread, extent, max_speed, glide};
-constexpr std::array stroke_keys{speed, depth, angle, spread, extent, max_speed, glide};
-constexpr std::array press_keys{x, y, depth, lift, HandKey{"period", "s", 0.05, 60, 1}, spread, max_speed};
-constexpr std::array poke_keys{speed,  depth,     lift, HandKey{"period", "s", 0.05, 60, 0.25}, seed, spread,
-                               extent, max_speed, glide};
+constexpr std::array wander{speed, depth, seed, spread, extent, max_speed, glide};
+constexpr std::array stroke{speed, depth, angle, spread, extent, max_speed, glide};
+constexpr std::array press{x, y, depth, lift, HandKey{"period", "s", 0.05, 60, 1}, spread, max_speed};
+constexpr std::array poke{speed,  depth,     lift, HandKey{"period", "s", 0.05, 60, 0.25}, seed, spread,
+                          extent, max_speed, glide};
+}  // namespace hand_keys
 
 std::span<const HandKey> keys_of(std::string_view name) {
-    if (name == "wander") return wander_keys;
-    if (name == "stroke") return stroke_keys;
-    if (name == "press") return press_keys;
-    if (name == "poke") return poke_keys;
+    if (name == "wander") return hand_keys::wander;
+    if (name == "stroke") return hand_keys::stroke;
+    if (name == "press") return hand_keys::press;
+    if (name == "poke") return hand_keys::poke;
     return {};
 }
 
 std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions& given, int fingers,
-                                        const PixelBox& box, const SurfaceProbe& probe) {
+                                        const HandArea& box, const SurfaceProbe& probe) {
+    using namespace hand_keys;
     const auto metres = [&](const HandKey& key) { return given.number(key.name) * millimetre; };
     const auto number = [&](const HandKey& key) { return given.number(key.name); };
     const auto whole = [&](const HandKey& key) { return static_cast<std::uint64_t>(given.number(key.name)); };
     if (name == "wander") {
-        return make_wander({number(speed), metres(depth), whole(seed)}, fingers, box, probe);
+        return std::make_unique<Wander>(WanderSettings{number(speed), metres(depth), whole(seed)}, fingers,
+                                        box, probe);
     }
     if (name == "stroke") {
-        return make_stroke({number(speed), metres(depth), number(angle) * pi / 180}, fingers, box);
+        return std::make_unique<Stroke>(
+            StrokeSettings{number(speed), metres(depth), number(angle) * pi / 180}, fingers, box);
     }
     const double period = given.number("period");
     if (name == "press") {
         const glm::dvec2 last(probe.width() - 1, probe.height() - 1);
-        return make_press({glm::dvec2(number(x), number(y)) * last, metres(depth), metres(lift), period},
-                          fingers);
+        return std::make_unique<Press>(
+            PressSettings{glm::dvec2(number(x), number(y)) * last, metres(depth), metres(lift), period},
+            fingers);
     }
-    return make_poke({number(speed), metres(depth), metres(lift), period, whole(seed)}, fingers, box, probe);
+    return std::make_unique<Poke>(
+        PokeSettings{number(speed), metres(depth), metres(lift), period, whole(seed)}, fingers, box, probe);
 }
 
-/// Makes the hand `name` ("wander", "stroke", "press" or "poke") from "key=value,..."; nothing if there is no
-/// such hand. Refuses unknown keys and values out of range.
-std::optional<Result<std::unique_ptr<Hand>>> make_scripted_hand(std::string_view name,
-                                                                std::string_view options, int fingers,
-                                                                const Workspace& workspace,
-                                                                const SurfaceProbe& probe) {
-    const std::span<const HandKey> keys = keys_of(name);
-    if (keys.empty()) return std::nullopt;
-    const Result<HandOptions> given =
-        HandOptions::parse(std::string("hand '").append(name).append("'"), options, keys);
-    if (!given) return given.error();
-    if (name != "press" && given->number(max_speed.name) < given->number(speed.name)) {
-        return usage_error("hand '" + std::string(name) +
-                           "': max_speed is below speed; raise it to at least speed");
-    }
-    const PixelBox box = middle_of(probe, name == "press" ? 1 : given->number(extent.name));
+/// Of a hand of that name, with these keys. Refuses unknown ones and values out of range.
+Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::span<const HandKey> keys,
+                                                 std::string_view options, int fingers,
+                                                 const Workspace& workspace, const SurfaceProbe& probe) {
+    using namespace hand_keys;
+    TRY_ASSIGN(const auto given, HandOptions::parse("hand '" + name + "'", options, keys));
+    const bool presses = name == "press";
+    if (!presses && given.number(max_speed.name) < given.number(speed.name))
+        return usage_error("hand '" + name + "': max_speed is below speed; raise it to at least speed");
+    const HandArea box = middle_of(probe, presses ? 1 : given.number(extent.name));
     const ScriptedHand::Settings settings{fingers,
                                           workspace,
                                           box,
-                                          given->number(spread.name),
-                                          name == "press" ? 0 : given->number(speed.name),
-                                          given->number(max_speed.name),
-                                          name == "press" ? 0 : given->number(glide.name) * millimetre};
-    std::unique_ptr<HandScript> script = make_script(name, *given, fingers, box, probe);
-    return std::unique_ptr<Hand>(std::make_unique<ScriptedHand>(settings, std::move(script), probe));
+                                          given.number(spread.name),
+                                          presses ? 0 : given.number(speed.name),
+                                          given.number(max_speed.name),
+                                          presses ? 0 : given.number(glide.name) * millimetre};
+    return std::unique_ptr<Hand>(
+        std::make_unique<ScriptedHand>(settings, make_script(name, given, fingers, box, probe), probe));
+}
+
+// ---- What a person writes
+
+/// What a key takes, in words: "0.001 to 2 m/s".
+std::string key_takes(const HandKey& key) {
+    if (key.kind == HandKey::Kind::words) return std::string(key.unit);
+    std::string text = key.kind == HandKey::Kind::whole ? "a whole number, " : "";
+    text += exact_number(key.least) + " to " + exact_number(key.greatest);
+    if (!key.unit.empty()) text.append(" ").append(key.unit);
+    return text;
+}
+
+std::string list_keys(std::span<const HandKey> keys) {
+    std::string list;
+    for (const HandKey& key : keys) {
+        if (!list.empty()) list += ", ";
+        list.append(key.name).append(" (").append(key_takes(key)).append(")");
+    }
+    return list;
+}
+
+Error option_refusal(std::string_view of, const std::string& what) {
+    return usage_error(std::string(of).append(": ").append(what));
 }
 
 }  // namespace
@@ -273,9 +565,83 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     const std::string name = description.substr(0, colon);
     const std::string rest = colon == std::string::npos ? "" : description.substr(colon + 1);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
-    if (auto hand = make_scripted_hand(name, rest, fingers, workspace, probe)) return std::move(*hand);
-    return usage_error("unknown hand '" + name +
-                       "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
+    const std::span<const HandKey> keys = keys_of(name);
+    if (keys.empty())
+        return usage_error("unknown hand '" + name +
+                           "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
+    return make_scripted_hand(name, keys, rest, fingers, workspace, probe);
+}
+
+glm::dvec2 finger_offset(int finger, int fingers, double spread) {
+    if (fingers == 1) return {0, 0};
+    const double angle = 2 * pi * finger / fingers;
+    return {spread * cosine(angle), spread * sine(angle)};
+}
+
+Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,
+                                       std::span<const HandKey> keys) {
+    HandOptions options;
+    options.keys_ = keys;
+    while (!text.empty()) {
+        const std::size_t comma = text.find(',');
+        TRY_ASSIGN(auto next, options.entry(of, text.substr(0, comma)));
+        options.entries_.push_back(std::move(next));
+        if (comma == std::string_view::npos) break;
+        text.remove_prefix(comma + 1);
+        if (text.empty()) return option_refusal(of, "nothing follows the last comma; expected key=value");
+    }
+    return options;
+}
+
+Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_view item) const {
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) {
+        return option_refusal(
+            of, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
+    }
+    const std::string name(item.substr(0, equals));
+    const std::string value(item.substr(equals + 1));
+    const auto key =
+        std::find_if(keys_.begin(), keys_.end(), [&](const HandKey& k) { return k.name == name; });
+    if (key == keys_.end()) {
+        return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
+    }
+    if (given(name)) return option_refusal(of, name + " is given twice; give it once");
+    if (key->kind == HandKey::Kind::words) {
+        if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
+        return Entry{&*key, 0, value};
+    }
+    double number = 0;
+    const auto [end, fault] = std::from_chars(value.data(), value.data() + value.size(), number);
+    const bool all = fault == std::errc() && end == value.data() + value.size();
+    const bool inside = all && number >= key->least && number <= key->greatest;  // NaN is outside
+    if (!inside || (key->kind == HandKey::Kind::whole && std::floor(number) != number)) {
+        return option_refusal(of, name + "=" + value + " will not do; " + name + " takes " + key_takes(*key));
+    }
+    return Entry{&*key, number, {}};
+}
+
+const HandOptions::Entry* HandOptions::find(std::string_view name) const {
+    const auto at =
+        std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key->name == name; });
+    return at == entries_.end() ? nullptr : &*at;
+}
+
+bool HandOptions::given(std::string_view name) const {
+    return find(name) != nullptr;
+}
+
+double HandOptions::number(std::string_view name) const {
+    if (const Entry* entry = find(name)) return entry->number;
+    const auto key =
+        std::find_if(keys_.begin(), keys_.end(), [&](const HandKey& k) { return k.name == name; });
+    assert(key != keys_.end());
+    return key->standard;
+}
+
+std::string HandOptions::words(std::string_view name) const {
+    const Entry* entry = find(name);
+    return entry ? entry->words : std::string();
 }
 
 }  // namespace touchable

@@ -1,18 +1,54 @@
 #pragma once
 
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "device/surface_probe.hpp"
 #include "engine/base/result.hpp"
-#include "haptics_cpu/workspace.hpp"
+#include "haptics_cpu/touch_step.hpp"
+
+// Hands: where the fingers' goals come from. `make_hand` makes one of a description ("wander:speed=0.2",
+// "csv:FILE:columns=x+y+z"): a path over the picture or a recorded motion, asked tick by tick for goals,
+// which knows of the surface what a `SurfaceProbe` says. Where a person holds a device instead, `HandControl`
+// stands between it (haptic_device.hpp) and the fingers: which place of the scene each place of the device
+// is, and whether forces reach the hand.
+//
+//   TRY_ASSIGN(auto hand, make_hand("press:depth=3", 1, workspace, probe));
+//   every tick: hand->goals_at(tick, probe, goals)
+//
+// `GoalWatch` says how recorded goals fit the surface. `HandOptions` reads key=value pairs, also of devices
+// and cameras, `CsvTable` the tables of motions, logs and forces.
+//
+// Threads: a hand, a watch and a table are of one thread. The thread that ticks calls HandControl's
+// `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; what any thread may call stands
+// there.
 
 namespace touchable {
+
+/// What a scripted hand may know of the surface it moves over, at the moment of the tick.
+class SurfaceProbe {
+public:
+    virtual ~SurfaceProbe() = default;
+    virtual int width() const = 0;   ///< pixels
+    virtual int height() const = 0;  ///< pixels
+    /// Planar depth of the surface under pixel (x, y), height taken off, scene units; nothing where a vertex
+    /// of its cell is invalid or lies outside the picture.
+    virtual std::optional<double> depth_under(double x, double y) const = 0;
+    /// World point of pixel (x, y) at a planar depth, scene units.
+    virtual glm::dvec3 unproject(double x, double y, double planar_depth) const = 0;
+    /// Pixel of a world point in front of the camera (z < 0): (x, y, planar depth).
+    virtual glm::dvec3 project(const glm::dvec3& point) const = 0;
+};
 
 /// Where goals come from: one per finger and tick. Deterministic: the same options, probe and ticks give the
 /// same bits.
@@ -36,5 +72,254 @@ public:
 /// frame 0; `fingers` is 1 to 256.
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe);
+
+/// Where finger `finger` of `fingers` sits about the hand's centre (x right, y up): evenly on a circle of
+/// radius `spread`, the first one to the right; a single finger at the centre. In the unit of `spread`.
+glm::dvec2 finger_offset(int finger, int fingers, double spread);
+
+/// Recorded goals may not fit the surface that they are played over. This counts those that leave the picture
+/// or lie far below the surface, and, where asked, raises those that lie deeper than `deepest`.
+class GoalWatch {
+public:
+    /// More than this below the surface is far, device metres: no hand gets there against a usual stiffness.
+    static constexpr double far_below = 0.01;
+
+    /// `deepest`: what goals are raised to, device metres below the surface; nothing: they stay.
+    GoalWatch(double metres_per_scene_unit, std::optional<double> deepest)
+        : metres_per_scene_unit_(metres_per_scene_unit), deepest_(deepest) {}
+
+    /// Counts the goals of a tick, and raises them along their pixels' rays. World, scene units.
+    void look(const SurfaceProbe& probe, std::span<glm::dvec3> goals);
+    /// What there is to say, as "12.3 % of the goals ..."; nothing of what concerns less than 1 % of them.
+    std::vector<std::string> remarks() const;
+
+private:
+    double metres_per_scene_unit_;
+    std::optional<double> deepest_;
+    std::int64_t goals_ = 0, outside_ = 0, far_below_ = 0;
+};
+
+/// One key that a hand, a simulated device or a camera understands. Numbers have a range and a default; words
+/// (names of columns) do not.
+struct HandKey {
+    enum class Kind { number, whole, words };
+    std::string_view name;
+    std::string_view unit;
+    double least = 0;
+    double greatest = 0;
+    double standard = 0;
+    Kind kind = Kind::number;
+};
+
+/// The key=value pairs of a description, checked against the keys that are understood.
+class HandOptions {
+public:
+    /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
+    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones,
+    /// and whose they are: `of`, as "hand 'wander'".
+    static Result<HandOptions> parse(std::string_view of, std::string_view text,
+                                     std::span<const HandKey> keys);
+
+    bool given(std::string_view name) const;
+    double number(std::string_view name) const;      ///< as given, or the key's default
+    std::string words(std::string_view name) const;  ///< as given, or empty
+
+private:
+    struct Entry {
+        const HandKey* key;
+        double number;
+        std::string words;
+    };
+    Result<Entry> entry(std::string_view of, std::string_view item) const;
+    const Entry* find(std::string_view name) const;
+
+    std::span<const HandKey> keys_;
+    std::vector<Entry> entries_;
+};
+
+/// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
+/// blanks. Every row has the same number of fields; a field may stand in double quotes; columns that are not
+/// read may hold anything; blank lines at the end do not count.
+class CsvTable {
+public:
+    /// Refuses (ErrorKind::input, with file and line) what cannot be read, is larger than 256 MiB or has more
+    /// than ten million rows, is no text, has rows of different lengths or no row of data. The first line is
+    /// a header if it holds a field that is not a number.
+    static Result<CsvTable> read(const std::string& file);
+
+    CsvTable(CsvTable&&) = default;
+    CsvTable& operator=(CsvTable&&) = default;
+
+    std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
+    std::size_t columns() const { return first_.size(); }
+    /// Whether the header names such a column.
+    bool names(std::string_view column) const;
+    /// A column by the header's name for it, or by its number, from 1. Refuses others, listing the legal
+    /// ones.
+    Result<std::size_t> column(std::string_view name_or_number) const;
+    /// All values of a column, from the top. Refuses (file, line, column) what is not a finite number.
+    Result<std::vector<double>> numbers(std::size_t column) const { return numbers(column, false); }
+    /// The same, where a field may be empty: not a number then.
+    Result<std::vector<double>> numbers_where_given(std::size_t column) const {
+        return numbers(column, true);
+    }
+    /// As the file's name stands in messages: "FILE: line N" of row `row`.
+    std::string place(std::size_t row) const;
+    const std::string& file() const { return file_; }
+
+private:
+    CsvTable() = default;
+    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty) const;
+    Result<void> find_lines();
+    Result<void> check_fields();
+    std::size_t fields_by(char separator);
+    void choose_separator();
+    std::string_view line(std::size_t number) const;
+    /// Fields of a line, which replace those given; says what is wrong with it.
+    Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
+
+    std::string file_;
+    std::shared_ptr<const std::string> text_;  // stays put when this is moved
+    std::vector<std::uint32_t> lines_;         // where each begins
+    std::vector<std::string_view> first_;      // fields of the first line
+    char separator_ = ',';                     // a blank: any number of blanks and tabs
+    bool has_header_ = false;
+};
+
+/// How places of a device become places of the scene.
+struct HandMapping {
+    Workspace workspace{};
+    glm::dmat3 turn{1.0};    ///< a rotation: from the device's axes to x right, y up, z towards the person
+    glm::dvec3 offset{0.0};  ///< metres, those axes: added to what is turned
+};
+
+/// How a hand was held, in ticks.
+struct HandFigures {
+    std::int64_t ticks = 0;
+    std::int64_t placeless = 0;  ///< no finger's place was known
+    std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
+};
+
+/// What stands between a device that a person holds and the fingers: which place of the scene each place of
+/// the device is, and whether forces reach the hand.
+///
+/// - Forces are off until `ask_force` or the first button. From then on each finger feels them once it has
+///   been free: they rise over `rise_ticks`. Turning them off is immediate.
+/// - Forces go off again once no finger's place was known for a second, as another person may take the device
+///   then. (Not after `insist_on_force`.)
+/// - A gap of more than 50 ms closes a finger's gate, as if forces had just been asked for: a gap without
+///   ticks (`come_back`) on all fingers, a gap without a place (`away_ticks`) on that finger.
+/// - The clutch holds the fingers still in the scene while the device is repositioned: no force, and closed
+///   gates afterwards. A finger that is inside the surface then comes out of it, towards the camera, and the
+///   others with it: so it is free, and what it presses next is felt.
+/// - Recentring makes the hand's present place that of the workspace's centre, and closes all gates.
+///
+/// The first button asks for forces; while they are on, it is the clutch. The second one stops them. A button
+/// that is already pressed when the device's first position comes does nothing.
+class HandControl {
+public:
+    static constexpr int most_fingers = 80;  // eight devices of ten
+    static constexpr int rise_ticks = 300;
+    static constexpr int longest_away_ticks = 1000;
+    /// A finger that had no place for so long has to be free once more. A device gives its last place for
+    /// 20 ms (HapticDevice::oldest_s), so this is 50 ms after that place: the same as a gap without ticks.
+    static constexpr int away_ticks = 30;
+    static constexpr double out_of_it = 0.001;  ///< m, before the surface: where a finger comes out to
+
+    HandControl(int fingers, const HandMapping& mapping);
+
+    // The haptic thread's, every tick: neither waits nor allocates.
+    /// The haptic thread did not run for `alone_ms`: every finger has to be free once more before it feels a
+    /// force.
+    void come_back(std::int64_t alone_ms);
+    /// In: device metres, not numbers where there is no place. Out: goals, scene units. `surface`: of this
+    /// tick, out of which the fingers come where the clutch is released; nullptr: none.
+    void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface = nullptr);
+    /// Of guarded forces what reaches the device, in its axes. `ticks`: that have passed since the last call.
+    void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
+    /// Whether any finger may feel a force in this tick.
+    bool exerts() const { return passes_; }
+    const HandFigures& figures() const { return figures_; }  ///< any thread's once no tick comes any more
+
+    // Any thread.
+    /// Forces stay asked for, even where no finger's place was known for a second.
+    void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }
+    void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
+    /// Whether forces may be asked for, by a call or a button; at first they may.
+    void allow_force(bool on) {
+        allowed_.store(on, std::memory_order_relaxed);
+        if (!on) ask_force(false);
+    }
+    bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
+    void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
+    void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
+    /// For another person: forces off, no clutch of a key, and the device's middle where the mapping has it.
+    void begin_anew() {
+        ask_force(false);
+        hold(false);
+        beginnings_.fetch_add(1, std::memory_order_relaxed);
+    }
+    /// How often the first button (0) or the second one (1) was pressed since this was asked last.
+    int take_presses(std::size_t button) { return presses_[button].exchange(0, std::memory_order_relaxed); }
+    /// By a key or a button: the hand moves, and the fingers do not.
+    bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
+    /// Of a finger's guarded force, how much reached the hand in the newest tick: 0 to 1.
+    double share(std::size_t finger) const { return shares_[finger].load(std::memory_order_relaxed); }
+    /// Forces are asked for, and a finger that has not been free since then feels none.
+    bool waits_to_be_free() const { return waits_.load(std::memory_order_relaxed); }
+
+    /// Before it is used: where the clip's first frame puts the device.
+    void set_mapping(const HandMapping& mapping) {
+        mapping_ = mapping;
+        offset_ = mapping.offset;
+    }
+    const HandMapping& mapping() const { return mapping_; }
+    /// Before it is used: goes on from another control, which no thread ticks any more, for the same hand
+    /// over the same scene. What was asked of that one is asked of this one, and the fingers stay where they
+    /// were under the new mapping.
+    void go_on_from(const HandControl& before);
+
+private:
+    struct Finger {
+        glm::dvec3 place{0.0};                // the person's axes, metres, before the offset
+        glm::dvec3 goal{0.0};                 // where it is held
+        std::optional<glm::dvec3> gripped{};  // its place when the clutch began
+        int risen = 0;                        // of rise_ticks: the share of its force that reaches the hand
+        int placeless = 0;                    // ticks that have passed since its place was known
+        bool free = false;                    // has been, since forces were asked for
+        bool known = false;
+        void close_gate() {
+            risen = 0;
+            free = false;
+        }
+    };
+    std::optional<glm::dvec3> centre() const;
+    glm::dvec3 moved() const;
+    void grip();
+    void let_go(const SurfaceProbe* surface);
+    void come_out(const SurfaceProbe& surface);
+    glm::dvec3 offset_in_effect() const { return gripped_ ? offset_ - moved() : offset_; }
+    void take_buttons(std::uint32_t buttons, bool known);
+    void close_gates();
+    void give_up_forces();
+
+    HandMapping mapping_;
+    const std::size_t count_;
+    std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false}, allowed_{true};
+    std::array<std::atomic<int>, 2> presses_{};
+    std::atomic<std::uint32_t> recentrings_{0}, beginnings_{0};
+    std::atomic<bool> insists_{false};
+    std::array<std::atomic<double>, most_fingers> shares_{};
+    // The haptic thread's.
+    std::array<Finger, most_fingers> fingers_{};
+    glm::dvec3 offset_{0.0};  // added to places, the person's axes
+    bool gripped_ = false;    // by the clutch
+    std::uint32_t recentred_ = 0, begun_ = 0;
+    std::uint32_t pressed_ = ~0U;  // before
+    bool clutch_button_ = false;
+    bool passes_ = false;
+    std::int64_t absent_ticks_ = 0;  // in a row, without any finger's place
+    HandFigures figures_;
+};
 
 }  // namespace touchable

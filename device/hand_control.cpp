@@ -1,4 +1,4 @@
-#include "device/hand_control.hpp"
+#include "device/hand.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -111,13 +111,13 @@ void HandControl::close_gates() {
 void HandControl::come_back(std::int64_t alone_ms) {
     close_gates();
     pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
-    nobody_ticks_ = std::max(nobody_ticks_, alone_ms);
+    absent_ticks_ = std::max(absent_ticks_, alone_ms);
     give_up_forces();
 }
 
-/// Of whoever is away for so long.
+/// The hand has been away for too long.
 void HandControl::give_up_forces() {
-    if (nobody_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
+    if (absent_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
 }
 
 void HandControl::take_buttons(std::uint32_t buttons, bool known) {
@@ -151,7 +151,7 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, 
     take_buttons(buttons, hand.has_value());
     ++figures_.ticks;
     if (!hand) ++figures_.placeless;
-    nobody_ticks_ = hand ? 0 : nobody_ticks_ + 1;
+    absent_ticks_ = hand ? 0 : absent_ticks_ + 1;
     give_up_forces();
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
@@ -193,7 +193,7 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
         waits = waits || (passes_ && one.known && !one.free);
         const double share = one.risen / double{rise_ticks};
         shares_[finger].store(share, std::memory_order_relaxed);
-        // One that is not finite is told on, so that the device learns of it.
+        // A force that is not finite is handed on, so that the device learns of it.
         newtons[finger] = is_known(guarded[finger]) ? share * (back * guarded[finger]) : guarded[finger];
     }
     waits_.store(waits, std::memory_order_relaxed);

@@ -1,4 +1,4 @@
-#include "device/haply_service.hpp"
+#include "device/inverse3_device.hpp"
 
 #include <libwebsockets.h>
 #include <poll.h>
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -208,7 +208,7 @@ public:
 
     Result<void> send(std::span<const std::byte> bytes) override {
         ServiceLine& line = connection_->line();
-        if (auto failed = failure(); !failed.ok()) return failed;
+        TRY(failure());
         line.going.resize(LWS_PRE + bytes.size());
         std::memcpy(line.going.data() + LWS_PRE, bytes.data(), bytes.size());
         connection_->ask_to_write();
@@ -253,7 +253,7 @@ private:
     const std::string address_;
 };
 
-/// "HS:" is what libwebsockets says of somebody who answers, but not as a WebSocket.
+/// "HS:" is what libwebsockets says of a server that answers, but not as a WebSocket.
 Error no_haply_service(const std::string& address, const std::string& why) {
     if (why.find("HS:") != std::string::npos || why.starts_with(no_answer))
         return Error{ErrorKind::device, "what answers at " + address + " is no Haply service (" + why +

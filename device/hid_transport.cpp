@@ -6,26 +6,57 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <mutex>
+#include <system_error>
 #include <utility>
+
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
 
+// ---- Nodes
+
+/// Of BUS:VENDOR:PRODUCT, all hexadecimal.
+bool take_ids(std::string_view text, HidNode& node) {
+    const std::size_t first = text.find(':');
+    const std::size_t second = first == std::string_view::npos ? first : text.find(':', first + 1);
+    if (second == std::string_view::npos) return false;
+    const auto bus = hexadecimal_id(text.substr(0, first));
+    const auto vendor = hexadecimal_id(text.substr(first + 1, second - first - 1));
+    const auto product = hexadecimal_id(text.substr(second + 1));
+    if (!bus || !vendor || !product) return false;
+    node.bus = *bus;
+    node.vendor = *vendor;
+    node.product = *product;
+    return true;
+}
+
+/// hidraw10 comes after hidraw9.
+bool node_comes_before(const HidNode& a, const HidNode& b) {
+    return a.node.size() != b.node.size() ? a.node.size() < b.node.size() : a.node < b.node;
+}
+
+// ---- The transport
+
 // hidapi keeps its word on a failed opening in one place for all threads.
-std::mutex opening;
+std::mutex hid_opening;
 
 /// hidapi's words are for people, in plain letters.
-std::string narrow(const wchar_t* words) {
+std::string in_plain_letters(const wchar_t* words) {
     std::string text;
     for (; words && *words; ++words)
         text += *words >= L' ' && *words <= L'~' ? static_cast<char>(*words) : '?';
     return text;
 }
 
-Error not_opened(const std::string& node, int failure) {
+Error hid_not_opened(const std::string& node, int failure) {
     const bool is_forbidden = failure == EACCES || failure == EPERM, is_missing = failure == ENOENT;
     std::string words =
         node + (is_missing     ? ": is not there"
@@ -39,19 +70,73 @@ Error not_opened(const std::string& node, int failure) {
 
 }  // namespace
 
+// ---- Nodes
+
+std::int16_t report_word(std::span<const std::byte> report, std::size_t at) {
+    const auto low = std::to_integer<unsigned>(report[at]), high = std::to_integer<unsigned>(report[at + 1]);
+    return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | high << 8));
+}
+
+std::optional<std::uint16_t> hexadecimal_id(std::string_view text) {
+    std::uint16_t id = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
+    if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return id;
+}
+
+std::optional<HidNode> read_hid_uevent(std::string_view text) {
+    constexpr std::string_view id = "HID_ID=", name = "HID_NAME=";
+    HidNode node;
+    bool known = false;
+    while (!text.empty()) {
+        const std::size_t end = text.find('\n');
+        const std::string_view line = text.substr(0, end);
+        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+        if (line.starts_with(id)) known = take_ids(line.substr(id.size()), node);
+        if (line.starts_with(name)) node.name = line.substr(name.size());
+    }
+    return known ? std::optional(node) : std::nullopt;
+}
+
+std::vector<HidNode> hid_nodes(const std::filesystem::path& root) {
+    std::vector<HidNode> nodes;
+    std::error_code ignored;
+    for (std::filesystem::directory_iterator each(root / "sys/class/hidraw", ignored), end; each != end;
+         each.increment(ignored)) {
+        std::ifstream in(each->path() / "device/uevent");
+        const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+        auto node = read_hid_uevent(text);
+        if (!node) continue;
+        node->node = "/dev/" + each->path().filename().string();
+        nodes.push_back(std::move(*node));
+    }
+    std::sort(nodes.begin(), nodes.end(), node_comes_before);
+    return nodes;
+}
+
+std::optional<HidNode> find_hid_node(
+    const std::function<bool(std::uint16_t vendor, std::uint16_t product)>& is_one,
+    const std::filesystem::path& root) {
+    for (const HidNode& node : hid_nodes(root))
+        if (is_one(node.vendor, node.product)) return node;
+    return std::nullopt;
+}
+
+// ---- The transport
+
 Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node) {
     const int spare = ::open(node.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-    if (spare < 0) return not_opened(node, errno);
+    if (spare < 0) return hid_not_opened(node, errno);
     // hidapi 0.13 frees what it does not own where a node turns out to be no HID device.
     if (int bytes = 0; ioctl(spare, HIDIOCGRDESCSIZE, &bytes) < 0) {
         ::close(spare);
         return Error{ErrorKind::device,
                      node + ": is no HID device; right would be a node such as /dev/hidraw0"};
     }
-    const std::lock_guard lock(opening);
+    const std::lock_guard lock(hid_opening);
     if (hid_device* const device = hid_open_path(node.c_str()))
         return std::unique_ptr<HidTransport>(new HidTransport(node, device, spare));
-    const std::string why = narrow(hid_error(nullptr));
+    const std::string why = in_plain_letters(hid_error(nullptr));
     ::close(spare);
     return Error{ErrorKind::device, node + ": hidapi cannot use it (" + why + ")"};
 }
@@ -62,8 +147,8 @@ HidTransport::~HidTransport() {
 }
 
 Error HidTransport::gone(const char* doing) const {
-    return {ErrorKind::device,
-            node_ + ": " + doing + " failed (" + narrow(hid_error(device_)) + "); is it still plugged in?"};
+    return {ErrorKind::device, node_ + ": " + doing + " failed (" + in_plain_letters(hid_error(device_)) +
+                                   "); is it still plugged in?"};
 }
 
 Result<void> HidTransport::send(std::span<const std::byte> report) {
@@ -78,6 +163,19 @@ Result<std::size_t> HidTransport::receive(std::span<std::byte> room, std::chrono
         hid_read_timeout(device_, reinterpret_cast<unsigned char*>(room.data()), room.size(), wait_ms);
     if (came < 0) return gone("a read");
     return static_cast<std::size_t>(came);
+}
+
+Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
+                                                  bool (*is_one)(std::uint16_t vendor, std::uint16_t product),
+                                                  const Error& none) {
+    std::string at = node;
+    if (at.empty()) {
+        const auto found = find_hid_node(is_one);
+        if (!found) return none;
+        at = found->node;
+    }
+    TRY_ASSIGN(auto opened, HidTransport::open(at));
+    return std::unique_ptr<ReportTransport>(std::move(opened));
 }
 
 }  // namespace touchable

@@ -1,13 +1,56 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "device/report_transport.hpp"
+#include "device/device_driver.hpp"
 
 struct hid_device_;
 
+// HID devices: where Linux shows them, and their reports by hidapi.
+
 namespace touchable {
+
+/// Carries HID reports. One that is sent begins with its report's number, 0 where the device does not number
+/// them; one that comes begins with it only where it does.
+class ReportTransport : public Transport {
+public:
+    /// Another descriptor of the same device, through which the watchdog's process sends zero force; what is
+    /// written to it has the form that `send` takes. -1: none.
+    virtual int spare_descriptor() const { return -1; }
+};
+
+/// Opens a device, looked for anew each time: one that is plugged in again may have another node.
+using OpenReports = std::function<Result<std::unique_ptr<ReportTransport>>()>;
+
+/// Of a report: an integer of 16 bits, low byte first.
+std::int16_t report_word(std::span<const std::byte> report, std::size_t at);
+
+/// A HID device as Linux's hidraw shows it.
+struct HidNode {
+    std::string node;       ///< "/dev/hidraw0"
+    std::uint16_t bus = 0;  ///< 3: USB, 5: Bluetooth
+    std::uint16_t vendor = 0, product = 0;
+    std::string name;  ///< the device's own words
+};
+
+/// An id of 16 bits in hexadecimal digits; nothing for any other text.
+std::optional<std::uint16_t> hexadecimal_id(std::string_view text);
+/// Of the text of a device's `uevent` ("HID_ID=0003:0000046D:0000C626" and others); nothing: it names none.
+std::optional<HidNode> read_hid_uevent(std::string_view text);
+
+/// All that are there, by their numbers. `root` is the folder that stands for "/".
+std::vector<HidNode> hid_nodes(const std::filesystem::path& root = "/");
+/// The first of these ids; nothing: none is there.
+std::optional<HidNode> find_hid_node(
+    const std::function<bool(std::uint16_t vendor, std::uint16_t product)>& is_one,
+    const std::filesystem::path& root = "/");
 
 /// A hidraw node of Linux, by hidapi. A read that failed, or a write that did not go out whole, means that
 /// the device is gone.
@@ -30,5 +73,11 @@ private:
     hid_device_* const device_;
     const int spare_;
 };
+
+/// The node of that name or, without a name, of the first device of these ids. Error: HidTransport::open's,
+/// or `none` where there is no such device.
+Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
+                                                  bool (*is_one)(std::uint16_t vendor, std::uint16_t product),
+                                                  const Error& none);
 
 }  // namespace touchable

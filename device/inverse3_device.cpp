@@ -1,12 +1,138 @@
 #include "device/inverse3_device.hpp"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
 
-#include "device/hand_options.hpp"
+#include "device/hand.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
+
+// ---- Messages
+
+using nlohmann::json;
+
+constexpr std::size_t longest_inverse3_id = 64;
+
+Error no_inverse3_message(const std::string& what) {
+    return Error{ErrorKind::device, "the Haply service sent " + what + "; right would be a state in JSON"};
+}
+
+/// A member of an object; null where there is none.
+const json& inverse3_member(const json& of, const char* name) {
+    static const json nothing;
+    if (!of.is_object()) return nothing;
+    const auto found = of.find(name);
+    return found == of.end() ? nothing : *found;
+}
+
+std::optional<double> inverse3_number(const json& value) {
+    if (!value.is_number()) return std::nullopt;
+    const double number = value.get<double>();
+    return std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+std::optional<bool> inverse3_flag(const json& value) {
+    return value.is_boolean() ? std::optional(value.get<bool>()) : std::nullopt;
+}
+
+/// Right, forward, up to right, up, towards the person.
+std::optional<glm::dvec3> inverse3_vector(const json& value) {
+    const auto x = inverse3_number(inverse3_member(value, "x"));
+    const auto y = inverse3_number(inverse3_member(value, "y"));
+    const auto z = inverse3_number(inverse3_member(value, "z"));
+    if (!x || !y || !z) return std::nullopt;
+    return glm::dvec3(*x, *z, -*y);
+}
+
+Inverse3Settings inverse3_settings(const json& config) {
+    const json& filters = inverse3_member(config, "filters");
+    const json& gravity = inverse3_member(config, "gravity_compensation");
+    const json& basis = inverse3_member(inverse3_member(config, "basis"), "permutation");
+    Inverse3Settings settings;
+    settings.damping = inverse3_number(inverse3_member(inverse3_member(filters, "damping"), "scalar"));
+    settings.force_gate = inverse3_number(inverse3_member(inverse3_member(filters, "force_gate"), "gain"));
+    settings.gravity_compensation = inverse3_flag(inverse3_member(gravity, "enabled"));
+    settings.gravity_scale = inverse3_number(inverse3_member(gravity, "scaling_factor"));
+    settings.torque_scaling =
+        inverse3_flag(inverse3_member(inverse3_member(config, "torque_scaling"), "enabled"));
+    if (basis.is_string()) settings.basis = basis.get_ref<const std::string&>();
+    return settings;
+}
+
+bool is_inverse3_id(const std::string& id) {
+    return !id.empty() && id.size() <= longest_inverse3_id &&
+           std::all_of(id.begin(), id.end(), [](char c) { return c > ' ' && c < 0x7f; });
+}
+
+std::optional<Inverse3Arm> inverse3_arm(const json& entry) {
+    const json& id = inverse3_member(entry, "device_id");
+    if (!id.is_string() || !is_inverse3_id(id.get_ref<const std::string&>())) return std::nullopt;
+    const json& status = inverse3_member(entry, "status");
+    Inverse3Arm arm;
+    arm.id = id.get<std::string>();
+    arm.place = inverse3_vector(inverse3_member(inverse3_member(entry, "state"), "cursor_position"));
+    arm.powered = inverse3_flag(inverse3_member(status, "power_supply"));
+    arm.calibrated = inverse3_flag(inverse3_member(status, "calibrated"));
+    arm.ready = inverse3_flag(inverse3_member(status, "ready"));
+    if (const json& config = inverse3_member(entry, "config"); config.is_object())
+        arm.settings = inverse3_settings(config);
+    return arm;
+}
+
+std::uint32_t inverse3_buttons(const json& message) {
+    std::uint32_t pressed = 0;
+    const json& wireless = inverse3_member(message, "wireless_verse_grip");
+    if (wireless.is_array() && !wireless.empty()) {
+        const json& buttons = inverse3_member(inverse3_member(wireless.front(), "state"), "buttons");
+        const char* const names[] = {"a", "b", "c"};
+        for (std::uint32_t bit = 0; bit < 3; ++bit)
+            if (inverse3_flag(inverse3_member(buttons, names[bit])).value_or(false)) pressed |= 1u << bit;
+    }
+    const json& wired = inverse3_member(message, "verse_grip");
+    if (wired.is_array() && !wired.empty() &&
+        inverse3_flag(inverse3_member(inverse3_member(wired.front(), "state"), "button")).value_or(false))
+        pressed |= 1;
+    return pressed;
+}
+
+/// What an answer over HTTP carries: since 3.5 within {"ok": true, "data": ...}.
+const json& inverse3_payload(const json& answer) {
+    const json& data = inverse3_member(answer, "data");
+    return data.is_null() ? answer : data;
+}
+
+std::string inverse3_figure(double value) {
+    return nlohmann::json(value).dump();
+}
+
+// ---- The driver
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+constexpr milliseconds connecting_patience{2000}, first_word{500}, last_answer{50};
+constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
+
+std::string version_in_words(const Inverse3Version& version) {
+    return std::to_string(version.major) + "." + std::to_string(version.minor);
+}
+
+std::string ids_of(const std::vector<Inverse3Arm>& arms) {
+    std::string ids;
+    for (const Inverse3Arm& arm : arms) ids += (ids.empty() ? "" : ", ") + arm.id;
+    return ids;
+}
+
+// ---- Keys
 
 const Inverse3Choice standard_arm;
 constexpr std::string_view of_inverse3 = "device 'inverse3'";
@@ -23,21 +149,367 @@ const std::array<HandKey, 8> inverse3_keys{{
 
 }  // namespace
 
+// ---- Messages
+
+Result<Inverse3Version> parse_inverse3_version(std::string_view words) {
+    Inverse3Version version;
+    const char* const end = words.data() + words.size();
+    const auto major = std::from_chars(words.data(), end, version.major);
+    if (major.ec == std::errc() && major.ptr != end && *major.ptr == '.') {
+        const auto minor = std::from_chars(major.ptr + 1, end, version.minor);
+        if (minor.ec == std::errc() && version.major >= 0 && version.minor >= 0 &&
+            (minor.ptr == end || *minor.ptr == '.' || *minor.ptr == '-'))
+            return version;
+    }
+    return Error{ErrorKind::device, in_quotes(words) + " is no version of the Haply service; one is \"3.5\""};
+}
+
+Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
+    const json parsed = json::parse(answer, nullptr, false);
+    const json& said = inverse3_payload(parsed);
+    for (const char* name : {"project_version", "git_tag"}) {
+        const json& words = inverse3_member(said, name);
+        if (!words.is_string()) continue;
+        if (auto version = parse_inverse3_version(words.get_ref<const std::string&>()); version.ok())
+            return version;
+    }
+    return Error{ErrorKind::device, "the Haply service answered GET /version with " +
+                                        in_quotes(answer.substr(0, 80)) + ", which names no version"};
+}
+
+Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version) {
+    if (version.major == 3 && version.minor >= 5) return Inverse3Dialect::vector;
+    if (version.major == 3 && version.minor >= 1) return Inverse3Dialect::values;
+    return Error{ErrorKind::device, "Haply Inverse Service " + std::to_string(version.major) + "." +
+                                        std::to_string(version.minor) +
+                                        " is not known here; right would be 3.1 to any other 3.x"};
+}
+
+Result<Inverse3Message> decode_inverse3_message(std::string_view text) {
+    const json parsed = json::parse(text, nullptr, false);
+    if (parsed.is_discarded()) return no_inverse3_message(in_quotes(text.substr(0, 80)));
+    if (!parsed.is_object()) return no_inverse3_message("JSON that is no object");
+    Inverse3Message message;
+    if (const json& arms = inverse3_member(parsed, "inverse3"); arms.is_array())
+        for (const json& entry : arms)
+            if (auto arm = inverse3_arm(entry)) message.arms.push_back(std::move(*arm));
+    message.buttons = inverse3_buttons(parsed);
+    return message;
+}
+
+/// The page on settings says that one can be read alone, but not as what: a number, or with others beside it.
+std::optional<double> decode_force_scale(std::string_view answer) {
+    const json parsed = json::parse(answer, nullptr, false);
+    const json& said = inverse3_payload(parsed);
+    if (const auto number = inverse3_number(said)) return number;
+    for (const char* name : {"value", "devices/force_scale", "force_scale"})
+        if (const auto number = inverse3_number(inverse3_member(said, name))) return number;
+    return std::nullopt;
+}
+
+std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id, const glm::dvec3& newtons) {
+    const char* const how = dialect == Inverse3Dialect::vector ? "vector" : "values";
+    using Ordered = nlohmann::ordered_json;
+    // Without the sums zeros could go out as -0.0.
+    const Ordered force = {{"x", newtons.x + 0.0}, {"y", -newtons.z + 0.0}, {"z", newtons.y + 0.0}};
+    Ordered arm = Ordered::object();
+    arm["device_id"] = id;
+    arm["commands"]["set_cursor_force"][how] = force;
+    Ordered message = Ordered::object();
+    message["inverse3"] = Ordered::array({std::move(arm)});
+    return message.dump(-1, ' ', false, Ordered::error_handler_t::replace);
+}
+
+std::string encode_inverse3_full_state_request() {
+    return R"({"session":{"force_render_full_state":{}}})";
+}
+
+std::string in_words(const Inverse3Settings& settings) {
+    std::string words;
+    const auto tell = [&words](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
+    if (settings.damping) tell("damping " + inverse3_figure(*settings.damping));
+    if (settings.force_gate) tell("force gate " + inverse3_figure(*settings.force_gate));
+    if (settings.force_scale) tell("force scale " + inverse3_figure(*settings.force_scale));
+    if (settings.gravity_compensation) {
+        std::string gravity =
+            std::string("gravity compensation ") + (*settings.gravity_compensation ? "on" : "off");
+        if (*settings.gravity_compensation && settings.gravity_scale)
+            gravity += " (times " + inverse3_figure(*settings.gravity_scale) + ")";
+        tell(gravity);
+    }
+    if (settings.torque_scaling)
+        tell(std::string("torque scaling ") + (*settings.torque_scaling ? "on" : "off"));
+    return words;
+}
+
+std::string altered_forces(const Inverse3Settings& settings) {
+    std::string words;
+    if (settings.force_scale && *settings.force_scale != 1)
+        words = "multiplies forces by " + inverse3_figure(*settings.force_scale);
+    if (settings.damping && *settings.damping != 0)
+        words +=
+            (words.empty() ? "" : " and ") + std::string("damps with ") + inverse3_figure(*settings.damping);
+    return words;
+}
+
+std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mask) {
+    const auto byte = [](std::size_t value) { return static_cast<std::byte>(value & 0xff); };
+    const bool is_long = text.size() > 125;
+    const std::array<std::byte, 4> key{byte(mask >> 24), byte(mask >> 16), byte(mask >> 8), byte(mask)};
+    std::vector<std::byte> frame;
+    frame.reserve(8 + text.size());
+    frame.push_back(byte(0x81));  // final, text
+    frame.push_back(byte(0x80 | (is_long ? 126 : text.size())));
+    if (is_long) {
+        frame.push_back(byte(text.size() >> 8));
+        frame.push_back(byte(text.size()));
+    }
+    for (const std::byte each : key) frame.push_back(each);
+    for (std::size_t at = 0; at < text.size(); ++at)
+        frame.push_back(byte(static_cast<unsigned char>(text[at])) ^ key[at % 4]);
+    return frame;
+}
+
+// ---- The driver
+
+Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
+                               DriverClock clock)
+    : choice_(std::move(choice)),
+      service_(std::move(service)),
+      clock_(std::move(clock)),
+      room_(LocalHaplyService::longest_message) {}
+
+/// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
+DeviceCapabilities Inverse3Driver::capabilities() const {
+    return {.axes_sensed = 3,
+            .axes_driven = 3,
+            .reach = glm::dvec3(0.1),
+            .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
+            .buttons = 3,
+            .own_watchdog = false,
+            .answers = true};
+}
+
+Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
+    transport_.reset();
+    id_.clear();
+    trouble_.clear();
+    settings_ = {};
+    unanswered_ = nonsense_ = 0;
+    pushed_ = false;
+    TRY(learn_version(given_up));
+    TRY_ASSIGN(auto connected, service_->connect(connecting_patience, given_up));
+    transport_ = std::move(connected);
+    // The first message comes by itself and has the arms' configurations.
+    answered_ns_ = said_ns_ = clock_();
+    TRY_ASSIGN(const auto inventory, await([](const Inverse3Message&) { return true; }, given_up));
+    TRY(choose(inventory.arms));
+    TRY(send_text(zero()));
+    TRY(await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up));
+    return {};
+}
+
+/// A force scale belongs to 3.5 and later, and a service that does not tell of it is none the worse.
+Result<void> Inverse3Driver::learn_version(const GivenUp& given_up) {
+    if (choice_.version) {
+        version_ = *choice_.version;
+    } else {
+        TRY_ASSIGN(const auto answer, service_->get("/version", connecting_patience, given_up));
+        const auto version = decode_inverse3_version(answer);
+        if (!version)
+            return Error{ErrorKind::device,
+                         service_->address() +
+                             " does not say which version it is (GET /version); right would be "
+                             "a Haply Inverse Service from 3.1 on, or its version, as "
+                             "inverse3:service=3.4"};
+        version_ = *version;
+    }
+    TRY_ASSIGN(const auto dialect, inverse3_dialect(version_));
+    dialect_ = dialect;
+    if (dialect_ == Inverse3Dialect::vector) {
+        const auto scale = service_->get("/settings/devices/force_scale", first_word, given_up);
+        if (scale) settings_.force_scale = decode_force_scale(*scale);
+    }
+    return {};
+}
+
+/// The first message that is enough. Where none comes, the service is asked for one.
+Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&),
+                                              const GivenUp& given_up) {
+    const std::int64_t since = clock_();
+    for (bool asked = false;;) {
+        if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
+        TRY_ASSIGN(auto received, receive_message(milliseconds(20)));
+        if (received && enough(*received)) return std::move(*received);
+        const nanoseconds waited(ns_since(since));
+        if (waited > connecting_patience)
+            return Error{ErrorKind::device, "the Haply service at " + service_->address() +
+                                                " does not tell the state of its devices; restart it"};
+        if (waited > first_word && !std::exchange(asked, true))
+            TRY(send_text(encode_inverse3_full_state_request()));
+    }
+}
+
+Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
+    const auto found = choice_.id.empty()
+                           ? arms.begin()
+                           : std::find_if(arms.begin(), arms.end(),
+                                          [this](const Inverse3Arm& arm) { return arm.id == choice_.id; });
+    if (arms.empty())
+        return Error{ErrorKind::device,
+                     "the Haply service knows of no Inverse3; plug it in and switch it on"};
+    if (choice_.id.empty() && arms.size() > 1)
+        return Error{ErrorKind::device,
+                     "there are several Inverse3, " + ids_of(arms) + ": choose one",
+                     {{Setting::device, "inverse3:id=" + arms.front().id}}};
+    if (found == arms.end())
+        return Error{ErrorKind::device,
+                     "there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " + ids_of(arms)};
+    if (found->settings) {
+        const auto scale = settings_.force_scale;
+        settings_ = *found->settings;
+        settings_.force_scale = scale;
+    }
+    if (!settings_.basis.empty() && settings_.basis != "XYZ" && settings_.basis != "+X+Y+Z")
+        return Error{ErrorKind::device, "the Haply service turns the axes of " + found->id + " (basis " +
+                                            settings_.basis.substr(0, 12) +
+                                            "); right would be XYZ, set in Haply Hub"};
+    id_ = found->id;
+    return {};
+}
+
+void Inverse3Driver::disconnect() noexcept {
+    try {
+        if (transport_ && !id_.empty()) {
+            [[maybe_unused]] const auto sent = send_text(zero());
+            // A connection that is closed with something unread may lose what was written last.
+            const std::int64_t since = clock_();
+            while (unanswered_ > 0 && nanoseconds(ns_since(since)) < last_answer)
+                if (!receive_message(milliseconds(5)).ok()) break;
+        }
+        transport_.reset();
+    } catch (...) {
+        transport_.reset();
+    }
+    id_.clear();
+}
+
+Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
+    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    const bool pushes = newtons[0] != glm::dvec3(0);
+    if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
+    std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
+    // A service that makes every force longer is given shorter ones: no force is longer than the limit says.
+    const double longer = std::max(1.0, settings_.force_scale.value_or(1));
+    auto sent = send_text(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
+    pushed_ = pushes;
+    return sent;
+}
+
+Result<void> Inverse3Driver::send_text(const std::string& text) {
+    TRY(transport_->send(std::as_bytes(std::span(text))));
+    said_ns_ = clock_();
+    if (unanswered_++ == 0) answered_ns_ = said_ns_;
+    return {};
+}
+
+/// One message, if one comes. What cannot be read is an answer all the same.
+Result<std::optional<Inverse3Message>> Inverse3Driver::receive_message(microseconds patience) {
+    TRY_ASSIGN(const auto count, transport_->receive(room_, patience));
+    if (count == 0) return std::optional<Inverse3Message>();
+    unanswered_ = std::max(unanswered_ - 1, 0);
+    answered_ns_ = clock_();
+    auto message = decode_inverse3_message({reinterpret_cast<const char*>(room_.data()), count});
+    if (message) {
+        nonsense_ = 0;
+        return std::optional(std::move(*message));
+    }
+    if (++nonsense_ >= most_nonsense) return message.error();
+    return std::optional<Inverse3Message>();
+}
+
+/// The newest of what has come. Nonsense does not prolong the wait for it.
+Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
+    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    bool any = false;
+    const std::int64_t since = clock_();
+    for (int most = 64; most > 0; --most) {
+        const int nonsense = nonsense_;
+        const auto left = std::chrono::floor<microseconds>(patience - nanoseconds(ns_since(since)));
+        TRY_ASSIGN(const auto received,
+                   receive_message(any ? microseconds(0) : std::max(left, microseconds(0))));
+        if (!received && nonsense_ == nonsense) break;
+        if (!received) continue;
+        TRY_ASSIGN(const auto taken, take(*received, sample));
+        any = any || taken;
+    }
+    if (unanswered_ > 0 && nanoseconds(ns_since(answered_ns_)) > longest_answer)
+        return Error{ErrorKind::device, "the Haply service at " + service_->address() +
+                                            " has not answered for half a second; restart it"};
+    return any;
+}
+
+Result<void> Inverse3Driver::forget_what_came() {
+    unanswered_ = 0;
+    return transport_->drop_what_came(room_);
+}
+
+Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {
+    const auto arm = std::find_if(message.arms.begin(), message.arms.end(),
+                                  [this](const Inverse3Arm& each) { return each.id == id_; });
+    if (arm == message.arms.end())
+        return Error{ErrorKind::device,
+                     "Inverse3 " + id_ + " is gone from the Haply service; plug it in again"};
+    trouble_.clear();
+    if (arm->powered == false) trouble_ = "has no power: plug in its power supply";
+    if (arm->ready == false) trouble_ = "is not ready: look at it in Haply Hub";
+    if (arm->calibrated == false) trouble_ = "is not calibrated: calibrate it as its manual says";
+    if (!arm->place) return false;
+    sample.metres[0] = arm->calibrated == false ? no_place : *arm->place - choice_.centre;
+    sample.buttons = message.buttons;
+    return true;
+}
+
+std::string Inverse3Driver::zero() const {
+    return encode_inverse3_force(dialect_, id_, glm::dvec3(0));
+}
+
+std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
+    if (!transport_ || id_.empty() || transport_->descriptor() < 0) return std::nullopt;
+    return ZeroForcePacket{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
+}
+
+std::string Inverse3Driver::prompt() const {
+    if (id_.empty()) return {};
+    if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
+    const std::string altered = altered_forces(settings_);
+    return altered.empty() ? altered
+                           : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
+}
+
+std::string Inverse3Driver::service_in_words() const {
+    if (id_.empty()) return {};
+    const std::string settings = in_words(settings_);
+    return "Inverse3 " + id_ + ", Haply Inverse Service " + version_in_words(version_) +
+           (settings.empty() ? "" : ": " + settings);
+}
+
+// ---- Keys
+
 Result<Inverse3Choice> read_inverse3_choice(std::string_view keys) {
-    const auto given = HandOptions::parse(of_inverse3, keys, inverse3_keys);
-    if (!given.ok()) return given.error();
+    TRY_ASSIGN(const auto given, HandOptions::parse(of_inverse3, keys, inverse3_keys));
     Inverse3Choice choice;
-    choice.id = given->words("id");
-    choice.port = static_cast<std::uint16_t>(given->number("port"));
-    if (given->given("service")) {
-        const auto version = parse_inverse3_version(given->words("service"));
-        if (!version.ok()) return usage_error(std::string(of_inverse3) + ": " + version.error().message);
-        if (const auto known = inverse3_dialect(*version); !known.ok())
+    choice.id = given.words("id");
+    choice.port = static_cast<std::uint16_t>(given.number("port"));
+    if (given.given("service")) {
+        const auto version = parse_inverse3_version(given.words("service"));
+        if (!version) return usage_error(std::string(of_inverse3) + ": " + version.error().message);
+        if (const auto known = inverse3_dialect(*version); !known)
             return usage_error(std::string(of_inverse3) + ": " + known.error().message);
         choice.version = *version;
     }
-    choice.centre = {given->number("right"), given->number("up"), given->number("towards")};
-    choice.limits = {given->number("force"), given->number("stiffness") * 1000};
+    choice.centre = {given.number("right"), given.number("up"), given.number("towards")};
+    choice.limits = {given.number("force"), given.number("stiffness") * 1000};
     return choice;
 }
 

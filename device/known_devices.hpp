@@ -4,6 +4,8 @@
 #include <span>
 #include <string_view>
 
+#include "device/device_catalog.hpp"
+
 namespace touchable {
 
 /// A kind of hardware that is known by its ids or its name, driven or not.
@@ -29,10 +31,13 @@ struct KnownDevice {
     bool is_shared = false;  ///< several programs may read it
 };
 
-/// More particular ones first: the first that fits is it.
+/// Ordered from specific to general; the first match wins.
 std::span<const KnownDevice> known_devices();
 /// Nothing: it is not known. `maker` and `name` are the device's own words.
 const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std::string_view maker,
                                 std::string_view name);
+
+/// Whether a program listens at a TCP port of this machine.
+bool somebody_listens(const ConnectedSystem& system, std::uint16_t port);
 
 }  // namespace touchable

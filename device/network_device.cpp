@@ -1,12 +1,116 @@
 #include "device/network_device.hpp"
 
-#include <array>
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <zlib.h>
 
-#include "device/hand_options.hpp"
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+#include <type_traits>
+
+#include "device/hand.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
+
+// ---- Packets
+
+// "TCHD", version, kind, fingers, flags, sequence, buttons, time; then vectors and the CRC of all before.
+constexpr std::array<std::byte, 4> packet_magic{std::byte{'T'}, std::byte{'C'}, std::byte{'H'},
+                                                std::byte{'D'}};
+constexpr std::size_t head_bytes = 24;
+constexpr std::size_t vector_bytes = 24;
+constexpr std::size_t crc_bytes = 4;
+constexpr std::uint8_t last_flag = 1, still_flag = 2;
+
+std::size_t packet_bytes(std::size_t fingers) {
+    return head_bytes + fingers * vector_bytes + crc_bytes;
+}
+
+std::uint32_t packet_crc(std::span<const std::byte> bytes) {
+    return static_cast<std::uint32_t>(
+        crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
+}
+
+class PacketWriter {
+public:
+    explicit PacketWriter(std::vector<std::byte>& out) : out_(out) {}
+    template <class Word>
+    void put(Word word) {
+        static_assert(std::is_unsigned_v<Word>);
+        for (std::size_t byte = 0; byte < sizeof word; ++byte)
+            out_.push_back(static_cast<std::byte>(word >> (8 * byte) & 0xff));
+    }
+    void put(double number) { put(std::bit_cast<std::uint64_t>(number)); }
+
+private:
+    std::vector<std::byte>& out_;
+};
+
+class PacketReader {
+public:
+    explicit PacketReader(std::span<const std::byte> in) : in_(in) {}
+    template <class Word>
+    Word take() {
+        Word word = 0;
+        for (std::size_t byte = 0; byte < sizeof word; ++byte)
+            word = static_cast<Word>(word | static_cast<Word>(in_[at_ + byte]) << (8 * byte));
+        at_ += sizeof word;
+        return word;
+    }
+    double number() { return std::bit_cast<double>(take<std::uint64_t>()); }
+
+private:
+    std::span<const std::byte> in_;
+    std::size_t at_ = 0;
+};
+
+Result<void> check_packet(std::span<const std::byte> bytes) {
+    if (bytes.size() < packet_bytes(1) ||
+        !std::equal(packet_magic.begin(), packet_magic.end(), bytes.begin()))
+        return input_error(
+            "a packet of " + std::to_string(bytes.size()) +
+            " bytes does not begin with TCHD and a whole head; right would be docs/network-hand.md's");
+    if (const auto version = std::to_integer<int>(bytes[4]); version != NetworkPacket::version)
+        return input_error("a packet is of version " + std::to_string(version) +
+                           "; this program speaks version " + std::to_string(NetworkPacket::version));
+    const auto fingers = std::to_integer<std::size_t>(bytes[6]);
+    if (fingers < 1 || fingers > NetworkPacket::most_fingers || bytes.size() != packet_bytes(fingers))
+        return input_error("a packet of " + std::to_string(bytes.size()) + " bytes says it has " +
+                           std::to_string(fingers) +
+                           " fingers; right would be 1 to 10, and 28 + 24 bytes for each");
+    PacketReader crc(bytes.last(crc_bytes));
+    if (crc.take<std::uint32_t>() != packet_crc(bytes.first(bytes.size() - crc_bytes)))
+        return input_error(
+            "a packet's CRC-32 does not fit its bytes; it was damaged on the way, or it is not the CRC of "
+            "all bytes before it");
+    return {};
+}
+
+// ---- Sockets
+
+Error socket_error(const std::string& where) {
+    return {ErrorKind::device, where + ": " + std::strerror(errno)};
+}
+
+// ---- The driver
+
+constexpr std::size_t most_reasons = 8;  // a peer may send anything
+constexpr int most_zeros = 20;           // one may be lost on the way, not all
+
+/// Counters of 32 bits come round.
+bool is_newer(std::uint32_t sequence, std::uint32_t than) {
+    return static_cast<std::int32_t>(sequence - than) > 0;
+}
+
+// ---- Keys
 
 const NetworkSettings standard_hand;
 const std::array<HandKey, 6> network_keys{{
@@ -21,18 +125,359 @@ const std::array<HandKey, 6> network_keys{{
 
 }  // namespace
 
+// ---- Packets
+
+std::vector<std::byte> encode(const NetworkPacket& packet) {
+    assert(packet.fingers >= 1 && packet.fingers <= static_cast<int>(NetworkPacket::most_fingers));
+    std::vector<std::byte> bytes(packet_magic.begin(), packet_magic.end());
+    bytes.reserve(NetworkPacket::most_bytes);
+    PacketWriter out(bytes);
+    out.put(NetworkPacket::version);
+    out.put(static_cast<std::uint8_t>(packet.kind));
+    out.put(static_cast<std::uint8_t>(packet.fingers));
+    out.put(
+        static_cast<std::uint8_t>((packet.last ? last_flag : 0) | (packet.stands_still ? still_flag : 0)));
+    out.put(packet.sequence);
+    out.put(packet.buttons);
+    out.put(packet.time_ns);
+    for (int finger = 0; finger < packet.fingers; ++finger)
+        for (int axis = 0; axis < 3; ++axis) out.put(packet.vectors[static_cast<std::size_t>(finger)][axis]);
+    out.put(packet_crc(bytes));
+    return bytes;
+}
+
+Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes) {
+    TRY(check_packet(bytes));
+    PacketReader in(bytes.subspan(packet_magic.size() + 1));
+    NetworkPacket packet;
+    const auto kind = in.take<std::uint8_t>();
+    if (kind != 1 && kind != 2)
+        return input_error("a packet is of kind " + std::to_string(kind) +
+                           "; right would be 1 (places) or 2 (forces)");
+    packet.kind = static_cast<NetworkPacket::Kind>(kind);
+    packet.fingers = in.take<std::uint8_t>();
+    const auto flags = in.take<std::uint8_t>();
+    packet.last = (flags & last_flag) != 0;
+    packet.stands_still = (flags & still_flag) != 0;
+    packet.sequence = in.take<std::uint32_t>();
+    packet.buttons = in.take<std::uint32_t>();
+    packet.time_ns = in.take<std::uint64_t>();
+    for (int finger = 0; finger < packet.fingers; ++finger)
+        for (int axis = 0; axis < 3; ++axis)
+            packet.vectors[static_cast<std::size_t>(finger)][axis] = in.number();
+    return packet;
+}
+
+// ---- Sockets
+
+std::optional<UdpAddress> read_udp_address(const std::string& figures) {
+    UdpAddress address;
+    address.words.sin6_family = AF_INET6;
+    for (const std::string& as_ipv6 : {figures, "::ffff:" + figures})
+        if (inet_pton(AF_INET6, as_ipv6.c_str(), &address.words.sin6_addr) == 1) return address;
+    return std::nullopt;
+}
+
+bool UdpAddress::operator==(const UdpAddress& other) const {
+    return words.sin6_port == other.words.sin6_port && is_of_host(other);
+}
+
+bool UdpAddress::is_of_host(const UdpAddress& other) const {
+    return std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
+}
+
+bool UdpAddress::is_own_machine() const {
+    if (IN6_IS_ADDR_V4MAPPED(&words.sin6_addr)) return words.sin6_addr.s6_addr[12] == 127;
+    return IN6_IS_ADDR_LOOPBACK(&words.sin6_addr);
+}
+
+std::string UdpAddress::in_words() const {
+    char figures[INET6_ADDRSTRLEN] = "";
+    inet_ntop(AF_INET6, &words.sin6_addr, figures, sizeof figures);
+    const std::string text = figures, mapped = "::ffff:";
+    std::string said = text.starts_with(mapped) ? text.substr(mapped.size()) : std::string("[").append(text);
+    if (!text.starts_with(mapped)) said += ']';
+    return said.append(":").append(std::to_string(ntohs(words.sin6_port)));
+}
+
+Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
+    close();
+    const std::string where = "UDP " + address + ":" + std::to_string(port);
+    auto own = read_udp_address(address);
+    if (!own)
+        return Error{ErrorKind::device,
+                     where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1"};
+    descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (descriptor_ < 0) return socket_error(where);
+    const int off = 0;
+    setsockopt(descriptor_, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    own->words.sin6_port = htons(port);
+    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own->words), sizeof own->words) == 0)
+        return {};
+    Error error = socket_error(where);
+    if (errno == EADDRINUSE) {
+        error.message += ": another program listens there; take another port";
+        error.hints = {{Setting::device, "network:port=N"}};
+    }
+    if (errno == EADDRNOTAVAIL) error.message += ": right would be an address that this machine has";
+    close();
+    return error;
+}
+
+void UdpSocket::close() {
+    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+}
+
+std::uint16_t UdpSocket::port() const {
+    sockaddr_in6 own{};
+    socklen_t size = sizeof own;
+    getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size);
+    return ntohs(own.sin6_port);
+}
+
+std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddress& from) {
+    // That a peer has gone is reported once, as an error in place of a datagram.
+    for (int again = 0; again < 2; ++again) {
+        socklen_t size = sizeof from.words;
+        const auto came = recvfrom(descriptor_, room.data(), room.size(), 0,
+                                   reinterpret_cast<sockaddr*>(&from.words), &size);
+        if (came >= 0) return static_cast<std::size_t>(came);
+        if (errno != ECONNREFUSED && errno != EINTR) break;
+    }
+    return std::nullopt;
+}
+
+bool UdpSocket::send(std::span<const std::byte> datagram) {
+    const auto sent = ::send(descriptor_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
+    return sent >= 0 || errno == EAGAIN || errno == ENOBUFS;
+}
+
+Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
+    sockaddr any_peer{};
+    any_peer.sa_family = AF_UNSPEC;
+    const int settled =
+        peer ? connect(descriptor_, reinterpret_cast<const sockaddr*>(&peer->words), sizeof peer->words)
+             : connect(descriptor_, &any_peer, sizeof any_peer);
+    if (settled == 0) return {};
+    return socket_error("UDP " + (peer ? peer->in_words() : std::string("without a peer")));
+}
+
+// ---- The driver
+
+DeviceCapabilities NetworkDriver::capabilities() const {
+    return {.axes_sensed = 3,
+            .axes_driven = 3,
+            .reach = glm::dvec3(0),
+            .rate_hz = 0,
+            .buttons = 32,
+            .own_watchdog = false,
+            .first_button = "the device's first button (bit 0 of its buttons)"};
+}
+
+Result<void> NetworkDriver::connect(const GivenUp&) {
+    peer_.reset();
+    if (!settings_.from.empty() && !from_)
+        return Error{ErrorKind::device, "network:from=" + settings_.from +
+                                            ": is no address in figures; right would be such as 192.168.1.7"};
+    TRY(socket_->bind(settings_.listen, settings_.port));
+    const std::lock_guard lock(words_mutex_);
+    listens_at_ = "UDP " + settings_.listen + ":" + std::to_string(socket_->port());
+    return {};
+}
+
+void NetworkDriver::disconnect() noexcept {
+    if (socket_->descriptor() < 0) return;
+    try {
+        part();
+    } catch (...) {
+    }
+    socket_->close();
+}
+
+/// Tells the peer that nothing more comes, and that its forces are zero.
+void NetworkDriver::part() {
+    if (!peer_) return;
+    const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
+    const auto last =
+        encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true));
+    // One may be lost on the way, and one meets only the news that an earlier one did not arrive.
+    for (int again = 0; again < 3; ++again) socket_->send(last);
+    peer_.reset();
+    parted_ns_ = clock_();
+    [[maybe_unused]] const auto free = socket_->settle(std::nullopt);
+}
+
+NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool last) const {
+    NetworkPacket packet;
+    packet.kind = NetworkPacket::Kind::forces;
+    packet.last = last;
+    packet.fingers = settings_.fingers;
+    if (peer_) {
+        packet.sequence = peer_->sequence;
+        packet.time_ns = peer_->time_ns;
+    }
+    std::copy(newtons.begin(), newtons.end(), packet.vectors.begin());
+    return packet;
+}
+
+/// One answer for each packet with places, so that a peer that sends slowly need not read many; and zeros, a
+/// few times, for a peer that is silent.
+Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
+    if (!peer_) return {};
+    const bool zeros = std::all_of(newtons.begin(), newtons.end(),
+                                   [](const glm::dvec3& force) { return force == glm::dvec3(0); });
+    const bool is_gone = static_cast<double>(clock_() - peer_->received_ns) * 1e-9 > peer_gone_s;
+    if (is_gone) {
+        part();
+        return {};
+    }
+    zeros_ = is_answer_due_ || !zeros ? 0 : zeros_ + 1;
+    if (!std::exchange(is_answer_due_, false) && (!zeros || zeros_ > most_zeros)) return {};
+    if (!socket_->send(encode(answer(newtons, false)))) part();
+    return {};
+}
+
+/// All that has come by now; the newest places count.
+Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
+    if (patience.count() > 0) {
+        pollfd waited_for{socket_->descriptor(), POLLIN, 0};
+        poll(&waited_for, 1, static_cast<int>((patience.count() + 999) / 1000));
+    }
+    std::array<std::byte, NetworkPacket::most_bytes + 1> room;  // one more, so that a longer one is known
+    UdpAddress from;
+    bool any = false;
+    for (int most = 64; most > 0; --most) {
+        const auto bytes = socket_->receive(room, from);
+        if (!bytes) break;
+        auto packet = decode_network_packet(std::span(room).first(*bytes));
+        if (!packet) {
+            leave_out(packet.error().message, from);
+        } else if (take(*packet, from) && peer_) {
+            std::copy_n(packet->vectors.begin(), settings_.fingers, sample.metres.begin());
+            sample.buttons = packet->buttons;
+            any = true;
+        } else if (!peer_) {
+            any = false;
+        }
+    }
+    return any;
+}
+
+/// Places that waited are old. A peer that said meanwhile that it ends has ended.
+Result<void> NetworkDriver::forget_what_came() {
+    DeviceSample old;
+    for (int most = 64; most > 0; --most) {  // a peer that sends without end must not hold the thread
+        TRY_ASSIGN(const auto came, receive(old, std::chrono::microseconds(0)));
+        if (!came) break;
+    }
+    return {};
+}
+
+/// Who may move the fingers; empty where only this machine's programs reach the device.
+std::string NetworkDriver::who_may_touch() const {
+    if (from_) return ", from " + settings_.from + " alone";
+    const auto own = read_udp_address(settings_.listen);
+    if (own && own->is_own_machine()) return {};
+    return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets the forces "
+           "(the device network:from=ADDRESS lets one)";
+}
+
+/// Empty: nothing is wrong with it.
+std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress& from) const {
+    if (from_ && !from_->is_of_host(from))
+        return "packets came that are not from " + settings_.from + ", as network:from says";
+    if (packet.kind != NetworkPacket::Kind::places)
+        return "packets with forces came and places are expected: kind 1";
+    if (packet.fingers != settings_.fingers)
+        return "packets with " + std::to_string(packet.fingers) + " fingers came and " +
+               std::to_string(settings_.fingers) + (settings_.fingers == 1 ? " is" : " are") +
+               " expected: network:fingers=" + std::to_string(packet.fingers);
+    if (!peer_) return {};
+    if (peer_->address != from) return "a second hand came while another was there";
+    return is_newer(packet.sequence, peer_->sequence) ? "" : "packets came that are not newer than the last";
+}
+
+void NetworkDriver::leave_out(const std::string& why, const UdpAddress& from) {
+    ++left_out_;
+    if (peer_) return;  // no prompt while a hand is there
+    trouble_ = why + " (from " + from.in_words() + ")";
+    const std::lock_guard lock(words_mutex_);
+    if (any_peer_) return;
+    const auto same = [&why](const LeftOut& each) { return each.why == why; };
+    auto known = std::find_if(left_out_why_.begin(), left_out_why_.end(), same);
+    if (known == left_out_why_.end()) {
+        if (left_out_why_.size() < most_reasons) left_out_why_.push_back({why, 0});
+        known = std::prev(left_out_why_.end());
+        if (known->why != why) known->why = "and others";
+    }
+    ++known->packets;
+}
+
+/// Whether it counts. One that ends parts with its peer.
+bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
+    if (const std::string why = why_not(packet, from); !why.empty()) {
+        leave_out(why, from);
+        return false;
+    }
+    if (packet.last) {
+        part();
+        return true;
+    }
+    if (!peer_) {
+        // Another hand does not inherit what the last one asked for: it has been away for long enough by
+        // then.
+        if (parted_ns_ != 0 && static_cast<double>(clock_() - parted_ns_) * 1e-9 < between_peers_s)
+            return false;
+        if (!socket_->settle(from).ok()) return false;
+        peer_ = Peer{from, 0, 0, 0};
+        trouble_.clear();
+        const std::lock_guard lock(words_mutex_);
+        any_peer_ = true;
+    }
+    is_answer_due_ = true;
+    peer_->sequence = packet.sequence;
+    peer_->time_ns = packet.time_ns;
+    peer_->received_ns = clock_();
+    return true;
+}
+
+std::optional<ZeroForcePacket> NetworkDriver::zero_force_packet() const {
+    NetworkPacket last, meanwhile;
+    last.kind = meanwhile.kind = NetworkPacket::Kind::forces;
+    last.fingers = meanwhile.fingers = settings_.fingers;
+    last.last = meanwhile.stands_still = true;
+    return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
+}
+
+std::string NetworkDriver::prompt() const {
+    if (peer_) return {};
+    const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
+    return trouble_.empty() ? waits : waits + "; " + trouble_;
+}
+
+std::string NetworkDriver::why_no_position() const {
+    const std::lock_guard lock(words_mutex_);
+    if (any_peer_) return {};
+    std::string words = "no hand ever came to " + listens_at_;
+    for (const LeftOut& each : left_out_why_)
+        words += "; " + each.why + " (" + std::to_string(each.packets) +
+                 (each.packets == 1 ? " packet)" : " packets)");
+    return words;
+}
+
+// ---- Keys
+
 Result<NetworkSettings> read_network_settings(std::string_view keys) {
-    const auto given = HandOptions::parse("device 'network'", keys, network_keys);
-    if (!given.ok()) return given.error();
+    TRY_ASSIGN(const auto given, HandOptions::parse("device 'network'", keys, network_keys));
     NetworkSettings settings;
-    if (given->given("listen")) settings.listen = given->words("listen");
-    if (given->given("from")) settings.from = given->words("from");
+    if (given.given("listen")) settings.listen = given.words("listen");
+    if (given.given("from")) settings.from = given.words("from");
     if (!settings.from.empty() && !read_udp_address(settings.from))
         return usage_error("device 'network': from=" + settings.from +
                            " is no address in figures; right would be such as 192.168.1.7");
-    settings.port = static_cast<std::uint16_t>(given->number("port"));
-    settings.fingers = static_cast<int>(given->number("fingers"));
-    settings.limits = {given->number("force"), given->number("stiffness") * 1000};
+    settings.port = static_cast<std::uint16_t>(given.number("port"));
+    settings.fingers = static_cast<int>(given.number("fingers"));
+    settings.limits = {given.number("force"), given.number("stiffness") * 1000};
     return settings;
 }
 

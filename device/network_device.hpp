@@ -1,12 +1,193 @@
 #pragma once
 
+#include <netinet/in.h>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "device/driven_device.hpp"
-#include "device/network_driver.hpp"
+
+// A network hand (docs/network-hand.md): any program as a device, from its datagrams up to `--device
+// network`.
 
 namespace touchable {
+
+// ---- Packets
+
+/// One datagram of a network hand (docs/network-hand.md): where fingers are, or what they feel.
+struct NetworkPacket {
+    enum class Kind : std::uint8_t {
+        places = 1,  ///< to touchable: metres
+        forces = 2   ///< from touchable: newtons
+    };
+    static constexpr std::uint8_t version = 1;
+    static constexpr std::size_t most_fingers = 10;
+    static constexpr std::size_t most_bytes = 24 + most_fingers * 24 + 4;
+
+    Kind kind = Kind::places;
+    std::uint32_t sequence = 0;  ///< of places: the sender counts up; of forces: that of the places answered
+    std::uint32_t buttons = 0;   ///< of places: one bit each
+    std::uint64_t time_ns = 0;  ///< of places: the sender's own clock; of forces: that of the places answered
+    bool last = false;          ///< nothing more will come: forces are to be zero
+    bool stands_still = false;  ///< of forces: zero, because this process stands still; answers nothing
+    int fingers = 1;            ///< 1 to `most_fingers`
+    std::array<glm::dvec3, most_fingers> vectors{};
+};
+
+/// 28 + 24 x fingers bytes, little-endian, with a CRC-32.
+std::vector<std::byte> encode(const NetworkPacket& packet);
+/// Error (ErrorKind::input): what is wrong with the bytes, and what would be right.
+Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes);
+
+// ---- Sockets
+
+/// Where a datagram came from or goes.
+struct UdpAddress {
+    sockaddr_in6 words{};  ///< IPv4 as IPv6 maps it
+    bool operator==(const UdpAddress& other) const;
+    bool is_of_host(const UdpAddress& other) const;  ///< whatever the ports are
+    bool is_own_machine() const;                     ///< 127.0.0.1 and its like, ::1
+    std::string in_words() const;                    ///< "127.0.0.1:51234"
+};
+
+/// "192.0.2.7", "::1": in figures, with port 0; nothing: it is none.
+std::optional<UdpAddress> read_udp_address(const std::string& figures);
+
+/// Carries datagrams, and never blocks.
+class DatagramSocket {
+public:
+    DatagramSocket() = default;
+    DatagramSocket(const DatagramSocket&) = delete;
+    DatagramSocket& operator=(const DatagramSocket&) = delete;
+    virtual ~DatagramSocket() = default;
+
+    /// Of an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a free
+    /// one, until it is settled. Error (ErrorKind::device): what is wrong with them.
+    virtual Result<void> bind(const std::string& address, std::uint16_t port) = 0;
+    virtual void close() = 0;
+    virtual int descriptor() const = 0;  ///< -1 while it is closed
+    virtual std::uint16_t port() const = 0;
+
+    /// Bytes of the next datagram, what does not fit is lost; nothing: there is none. Of a settled socket
+    /// only those of its peer.
+    virtual std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) = 0;
+    /// One that the network has no room for is lost, as any datagram may be. False where there is no
+    /// receiver.
+    virtual bool send(std::span<const std::byte> datagram) = 0;
+    /// From now on it sends to that peer and receives from it alone. Nothing: it receives from all, and sends
+    /// nothing.
+    virtual Result<void> settle(const std::optional<UdpAddress>& peer) = 0;
+};
+
+/// By UDP, of IPv4 or IPv6.
+class UdpSocket final : public DatagramSocket {
+public:
+    ~UdpSocket() override { UdpSocket::close(); }
+    Result<void> bind(const std::string& address, std::uint16_t port) override;
+    void close() override;
+    int descriptor() const override { return descriptor_; }
+    std::uint16_t port() const override;
+    std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) override;
+    bool send(std::span<const std::byte> datagram) override;
+    Result<void> settle(const std::optional<UdpAddress>& peer) override;
+
+private:
+    int descriptor_ = -1;
+};
+
+// ---- The driver and its keys
+
+/// Where a network hand's packets are received, and the forces that may be sent to it.
+struct NetworkSettings {
+    std::string listen = "127.0.0.1";  ///< address in figures; any but this machine's own lets others touch
+    std::uint16_t port = 5710;
+    int fingers = 1;
+    DeviceLimits limits{10, 3000};  ///< N, N/m: what the hand behind it bears
+    std::string from{};             ///< an address in figures: whose packets alone count; empty: all count
+};
+
+/// Any program as a device: it sends datagrams with places, and each is answered by one with forces
+/// (docs/network-hand.md). One peer at a time: the first that sends sound packets, until it says that it
+/// ends, or has been silent for `peer_gone_s`. Packets that are damaged, of others, or not newer than the
+/// last are left out and counted.
+class NetworkDriver final : public DeviceDriver {
+public:
+    static constexpr double peer_gone_s = 1;
+    static constexpr double between_peers_s =
+        1.2;  ///< longer than HandControl keeps forces on without a hand
+
+    explicit NetworkDriver(const NetworkSettings& settings,
+                           std::unique_ptr<DatagramSocket> socket = std::make_unique<UdpSocket>(),
+                           DriverClock clock = steady_ns)
+        : settings_(settings),
+          socket_(std::move(socket)),
+          clock_(std::move(clock)),
+          from_(read_udp_address(settings.from)) {}
+    ~NetworkDriver() override { disconnect(); }
+
+    std::string name() const override { return "network hand"; }
+    int fingers() const override { return settings_.fingers; }
+    DeviceLimits limits() const override { return settings_.limits; }
+    DeviceCapabilities capabilities() const override;
+    Result<void> connect(const GivenUp& given_up) override;
+    void disconnect() noexcept override;
+    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    Result<void> forget_what_came() override;
+    int descriptor() const override { return socket_->descriptor(); }
+    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    std::string prompt() const override;
+    std::string why_no_position() const override;
+
+    std::uint16_t port() const { return socket_->port(); }        ///< while connected
+    std::int64_t left_out() const override { return left_out_; }  ///< packets so far
+
+private:
+    struct Peer {
+        UdpAddress address;
+        std::uint32_t sequence = 0;
+        std::uint64_t time_ns = 0;  // its own
+        std::int64_t received_ns = 0;
+    };
+    /// Packets that were left out for the same reason.
+    struct LeftOut {
+        std::string why;
+        std::int64_t packets = 0;
+    };
+    bool take(const NetworkPacket& packet, const UdpAddress& from);
+    void leave_out(const std::string& why, const UdpAddress& from);
+    std::string who_may_touch() const;
+    std::string why_not(const NetworkPacket& packet, const UdpAddress& from) const;
+    void part();
+    NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;
+
+    const NetworkSettings settings_;
+    const std::unique_ptr<DatagramSocket> socket_;
+    const DriverClock clock_;
+    const std::optional<UdpAddress> from_;
+    std::optional<Peer> peer_;
+    std::int64_t left_out_ = 0;
+    std::int64_t parted_ns_ = 0;  // from the last peer; 0: there was none
+    bool is_answer_due_ = false;
+    int zeros_ = 0;        // that went out since the last answer
+    std::string trouble_;  // of the newest packet that was left out, while there is no peer
+    // For `why_no_position`, which any thread may ask.
+    mutable std::mutex words_mutex_;
+    std::string listens_at_;
+    std::vector<LeftOut> left_out_why_;
+    bool any_peer_ = false;  // there ever was one
+};
 
 /// Of the keys of "network[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
 Result<NetworkSettings> read_network_settings(std::string_view keys);

@@ -2,19 +2,84 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <thread>
 #include <utility>
 
-#include "device/hand_options.hpp"
-#include "engine/base/printable.hpp"
+#include "device/hand.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
+// ---- Logs
+
+enum LogColumn { log_time, log_finger, log_x, log_y, log_z, log_buttons };
+constexpr std::array<const char*, 6> log_columns{"time_s", "finger", "x", "y", "z", "buttons"};
+
+using LogValues = std::array<std::vector<double>, log_columns.size()>;
+
+Error log_fault(const CsvTable& table, std::size_t row, LogColumn column, const std::string& what) {
+    return input_error(table.place(row) + ", column '" + log_columns[column] + "' " + what);
+}
+
+Result<LogValues> log_values(const CsvTable& table) {
+    LogValues values;
+    for (std::size_t at = 0; at < log_columns.size(); ++at) {
+        if (!table.names(log_columns[at]))
+            return input_error(table.file() + ": line 1 names no column '" + log_columns[at] +
+                               "'; a device's log has time_s, finger, x, y, z, buttons");
+        TRY_ASSIGN(const auto column, table.column(log_columns[at]));
+        const bool a_place = at == log_x || at == log_y || at == log_z;
+        TRY_ASSIGN(auto numbers, a_place ? table.numbers_where_given(column) : table.numbers(column));
+        values[at] = std::move(numbers);
+    }
+    return values;
+}
+
+/// Fingers of the first tick: rows of its time.
+Result<int> log_fingers(const CsvTable& table, const LogValues& values) {
+    std::size_t fingers = 1;
+    while (fingers < table.rows() && values[log_time][fingers] == values[log_time][0]) ++fingers;
+    if (fingers <= DeviceSample::most_fingers) return static_cast<int>(fingers);
+    return log_fault(table, DeviceSample::most_fingers, log_time, "has the same time in more than ten rows");
+}
+
+Result<void> check_log_row(const CsvTable& table, const LogValues& values, std::size_t row,
+                           std::size_t fingers) {
+    const std::size_t finger = row % fingers;
+    if (values[log_finger][row] != static_cast<double>(finger))
+        return log_fault(table, row, log_finger,
+                         "is " + trimmed_number(values[log_finger][row]) + "; right would be " +
+                             std::to_string(finger) + ", as each tick has " + std::to_string(fingers));
+    const double time = values[log_time][row];
+    if (finger > 0 && time != values[log_time][row - 1])
+        return log_fault(table, row, log_time, "has another time than the tick's first finger");
+    if (finger == 0 && row > 0 && !(time > values[log_time][row - 1]))
+        return log_fault(table, row, log_time, "is not later than the tick before");
+    if (time - values[log_time][0] > 1e6)
+        return log_fault(table, row, log_time, "is more than a million seconds after the first");
+    const double buttons = values[log_buttons][row];
+    if (!(buttons >= 0 && buttons <= std::numeric_limits<std::uint32_t>::max()) ||
+        std::floor(buttons) != buttons)
+        return log_fault(table, row, log_buttons, "is no whole number from 0 to 4294967295");
+    const bool empty = std::isnan(values[log_x][row]);
+    for (const LogColumn column : {log_y, log_z})
+        if (std::isnan(values[column][row]) != empty)
+            return log_fault(
+                table, row, column,
+                std::string(empty ? "is not empty while others are" : "is empty while others are not") +
+                    "; a place has x, y and z or none");
+    return {};
+}
+
+// ---- Replay
+
 using std::chrono::nanoseconds;
 
+/// The machine's, which never goes back.
 class SteadyReplayClock final : public ReplayClock {
 public:
     nanoseconds now() override { return std::chrono::steady_clock::now().time_since_epoch(); }
@@ -23,11 +88,44 @@ public:
     }
 };
 
+constexpr std::array<HandKey, 2> recorded_keys{{
+    {"force", "N", 0.1, 1000, 10},
+    {"stiffness", "N/mm", 0.01, 1000, 3},
+}};
+
 }  // namespace
 
-std::unique_ptr<ReplayClock> steady_replay_clock() {
-    return std::make_unique<SteadyReplayClock>();
+// ---- Logs
+
+Result<DeviceLog> DeviceLog::read(const std::string& file) {
+    TRY_ASSIGN(const auto table, CsvTable::read(file));
+    TRY_ASSIGN(const auto values, log_values(table));
+    TRY_ASSIGN(const auto fingers, log_fingers(table, values));
+    const auto each = static_cast<std::size_t>(fingers);
+    for (std::size_t row = 0; row < table.rows(); ++row) TRY(check_log_row(table, values, row, each));
+    if (table.rows() % each != 0)
+        return log_fault(table, table.rows() - 1, log_finger, "is the last; its tick lacks fingers");
+    DeviceLog log;
+    log.fingers_ = fingers;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        log.metres_.emplace_back(values[log_x][row], values[log_y][row], values[log_z][row]);
+        if (row % each != 0) continue;
+        log.seconds_.push_back(values[log_time][row] - values[log_time][0]);
+        log.buttons_.push_back(static_cast<std::uint32_t>(values[log_buttons][row]));
+    }
+    return log;
 }
+
+DeviceSample DeviceLog::sample(std::size_t tick) const {
+    DeviceSample sample;
+    sample.metres.fill(no_place);
+    const auto first = metres_.begin() + static_cast<std::ptrdiff_t>(tick) * fingers_;
+    std::copy(first, first + fingers_, sample.metres.begin());
+    sample.buttons = buttons_[tick];
+    return sample;
+}
+
+// ---- Replay
 
 ReplayDriver::ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits,
                            std::unique_ptr<ReplayClock> clock)
@@ -75,7 +173,7 @@ Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microsecon
         clock_->wait_until(std::min(until, end));
         if (clock_->now() < end) return false;
         over_ = true;
-        sample.metres.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
+        sample.metres.fill(no_place);
         sample.buttons = 0;
         return true;
     }
@@ -91,15 +189,6 @@ std::string ReplayDriver::prompt() const {
     return over_ ? "the log " + printable(file_) + " has ended: nothing holds the handle any more"
                  : std::string();
 }
-
-namespace {
-
-constexpr std::array<HandKey, 2> recorded_keys{{
-    {"force", "N", 0.1, 1000, 10},
-    {"stiffness", "N/mm", 0.01, 1000, 3},
-}};
-
-}  // namespace
 
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,
                                                            std::unique_ptr<ReplayClock> clock) {
@@ -120,7 +209,7 @@ Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text
 
 Result<std::unique_ptr<HapticDevice>> make_recorded_device(std::string_view text,
                                                            const DrivenSettings& driven) {
-    TRY_ASSIGN(auto driver, read_recorded_device(text, steady_replay_clock()));
+    TRY_ASSIGN(auto driver, read_recorded_device(text, std::make_unique<SteadyReplayClock>()));
     return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(std::move(driver), driven));
 }
 

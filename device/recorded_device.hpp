@@ -5,12 +5,32 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "device/device_driver.hpp"
-#include "device/device_log.hpp"
 #include "device/driven_device.hpp"
 
+// A device's log, told again as a device.
+
 namespace touchable {
+
+/// What a device told, tick by tick, as a log has it (docs/devices.md, "Logs").
+class DeviceLog {
+public:
+    /// Refuses (ErrorKind::input; file, line and column where there are such) what cannot be read, lacks a
+    /// column of a log, or in which ticks go back or have other fingers than the first.
+    static Result<DeviceLog> read(const std::string& file);
+
+    int fingers() const { return fingers_; }
+    std::size_t ticks() const { return seconds_.size(); }              ///< at least 1
+    double seconds(std::size_t tick) const { return seconds_[tick]; }  ///< since the first
+    DeviceSample sample(std::size_t tick) const;
+
+private:
+    int fingers_ = 0;
+    std::vector<double> seconds_;
+    std::vector<glm::dvec3> metres_;  // fingers of a tick one after the other
+    std::vector<std::uint32_t> buttons_;
+};
 
 /// The time that a replay goes by.
 class ReplayClock {
@@ -22,9 +42,6 @@ public:
     virtual std::chrono::nanoseconds now() = 0;
     virtual void wait_until(std::chrono::nanoseconds moment) = 0;
 };
-
-/// The machine's, which never goes back.
-std::unique_ptr<ReplayClock> steady_replay_clock();
 
 /// A log as a device: it tells what was read then, at the times it was read, from `connect` on, and feels
 /// nothing of the forces. Where a log has ended its positions are not numbers.

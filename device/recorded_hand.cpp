@@ -1,17 +1,144 @@
-#include "device/recorded_hand.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "device/finger_circle.hpp"
-#include "device/hand_options.hpp"
-#include "device/recorded_motion.hpp"
-#include "device/surface_search.hpp"
+#include "device/hand_parts.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
+
+// ---- Principal axes
+
+glm::dmat3 scatter(std::span<const glm::dvec3> points) {
+    glm::dvec3 mean(0);
+    for (const glm::dvec3& p : points) mean += p;
+    mean /= static_cast<double>(points.size());
+    glm::dmat3 sum(0.0);
+    for (const glm::dvec3& p : points) sum += glm::outerProduct(p - mean, p - mean);
+    return sum;
+}
+
+/// One Jacobi rotation: makes m[p][q] zero; the columns of `vectors` turn with it.
+void rotate_away(glm::dmat3& m, glm::dmat3& vectors, int p, int q) {
+    if (m[p][q] == 0) return;
+    const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+    const double t = (theta < 0 ? -1.0 : 1.0) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+    const double c = 1 / std::sqrt(t * t + 1);
+    const double s = t * c;
+    glm::dmat3 turn(1.0);
+    turn[p][p] = turn[q][q] = c;
+    turn[q][p] = s;
+    turn[p][q] = -s;
+    m = glm::transpose(turn) * m * turn;
+    m[p][q] = m[q][p] = 0;
+    vectors = vectors * turn;
+}
+
+glm::dvec3 with_fixed_sign(const glm::dvec3& axis) {
+    int largest = 0;
+    for (int i = 1; i < 3; ++i) {
+        if (std::fabs(axis[i]) > std::fabs(axis[largest])) largest = i;
+    }
+    return axis[largest] < 0 ? -axis : axis;
+}
+
+// ---- Recorded motion
+
+constexpr double ticks_per_second = 1000;
+constexpr double longest_motion_s = 3600;
+constexpr double farthest_motion = 10;  // device metres
+
+/// Seconds of every row.
+Result<std::vector<double>> row_times(const CsvTable& table, const MotionSettings& settings) {
+    std::vector<double> times;
+    if (settings.rate) {
+        for (std::size_t row = 0; row < table.rows(); ++row) {
+            times.push_back(static_cast<double>(row) / *settings.rate);
+        }
+    } else {
+        if (!settings.time && !table.names("t_s")) {
+            return input_error(table.file() +
+                               ": has no column 't_s'; name the column of seconds by time=NAME, or "
+                               "give rate=HZ");
+        }
+        TRY_ASSIGN(const auto column, table.column(settings.time.value_or("t_s")));
+        TRY_ASSIGN(times, table.numbers(column));
+    }
+    if (times.size() < 2)
+        return input_error(table.file() + ": has one row of data; a motion needs at least two");
+    for (std::size_t row = 1; row < times.size(); ++row) {
+        if (times[row] > times[row - 1]) continue;
+        return input_error(table.place(row) +
+                           ": time does not increase; expected seconds that grow from row to row");
+    }
+    if (!(times.back() - times.front() <= longest_motion_s)) {
+        return input_error(table.file() + ": lasts more than an hour; are its times in seconds?");
+    }
+    return times;
+}
+
+/// The named columns, row by row: one column in .z, three in .x .y .z.
+Result<std::vector<glm::dvec3>> row_values(const CsvTable& table, const std::vector<std::string>& names) {
+    std::vector<glm::dvec3> rows(table.rows(), glm::dvec3(0));
+    for (std::size_t n = 0; n < names.size(); ++n) {
+        TRY_ASSIGN(const auto column, table.column(names[n]));
+        TRY_ASSIGN(const auto values, table.numbers(column));
+        const int axis = names.size() == 1 ? 2 : static_cast<int>(n);
+        for (std::size_t row = 0; row < rows.size(); ++row) {
+            if (std::fabs(values[row]) > 1e9) {
+                return input_error(table.place(row) + ", column '" + names[n] +
+                                   "': is beyond 1e9; expected a motion");
+            }
+            rows[row][axis] = values[row];
+        }
+    }
+    return rows;
+}
+
+std::vector<glm::dvec3> resample(const std::vector<double>& times, const std::vector<glm::dvec3>& rows) {
+    // A last row that rounding puts a hair before its tick still counts as on it.
+    const double ticks = std::floor((times.back() - times.front()) * ticks_per_second + 1e-6) + 1;
+    std::vector<glm::dvec3> positions(static_cast<std::size_t>(ticks));
+    std::size_t row = 0;
+    for (std::size_t tick = 0; tick < positions.size(); ++tick) {
+        const double time = times.front() + static_cast<double>(tick) / ticks_per_second;
+        while (row + 2 < times.size() && times[row + 1] <= time) ++row;
+        const double share = std::min(1.0, (time - times[row]) / (times[row + 1] - times[row]));
+        positions[tick] = rows[row] + (rows[row + 1] - rows[row]) * share;
+    }
+    return positions;
+}
+
+glm::dvec3 extents(const std::vector<glm::dvec3>& positions, glm::dvec3& centre) {
+    glm::dvec3 least = positions.front(), greatest = positions.front();
+    for (const glm::dvec3& p : positions) {
+        least = glm::min(least, p);
+        greatest = glm::max(greatest, p);
+    }
+    centre = 0.5 * (least + greatest);
+    return greatest - least;
+}
+
+/// Lays a motion in space flat before the person. Returns its larger in-plane extent.
+double lay_flat(std::vector<glm::dvec3>& positions) {
+    const glm::dmat3 rotation = principal_rotation(positions);
+    for (glm::dvec3& p : positions) p = rotation * p;
+    glm::dvec3 centre;
+    const glm::dvec3 size = extents(positions, centre);
+    for (glm::dvec3& p : positions) p -= centre;
+    return std::max(size.x, size.y);
+}
+
+// ---- Fingers that repeat it
 
 constexpr double nearest_share = 0.1;  // a goal stays this share of the anchor's depth in front of the camera
 
@@ -77,7 +204,7 @@ private:
 
 using Kind = HandKey::Kind;
 
-constexpr std::array keys{
+constexpr std::array recorded_hand_keys{
     HandKey{.name = "columns", .unit = "one column, or three joined by '+'", .kind = Kind::words},
     HandKey{"scale", "m per unit of the columns", -1e6, 1e6, 1},
     HandKey{"extent", "m", 0.001, 1},
@@ -89,7 +216,7 @@ constexpr std::array keys{
     HandKey{.name = "space", .unit = "device or scene", .kind = Kind::words},
 };
 
-Error refusal(const std::string& what) {
+Error csv_hand_refusal(const std::string& what) {
     return usage_error("hand 'csv': " + what);
 }
 
@@ -107,26 +234,28 @@ std::vector<std::string> split_at_plus(const std::string& text) {
 
 Result<MotionSettings> motion_settings(const HandOptions& given) {
     if (!given.given("columns")) {
-        return refusal("columns is missing; give columns=NAME (a motion in) or columns=X+Y+Z (a position)");
+        return csv_hand_refusal(
+            "columns is missing; give columns=NAME (a motion in) or columns=X+Y+Z (a position)");
     }
     MotionSettings settings;
     settings.columns = split_at_plus(given.words("columns"));
     const bool position = settings.columns.size() == 3;
     if (!position && settings.columns.size() != 1)
-        return refusal("columns takes one column or three, joined by '+'");
+        return csv_hand_refusal("columns takes one column or three, joined by '+'");
     if (given.given("time") && given.given("rate"))
-        return refusal("time and rate exclude each other; give one");
+        return csv_hand_refusal("time and rate exclude each other; give one");
     if (given.given("extent") && given.given("scale"))
-        return refusal("extent and scale exclude each other; give one");
+        return csv_hand_refusal("extent and scale exclude each other; give one");
     if (given.given("extent") && !position)
-        return refusal("extent needs three columns; with one, give scale");
+        return csv_hand_refusal("extent needs three columns; with one, give scale");
     settings.scale = given.number("scale");
-    if (settings.scale == 0) return refusal("scale is 0; give metres per unit of the columns");
+    if (settings.scale == 0) return csv_hand_refusal("scale is 0; give metres per unit of the columns");
     if (given.given("space") && given.words("space") != "device") {
-        if (given.words("space") != "scene") return refusal("space is device or scene");
-        if (!position) return refusal("space=scene needs three columns: X+Y+Z in the scene's coordinates");
+        if (given.words("space") != "scene") return csv_hand_refusal("space is device or scene");
+        if (!position)
+            return csv_hand_refusal("space=scene needs three columns: X+Y+Z in the scene's coordinates");
         for (const char* key : {"scale", "extent", "contact"})
-            if (given.given(key)) return refusal(std::string(key) + " has no say with space=scene");
+            if (given.given(key)) return csv_hand_refusal(std::string(key) + " has no say with space=scene");
         settings.in_scene = true;
     }
     if (given.given("extent")) settings.extent = given.number("extent");
@@ -141,14 +270,46 @@ std::size_t options_colon(std::string_view description) {
     return equals == std::string_view::npos ? equals : description.rfind(':', equals);
 }
 
+/// Fingers that repeat a recorded motion, one copy each; after its end they rest at the last position.
+class RecordedHand final : public Hand {
+public:
+    /// `positions`: of the hand's centre, one per tick, world, scene units; `offsets`: of the fingers from
+    /// it; `file`: where the motion is from.
+    RecordedHand(std::string file, std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets,
+                 const GoalWatch& watch)
+        : file_(std::move(file)),
+          positions_(std::move(positions)),
+          offsets_(std::move(offsets)),
+          watch_(watch) {}
+
+    int fingers() const override { return static_cast<int>(offsets_.size()); }
+    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override {
+        assert(tick >= 0 && goals.size() == offsets_.size());
+        const std::size_t at = std::min(static_cast<std::size_t>(tick), positions_.size() - 1);
+        for (std::size_t finger = 0; finger < goals.size(); ++finger)
+            goals[finger] = positions_[at] + offsets_[finger];
+        watch_.look(probe, goals);
+    }
+    std::optional<std::int64_t> ticks() const override {
+        return static_cast<std::int64_t>(positions_.size());
+    }
+    std::optional<std::string> file() const override { return file_; }
+    std::vector<std::string> remarks() const override { return watch_.remarks(); }
+
+private:
+    std::string file_;
+    std::vector<glm::dvec3> positions_;
+    std::vector<glm::dvec3> offsets_;
+    GoalWatch watch_;
+};
+
 /// Lays a motion over the middle of the picture, pushed in until `contact` of its goals lie under the
 /// surface. In its place: an hour of ticks takes 86 MB.
-void place(std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>& offsets, double contact,
-           double units_per_metre, const Workspace& workspace, const SurfaceProbe& probe) {
-    const PixelBox picture = middle_of(probe, 1);
+void place_motion(std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>& offsets, double contact,
+                  double units_per_metre, const Workspace& workspace, const SurfaceProbe& probe) {
+    const HandArea picture = middle_of(probe, 1);
     const glm::dvec2 centre = 0.5 * (picture.least + picture.greatest);
-    const std::optional<SurfacePoint> found = nearest_surface(probe, centre, picture);
-    const double depth = found ? found->depth : device_depth(workspace);
+    const double depth = start_depth(probe, centre, picture, workspace);
     const glm::dvec3 anchor = probe.unproject(centre.x, centre.y, depth);
 
     for (glm::dvec3& p : motion) p = anchor + p * units_per_metre;
@@ -160,37 +321,74 @@ void place(std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>& offse
 
 }  // namespace
 
-void RecordedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
-    assert(tick >= 0 && goals.size() == offsets_.size());
-    const std::size_t at = std::min(static_cast<std::size_t>(tick), positions_.size() - 1);
-    for (std::size_t finger = 0; finger < goals.size(); ++finger)
-        goals[finger] = positions_[at] + offsets_[finger];
-    watch_.look(probe, goals);
+// ---- Principal axes
+
+glm::dmat3 principal_rotation(std::span<const glm::dvec3> points) {
+    glm::dmat3 m = scatter(points);
+    glm::dmat3 vectors(1.0);
+    constexpr int sweeps = 16;  // quadratic convergence: six or seven sweeps reach the last bit
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        rotate_away(m, vectors, 0, 1);
+        rotate_away(m, vectors, 0, 2);
+        rotate_away(m, vectors, 1, 2);
+    }
+    std::array<int, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return m[a][a] > m[b][b]; });
+    const glm::dvec3 x = with_fixed_sign(glm::normalize(vectors[order[0]]));
+    const glm::dvec3 y = with_fixed_sign(glm::normalize(vectors[order[1]]));
+    return glm::transpose(glm::dmat3(x, y, glm::cross(x, y)));
 }
+
+// ---- Recorded motion
+
+Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const MotionSettings& settings) {
+    TRY_ASSIGN(const auto table, CsvTable::read(file));
+    TRY_ASSIGN(const auto rows, row_values(table, settings.columns));
+    TRY_ASSIGN(const auto times, row_times(table, settings));
+
+    std::vector<glm::dvec3> positions = resample(times, rows);
+    if (settings.in_scene) return positions;
+    double scale = settings.scale;
+    if (settings.columns.size() == 1) {
+        scale = -scale;  // in is away from the person
+    } else {
+        const double in_plane = lay_flat(positions);
+        if (settings.extent && !(in_plane > 0)) {
+            return input_error(file +
+                               ": does not move, so that extent= has nothing to scale; give scale= instead");
+        }
+        if (settings.extent) scale = *settings.extent / in_plane;
+    }
+    for (glm::dvec3& p : positions) {
+        p *= scale;
+        if (std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) <= farthest_motion) continue;
+        return input_error(file + ": moves more than 10 m; give scale= as metres per unit of the columns");
+    }
+    return positions;
+}
+
+// ---- Fingers that repeat it
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
     const std::size_t colon = options_colon(description);
     const std::string file(description.substr(0, colon));
     const std::string_view options = colon == std::string_view::npos ? "" : description.substr(colon + 1);
-    if (file.empty()) return refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");
-    const Result<HandOptions> given = HandOptions::parse("hand 'csv'", options, keys);
-    if (!given) return given.error();
-    const Result<MotionSettings> settings = motion_settings(*given);
-    if (!settings) return settings.error();
-    Result<std::vector<glm::dvec3>> motion = read_motion(file, *settings);
-    if (!motion) return motion.error();
+    if (file.empty()) return csv_hand_refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");
+    TRY_ASSIGN(const auto given, HandOptions::parse("hand 'csv'", options, recorded_hand_keys));
+    TRY_ASSIGN(const auto settings, motion_settings(given));
+    TRY_ASSIGN(auto motion, read_motion(file, settings));
 
     const double units_per_metre = 1 / workspace.metres_per_scene_unit;
     std::vector<glm::dvec3> offsets;
     for (int finger = 0; finger < fingers; ++finger)
-        offsets.emplace_back(finger_offset(finger, fingers, given->number("spread")) * units_per_metre, 0);
-    if (!settings->in_scene)
-        place(*motion, offsets, given->number("contact"), units_per_metre, workspace, probe);
+        offsets.emplace_back(finger_offset(finger, fingers, given.number("spread")) * units_per_metre, 0);
+    if (!settings.in_scene)
+        place_motion(motion, offsets, given.number("contact"), units_per_metre, workspace, probe);
     std::optional<double> deepest;
-    if (given->given("depth")) deepest = given->number("depth") * 0.001;
+    if (given.given("depth")) deepest = given.number("depth") * 0.001;
     return std::unique_ptr<Hand>(std::make_unique<RecordedHand>(
-        file, std::move(*motion), std::move(offsets), GoalWatch(workspace.metres_per_scene_unit, deepest)));
+        file, std::move(motion), std::move(offsets), GoalWatch(workspace.metres_per_scene_unit, deepest)));
 }
 
 }  // namespace touchable

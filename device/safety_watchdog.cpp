@@ -1,24 +1,239 @@
 #include "device/safety_watchdog.hpp"
 
+#include <linux/usbdevice_fs.h>
 #include <poll.h>
+#include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <new>
+#include <span>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "engine/base/try.hpp"
 
 namespace touchable {
+
+/// In memory that both processes share.
+struct WatchdogHeartbeats {
+    std::array<Heartbeat, SafetyWatchdog::most_devices> devices;
+    std::atomic<std::uint32_t> watchdog_beats{0};  ///< that the process counts while it keeps a device
+};
+
 namespace {
 
+/// A message to the watchdog's process: what to send to one device. The device's descriptor comes with the
+/// message (SCM_RIGHTS); a message without one says that the device is not to be looked after any more. The
+/// process answers each message with its number, once it has done what the message says.
+struct WatchdogOrder {
+    struct Packet {
+        std::uint32_t bytes = 0;
+        std::byte text[SafetyWatchdog::most_bytes] = {};
+    };
+    std::uint32_t number = 0;
+    std::uint32_t place = 0;     ///< of the device and of its Heartbeat: below most_devices
+    std::int32_t endpoint = -1;  ///< -1: write(2)
+    Packet last, meanwhile;      ///< ZeroForcePacket's
+};
+
+// ---- The process. It is forked from one that may have threads: it does only what a signal handler may.
+
+constexpr char process_name[] = "safety-watchdog";
+constexpr int nothing_kept = -1;
 constexpr int longest_wait_ms = 1000;
+// Above the threads that it watches, and at least above ordinary work.
+constexpr int wanted_priorities[] = {85, 1};
+
+struct Keeping {
+    int descriptor = nothing_kept;
+    WatchdogOrder order;
+    HeartWatch watch;
+    pid_t sender = 0;  // a process that sends, or has sent; 0: there was none
+};
+
+/// Twice: a receiver may be in the middle of something that a first one ends.
+void send_packet(const Keeping& kept, const WatchdogOrder::Packet& packet) {
+    for (int again = 0; again < 2; ++again) {
+        if (kept.order.endpoint < 0) {
+            [[maybe_unused]] const auto written = write(kept.descriptor, packet.text, packet.bytes);
+        } else {
+            WatchdogOrder::Packet copy = packet;
+            usbdevfs_bulktransfer transfer{static_cast<unsigned>(kept.order.endpoint), copy.bytes, 50,
+                                           copy.text};
+            ioctl(kept.descriptor, USBDEVFS_BULK, &transfer);
+        }
+    }
+}
+
+bool is_sending(const Keeping& kept) {
+    return kept.sender > 0 && waitpid(kept.sender, nullptr, WNOHANG) == 0;
+}
+
+/// Beside other devices by a process of its own, so that one that takes no bytes keeps no other waiting.
+template <class Send>
+void send_beside_others(Keeping& kept, bool is_alone, Send&& sends) {
+    if (is_alone) return sends();
+    kept.sender = _Fork();
+    if (kept.sender > 0) return;
+    if (kept.sender < 0) return sends();
+    const auto its_own = static_cast<unsigned>(kept.descriptor);
+    if (its_own > 0) close_range(0, its_own - 1, 0);
+    close_range(its_own + 1, ~0U, 0);
+    sends();
+    _exit(0);
+}
+
+bool is_alone(std::span<const Keeping> kept) {
+    return std::count_if(kept.begin(), kept.end(),
+                         [](const Keeping& each) { return each.descriptor != nothing_kept; }) < 2;
+}
+
+/// The heart is looked at last of all before the word: this process may have been late, and not the other.
+void send_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
+    const auto is_due = [&] { return kept.watch.due_ns(heart.beat_ns) <= boot_ns(); };
+    if (!is_due()) return;
+    ++heart.silences;
+    if (!is_due()) return;
+    const WatchdogOrder::Packet& meanwhile = kept.order.meanwhile;
+    // A word that is still on its way counts as this one.
+    if (!is_sending(kept))
+        send_beside_others(kept, is_alone, [&] {
+            if (is_due()) send_packet(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
+        });
+    kept.watch.sent(boot_ns());
+}
+
+/// The next order; false once the other end of the socket is closed. `descriptor`: what came with it, or -1.
+bool next_order(int socket, WatchdogOrder& order, int& descriptor) {
+    union {
+        cmsghdr header;
+        char room[CMSG_SPACE(sizeof(int))];
+    } ancillary{};
+    iovec part{&order, sizeof order};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = &ancillary;
+    message.msg_controllen = sizeof ancillary;
+    ssize_t came = 0;
+    do came = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+    while (came < 0 && errno == EINTR);
+    if (came != static_cast<ssize_t>(sizeof order)) return false;
+    descriptor = nothing_kept;
+    if (const cmsghdr* header = CMSG_FIRSTHDR(&message); header && header->cmsg_type == SCM_RIGHTS)
+        std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
+    return true;
+}
+
+/// Whether there is an order, or an end, before the first word is due. No message tells of a heart that
+/// begins to beat, so it is looked for again and again.
+bool waits_for_order(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
+    const std::int64_t now = boot_ns();
+    std::int64_t due = now + Heartbeat::longest_ns;
+    bool is_any_kept = false;
+    for (std::size_t place = 0; place < kept.size(); ++place) {
+        if (kept[place].descriptor == nothing_kept) continue;
+        is_any_kept = true;
+        due = std::min(due, kept[place].watch.due_ns(hearts.devices[place].beat_ns));
+    }
+    const timespec patience{0, std::max<std::int64_t>(due - now, 0)};
+    pollfd waited_for{socket, POLLIN, 0};
+    return ppoll(&waited_for, 1, is_any_kept ? &patience : nullptr, nullptr) == 1;
+}
+
+void keep_devices(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
+    for (;;) {
+        ++hearts.watchdog_beats;
+        if (waits_for_order(socket, kept, hearts)) {
+            WatchdogOrder order;
+            int descriptor = nothing_kept;
+            if (!next_order(socket, order, descriptor)) return;
+            Keeping& place = kept[order.place % kept.size()];
+            if (is_sending(place)) kill(place.sender, SIGKILL);
+            if (place.descriptor != nothing_kept) close(place.descriptor);
+            place = {descriptor, order, {}, 0};
+            [[maybe_unused]] const auto answered =
+                send(socket, &order.number, sizeof order.number, MSG_NOSIGNAL);
+        }
+        const bool alone = is_alone(kept);
+        for (std::size_t place = 0; place < kept.size(); ++place)
+            if (kept[place].descriptor != nothing_kept)
+                send_if_due(kept[place], hearts.devices[place], alone);
+    }
+}
+
+/// Makes this a process that signals to the program do not reach: not by its terminal, nor by its name.
+void become_another(std::span<char> command_line) {
+    setsid();  // a terminal's Ctrl-C is for the others
+    prctl(PR_SET_NAME, process_name);
+    std::fill(command_line.begin(), command_line.end(), '\0');
+    if (!command_line.empty())
+        std::copy_n(process_name, std::min(sizeof process_name, command_line.size()) - 1,
+                    command_line.begin());
+    for (const int ignored : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGCHLD}) {
+        struct sigaction action = {};
+        action.sa_handler = SIG_IGN;
+        sigaction(ignored, &action, nullptr);
+    }
+    prctl(PR_SET_TIMERSLACK, 1UL);
+    for (const int priority : wanted_priorities) {
+        const sched_param wanted{.sched_priority = priority};
+        if (sched_setscheduler(0, SCHED_FIFO, &wanted) == 0) break;
+    }
+}
+
+/// All that the process does, from its fork to its end. `command_line`: its own, as the system shows it; it
+/// is overwritten, so that a signal to the program by its name does not end this process too.
+[[noreturn]] void watch_until_alone(int socket, WatchdogHeartbeats& hearts, std::span<char> command_line) {
+    become_another(command_line);
+    // What it does not need it must not hold open: a pipe that the other one writes would have no end.
+    if (socket != 3) {
+        dup2(socket, 3);
+        socket = 3;
+    }
+    close_range(4, ~0U, 0);
+    for (const int standard : {0, 1, 2}) close(standard);
+    Keeping kept[SafetyWatchdog::most_devices];
+    keep_devices(socket, kept, hearts);
+    const bool alone = is_alone(kept);
+    for (Keeping& place : kept)
+        if (place.descriptor != nothing_kept)
+            send_beside_others(place, alone, [&place] { send_packet(place, place.order.last); });
+    // A device that takes nothing keeps no other's descriptor from being let go of.
+    for (const Keeping& place : kept)
+        if (place.descriptor != nothing_kept) close(place.descriptor);
+    while (wait(nullptr) > 0) {  // who waits for this process waits for all its senders
+    }
+    _exit(0);
+}
+
+// ---- The process that is watched.
+
+/// Where the system reads this process's command line from; empty: it does not say.
+std::span<char> own_command_line() {
+    std::ifstream file("/proc/self/stat");
+    const std::string all{std::istreambuf_iterator<char>(file), {}};
+    // The name of the process stands in brackets, and may have any sign in it; then the third field begins.
+    std::istringstream fields(all.substr(std::min(all.rfind(')') + 1, all.size())));
+    std::uintptr_t begin = 0, end = 0;
+    std::string field;
+    for (int number = 3; number < 48 && fields >> field; ++number) {
+    }
+    if (!(fields >> begin >> end) || begin == 0 || end <= begin) return {};
+    return {reinterpret_cast<char*>(begin), end - begin};
+}
 
 Error not_started(const char* what) {
     return {ErrorKind::internal,
@@ -32,7 +247,7 @@ WatchdogOrder::Packet packet_of(const std::vector<std::byte>& bytes) {
     return packet;
 }
 
-/// Whether the process at the other end of the socket ends by then: nobody else holds that end.
+/// Whether the process at the other end of the socket ends by then: no other process holds that end.
 bool has_ended(int socket, int patience_ms) {
     pollfd its_end{socket, 0, 0};
     int ended = 0;
@@ -118,7 +333,7 @@ bool SafetyWatchdog::is_done(std::uint32_t number) const {
 
 Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket* packet) {
     const std::lock_guard lock(mutex_);
-    if (auto lives = health(); !lives.ok()) return lives;
+    TRY(health());
     WatchdogOrder order;
     order.number = ++orders_;
     order.place = static_cast<std::uint32_t>(place);
@@ -147,7 +362,7 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
     while (sent < 0 && errno == EINTR);
     // Once it is done, a socket that was let go of is free for another.
     if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
-    if (auto lives = health(); !lives.ok()) return lives;
+    TRY(health());
     return Error{ErrorKind::device, "the process that leaves devices unpowered (safety-watchdog, " +
                                         std::to_string(process_) + ") does not answer"};
 }
@@ -162,7 +377,7 @@ SafetyWatchdog::Kept& SafetyWatchdog::Kept::operator=(Kept&& other) noexcept {
 
 SafetyWatchdog::Kept::~Kept() {
     if (!watchdog_) return;
-    if (auto given = watchdog_->give_order(place_, nullptr); !given.ok()) return;
+    if (!watchdog_->give_order(place_, nullptr)) return;
     const std::lock_guard lock(watchdog_->mutex_);
     watchdog_->taken_[place_] = false;
 }

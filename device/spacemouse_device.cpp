@@ -1,40 +1,127 @@
 #include "device/spacemouse_device.hpp"
 
+#include <algorithm>
 #include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <utility>
 
-#include "device/hand_options.hpp"
-#include "device/hid_node.hpp"
-#include "device/hid_transport.hpp"
-#include "device/spacemouse_driver.hpp"
-#include "device/spacemouse_protocol.hpp"
+#include "device/hand.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr SpaceMousePace standard_pace;
+constexpr std::size_t three_axes = 6;
+constexpr std::size_t most_button_bytes = 4;
+constexpr std::chrono::microseconds spacemouse_turn{1000};  // a finger that moves is asked for at 1 kHz
+
+Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
+    return {ErrorKind::device, "a SpaceMouse's report " + std::to_string(std::to_integer<int>(bytes[0])) +
+                                   " has " + std::to_string(bytes.size()) + " bytes; right would be " +
+                                   std::to_string(right) + " or more"};
+}
+
+constexpr SpaceMousePace standard_pace;  // of a puck
 constexpr std::array<HandKey, 3> spacemouse_keys{{
     {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandKey::Kind::words},
     {"speed", "m/s", 0.001, 1, standard_pace.speed},
     {"reach", "m", 0.01, 1, standard_pace.reach},
 }};
 
-/// Looked for anew each time: one that is plugged in again may have another number.
-Result<std::unique_ptr<ReportTransport>> open_spacemouse(const std::string& node) {
-    std::string at = node;
-    if (at.empty()) {
-        const auto found = find_hid_node(is_spacemouse);
-        if (!found)
-            return Error{ErrorKind::device,
-                         "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node",
-                         {{Setting::device, "spacemouse:node=/dev/hidraw0"}}};
-        at = found->node;
-    }
-    TRY_ASSIGN(auto opened, HidTransport::open(at));
-    return std::unique_ptr<ReportTransport>(std::move(opened));
+}  // namespace
+
+bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
+    constexpr std::uint16_t ordinary_mice[] = {0xc650, 0xc651, 0xc654, 0xc655, 0xc656, 0xc657, 0xc658};
+    if (vendor == 0x046d) return product >= 0xc603 && product <= 0xc63f;
+    return vendor == 0x256f &&
+           std::find(std::begin(ordinary_mice), std::end(ordinary_mice), product) == std::end(ordinary_mice);
 }
 
-}  // namespace
+Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes) {
+    if (bytes.empty()) return Error{ErrorKind::device, "a SpaceMouse's report has no bytes"};
+    SpaceMouseReport report;
+    switch (std::to_integer<int>(bytes[0])) {
+        case 1:
+            if (bytes.size() < 1 + three_axes) return report_too_short(bytes, 1 + three_axes);
+            report.translation =
+                glm::ivec3(report_word(bytes, 1), report_word(bytes, 3), report_word(bytes, 5));
+            return report;
+        case 2:
+            if (bytes.size() < 1 + three_axes) return report_too_short(bytes, 1 + three_axes);
+            return report;
+        case 3: {
+            if (bytes.size() < 2) return report_too_short(bytes, 2);
+            std::uint32_t buttons = 0;
+            for (std::size_t byte = 0; byte < std::min(bytes.size() - 1, most_button_bytes); ++byte)
+                buttons |= std::to_integer<std::uint32_t>(bytes[1 + byte]) << (8 * byte);
+            report.buttons = buttons;
+            return report;
+        }
+        default:
+            return report;
+    }
+}
+
+void SpaceMouseMotion::deflect(const glm::ivec3& counts, std::int64_t now_ns) {
+    place(now_ns);
+    const glm::dvec3 pushed = glm::dvec3(counts.x, -counts.z, counts.y) / full_deflection;
+    const double length = glm::length(pushed);
+    const double share = std::min((length - dead_zone) / (1 - dead_zone), 1.0);
+    velocity_ = share > 0 ? pushed * (pace_.speed * share / length) : glm::dvec3(0);
+    told_ns_ = now_ns;
+}
+
+glm::dvec3 SpaceMouseMotion::place(std::int64_t now_ns) {
+    const std::int64_t until = std::min(now_ns, told_ns_ + released_ns);
+    if (until > now_ns_)
+        place_ = glm::clamp(place_ + velocity_ * (static_cast<double>(until - now_ns_) * 1e-9),
+                            glm::dvec3(-pace_.reach), glm::dvec3(pace_.reach));
+    now_ns_ = std::max(now_ns_, now_ns);
+    return place_;
+}
+
+DeviceCapabilities SpaceMouseDriver::capabilities() const {
+    return {.axes_sensed = 3,
+            .axes_driven = 0,
+            .reach = glm::dvec3(pace_.reach),
+            .rate_hz = 1000,
+            .buttons = 32,
+            .own_watchdog = false};
+}
+
+Result<void> SpaceMouseDriver::connect(const GivenUp&) {
+    TRY_ASSIGN(auto opened, open_());
+    transport_ = std::move(opened);
+    motion_.emplace(pace_, clock_());
+    buttons_ = 0;
+    return {};
+}
+
+void SpaceMouseDriver::take(std::span<const std::byte> bytes) {
+    const auto report = decode_spacemouse_report(bytes);
+    if (!report) {
+        ++left_out_;
+        return;
+    }
+    if (report->translation) motion_->deflect(*report->translation, clock_());
+    if (report->buttons) buttons_ = *report->buttons;
+}
+
+Result<bool> SpaceMouseDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
+    std::array<std::byte, 64> room;
+    auto wait = std::min(patience, spacemouse_turn);
+    for (int most = 16; most > 0; --most) {
+        TRY_ASSIGN(const auto came, transport_->receive(room, wait));
+        if (came == 0) break;
+        take(std::span(room).first(came));
+        wait = std::chrono::microseconds(0);
+    }
+    sample.metres[0] = motion_->place(clock_());
+    sample.buttons = buttons_;
+    return true;
+}
 
 Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys) {
     TRY_ASSIGN(const auto given, HandOptions::parse("device 'spacemouse'", keys, spacemouse_keys));
@@ -44,7 +131,12 @@ Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys) {
 Result<std::unique_ptr<HapticDevice>> make_spacemouse_device(std::string_view keys,
                                                              const DrivenSettings& driven) {
     TRY_ASSIGN(const auto settings, read_spacemouse_settings(keys));
-    auto open = [node = settings.node] { return open_spacemouse(node); };
+    auto open = [node = settings.node] {
+        return open_hid(node, is_spacemouse,
+                        {ErrorKind::device,
+                         "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node",
+                         {{Setting::device, "spacemouse:node=/dev/hidraw0"}}});
+    };
     return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(
         std::make_unique<SpaceMouseDriver>(settings.pace, std::move(open)), driven));
 }

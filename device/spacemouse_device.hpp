@@ -1,13 +1,95 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "device/driven_device.hpp"
-#include "device/spacemouse_motion.hpp"
+#include "device/hid_transport.hpp"
+#include "engine/base/result.hpp"
+
+// 3Dconnexion's pucks, from their reports up to `--device spacemouse`.
 
 namespace touchable {
+
+/// Whether ids are those of a 3Dconnexion puck, or of the receiver of one: 046d:c603 to c63f (sold under
+/// Logitech's id), and 256f but for its ordinary mice (CadMouse).
+bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
+
+/// What one report of a SpaceMouse tells; its rotation moves no finger and is left out.
+struct SpaceMouseReport {
+    std::optional<glm::ivec3> translation{};  ///< as the device counts: x right, y towards the person, z down
+    std::optional<std::uint32_t> buttons{};   ///< one bit for each that is pressed
+};
+
+/// Of a report with its number in front, integers of 16 bits, low byte first: 1 is the translation, on some
+/// models with the rotation behind it; 2 the rotation; 3 the buttons. Others (a battery's charge) tell
+/// nothing. Refuses one that is too short for what it is.
+Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes);
+
+/// How a puck that is pushed moves a finger.
+struct SpaceMousePace {
+    double speed = 0.1;   ///< m/s, of a puck that is pushed as far as it goes
+    double reach = 0.08;  ///< m to each side of the centre, where the finger stops
+};
+
+/// Where a finger is that a puck pushes: it has a velocity as long as the puck is deflected. Device metres,
+/// axes as HapticDevice has them. Times are nanoseconds, and do not go back.
+class SpaceMouseMotion {
+public:
+    static constexpr double full_deflection = 350;  ///< counts
+    static constexpr double dead_zone = 0.05;       ///< of it, in any direction: no hand rests on it evenly
+    static constexpr std::int64_t released_ns = 200'000'000;  ///< without a word a puck is at rest
+
+    SpaceMouseMotion(const SpaceMousePace& pace, std::int64_t now_ns) : pace_(pace), now_ns_(now_ns) {}
+
+    /// The puck is deflected so from now on, as its report counts (x right, y towards the person, z down).
+    void deflect(const glm::ivec3& counts, std::int64_t now_ns);
+    /// Where the finger has come to.
+    glm::dvec3 place(std::int64_t now_ns);
+
+private:
+    SpaceMousePace pace_;
+    glm::dvec3 place_{0.0};
+    glm::dvec3 velocity_{0.0};
+    std::int64_t now_ns_;       // of `place_`
+    std::int64_t told_ns_ = 0;  // of `velocity_`
+};
+
+/// A 3Dconnexion SpaceMouse as a finger. It exerts no force. It sends reports only while it is pushed;
+/// without reports the finger stays where it is, for as long as the node can be read.
+class SpaceMouseDriver final : public DeviceDriver {
+public:
+    SpaceMouseDriver(const SpaceMousePace& pace, OpenReports open, DriverClock clock = steady_ns)
+        : pace_(pace), open_(std::move(open)), clock_(std::move(clock)) {}
+
+    std::string name() const override { return "SpaceMouse (exerts no force)"; }
+    /// These forces are not felt; they are only drawn.
+    DeviceLimits limits() const override { return {1, 500}; }
+    DeviceCapabilities capabilities() const override;
+    Result<void> connect(const GivenUp& given_up) override;
+    void disconnect() noexcept override { transport_.reset(); }
+    Result<void> send(std::span<const glm::dvec3>) override { return {}; }
+    Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+
+    std::int64_t left_out() const override { return left_out_; }  ///< reports that were too short, so far
+
+private:
+    void take(std::span<const std::byte> report);
+
+    const SpaceMousePace pace_;
+    const OpenReports open_;
+    const DriverClock clock_;
+    std::unique_ptr<ReportTransport> transport_;
+    std::optional<SpaceMouseMotion> motion_;
+    std::uint32_t buttons_ = 0;
+    std::int64_t left_out_ = 0;
+};
 
 struct SpaceMouseSettings {
     std::string node;  ///< empty: the first that is connected

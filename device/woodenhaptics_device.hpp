@@ -1,13 +1,151 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "device/driven_device.hpp"
+#include "device/hid_transport.hpp"
+
+// WoodenHaptics and Polhem: their parameter files, linkage and reports, up to `--device woodenhaptics:`.
 
 namespace touchable {
+
+// ---- Parameter files
+
+/// One of the three motors, and the joint that it turns by a cable. Signs count.
+struct WoodenJoint {
+    double counts_per_turn = 0;  ///< of the motor, quadrupled; negative: they fall as the joint's angle grows
+    double cable_ratio = 0;      ///< the joint's turn for one of the motor's: capstan over drum, 0 to 1
+    double torque_constant = 0;  ///< N m/A; negative: a positive current turns the joint back
+    double most_amperes = 0;     ///< that its motor and amplifier bear
+    std::int16_t home_counts = 0;  ///< of its counter in the home pose
+};
+
+/// What one build of a WoodenHaptics or Polhem is, as its parameter file says (docs/devices.md).
+struct WoodenParameters {
+    enum class Homing {
+        start,  ///< it is in the home pose when it is opened
+        button  ///< it is there when the button of its board is pressed
+    };
+    std::string name;
+    bool drive = false;  ///< false: its motors get no current whatever the force
+    std::array<WoodenJoint, 3> joints{};
+    std::array<double, 3> links{};  ///< m: from the base up to the second joint, then both moving ones
+    glm::dvec3 origin{0.0};  ///< m, the workspace's centre: x to the person, y right, z up, from the base
+    double reach = 0;        ///< m to each side of it
+    DeviceLimits limits{};
+    Homing homing = Homing::start;
+};
+
+/// Of the text of a parameter file. Refuses (ErrorKind::input) what is missing, unknown or out of range;
+/// `where` is the file's name, for the message.
+Result<WoodenParameters> parse_wooden_parameters(std::string_view json, std::string_view where);
+Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& file);
+
+// ---- Kinematics
+
+/// Angles of the three joints, rad: the base's turn about the vertical, then both links', each measured on
+/// its own and not from the link before (both motors stand in the base's body). The second link points up at
+/// 0, the third down; both towards the person at a quarter turn.
+glm::dvec3 wooden_angles(const WoodenParameters& build, const std::array<std::int16_t, 3>& counts);
+
+/// Of the handle, device metres: axes and workspace as HapticDevice has them.
+glm::dvec3 wooden_place(const WoodenParameters& build, const glm::dvec3& angles);
+/// d place / d angles: one column for each joint, m/rad.
+glm::dmat3 wooden_jacobian(const WoodenParameters& build, const glm::dvec3& angles);
+
+/// Currents by which the handle pushes with a finite force, mA. Where a motor would need more than it bears
+/// all three get less, by the same share: the force is shorter, and points where it should.
+std::array<std::int16_t, 3> wooden_currents(const WoodenParameters& build, const glm::dvec3& angles,
+                                            const glm::dvec3& newtons);
+
+// ---- Reports
+
+/// What the board of a WoodenHaptics or a Polhem tells: a report of 14 bytes without a number, seven integers
+/// of 16 bits, low byte first. It sends one for each that it is sent.
+struct WoodenReading {
+    static constexpr std::size_t bytes = 14;
+
+    std::array<std::int16_t, 6> encoders{};  ///< counters, quadrupled counts; the first three move the handle
+    std::int16_t info = 0;                   ///< 1: its button was pressed, to have the counters set
+};
+
+/// Refuses (ErrorKind::device) any other number of bytes.
+Result<WoodenReading> decode_wooden_reading(std::span<const std::byte> report);
+
+/// A report to it, as HID takes it: a 0 where other devices have the report's number, then seven integers
+/// of 16 bits. It acts on a report for half a second at most.
+using WoodenReport = std::array<std::byte, 1 + 14>;
+/// Command 0: currents of the three motors, mA.
+WoodenReport encode_wooden_currents(const std::array<std::int16_t, 3>& milliamperes);
+/// Command 1: no currents, and its six counters are these from now on; its button counts as not pressed.
+WoodenReport encode_wooden_counters(const std::array<std::int16_t, 6>& counters);
+
+// ---- The driver and its keys
+
+/// A WoodenHaptics or Polhem behind its board's HID reports. It has no place, and its motors no current,
+/// until it was in its home pose; nor current where its parameter file says that it must not be driven. Once
+/// it was away its pose is not known any more: then only the button of its board brings it home. The board's
+/// own watchdog takes the currents away half a second after the last report.
+class WoodenHapticsDriver final : public DeviceDriver {
+public:
+    static constexpr std::int64_t silent_ns = 1'000'000'000;  ///< without a sound report it is gone
+    static constexpr int sure_of_button = 3;  ///< readings in a row that show it; one may be damaged
+    static constexpr int home_slack = 500;    ///< counts that a hand may have moved while they were set
+
+    /// `is_homed`: of a build with a button, that it was pressed since the board got its power.
+    WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, OpenReports open,
+                        DriverClock clock = steady_ns)
+        : build_(build), is_homed_(is_homed), open_(std::move(open)), clock_(std::move(clock)) {}
+    ~WoodenHapticsDriver() override { disconnect(); }
+
+    std::string name() const override;
+    DeviceLimits limits() const override { return build_.limits; }
+    DeviceCapabilities capabilities() const override;
+    Result<void> connect(const GivenUp& given_up) override;
+    void disconnect() noexcept override;
+    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    Result<void> forget_what_came() override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    std::string prompt() const override;
+
+    std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
+
+private:
+    /// How far it is to known angles.
+    enum class Homed { no, counters_sent, yes };
+
+    Result<bool> read_newest(std::chrono::microseconds patience);
+    Result<void> await_reading(const GivenUp& given_up, const std::function<bool()>& is_right,
+                               const char* otherwise);
+    Result<void> set_counters();
+    void look_at_button();
+    bool has_place() const;
+    bool is_at_home() const;
+    glm::dvec3 angles() const;
+
+    const WoodenParameters build_;
+    const bool is_homed_;
+    const OpenReports open_;
+    const DriverClock clock_;
+    std::unique_ptr<ReportTransport> transport_;
+    bool was_held_ = false;  // before: it was away since
+    int pressed_ = 0;        // readings in a row that show its button
+    Homed homed_ = Homed::no;
+    WoodenReading reading_;
+    std::int64_t read_ns_ = 0;
+    std::int64_t left_out_ = 0;
+};
 
 struct WoodenSettings {
     std::string node;  ///< empty: the first that is connected

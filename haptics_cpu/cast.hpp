@@ -3,9 +3,56 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "haptics_cpu/proxy.hpp"
+#include "haptics_cpu/height_field.hpp"
 
 namespace touchable {
+
+/// The paper's metric (sections 3.3.2 and 3.3.3): pixels sideways and grey levels in depth, z_p = 255 (far -
+/// depth)/(far - near) by Eq. 3, as if they were one unit. Kept because its error is worth publishing
+/// (docs/solver.md, Why not in pixel space): forces point tens of degrees wrong and create energy. For linear
+/// coding and square pixels. Positions are (x, -y, kappa z_p), so that axes are right-handed; kappa is 1 for
+/// the paper's metric. With that of a place (`kappa_at`) the space measures there, near the axis, what the
+/// world does but for a factor: shear and the change of range are left out.
+class PixelSpace {
+public:
+    explicit PixelSpace(const HeightField& field, double kappa = 1.0) : field_(field), kappa_(kappa) {}
+
+    /// Where a world point is in this space; nothing for a point that no pixel sees (WorldSpace::chart).
+    std::optional<glm::dvec3> from_world(const glm::dvec3& point) const;
+    glm::dvec3 to_world(const glm::dvec3& point) const;
+
+    const HeightField& field() const { return field_; }
+    /// Stays as it is until a vertex more than three away in i or j is asked for.
+    const SpaceVertex& vertex(std::int64_t i, std::int64_t j) const {
+        return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
+    }
+    /// Of a vertex whose place is not asked for, and is not computed for this.
+    bool is_valid(std::int64_t i, std::int64_t j) const {
+        const SpaceVertex* known = cache_.find(i, j);
+        return known ? known->valid : field_.is_valid(i, j);
+    }
+    glm::dvec3 position(const ChartPoint& at) const { return {at.x, -at.y, at.w}; }
+    /// What `from_world` let in is on the lattice.
+    std::optional<ChartPoint> chart(const glm::dvec3& point) const {
+        return ChartPoint{point.x, -point.y, point.z};
+    }
+    ImageStep image_step(const glm::dvec3&, const glm::dvec3& d) const { return {d.x, -d.y, 0.0}; }
+    std::optional<ChartWay> way(const glm::dvec3& from, const glm::dvec3& to) const {
+        return ChartWay{*chart(from), *chart(to), true};
+    }
+    double largest_w(int tile_x, int tile_y) const;
+
+private:
+    SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
+    double level_of(double depth) const;
+    const HeightField& field_;
+    double kappa_;  // of one level; times 1 is exact: the paper's metric stays what it is
+    mutable VertexCache cache_;
+};
+
+/// One level over the width of a pixel at a world point before the camera: the kappa that makes a level as
+/// long as it is there. A finite one, however near to the camera the point is.
+double kappa_at(const Scene& scene, const glm::dvec3& point);
 
 /// What a straight way meets.
 struct Cast {

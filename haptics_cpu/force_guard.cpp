@@ -1,16 +1,66 @@
 #include "haptics_cpu/force_guard.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <string>
 #include <utility>
-
-#include "haptics_cpu/sound_contact.hpp"
-#include "haptics_cpu/tick_velocity.hpp"
 
 namespace touchable {
 
+// No device and no scene gives values beyond these. Squares and products of values within them are finite.
+inline constexpr double most_newtons = 1e30, most_newtons_per_metre = 1e15, farthest_metres = 1e12;
+
+/// False for NaN too.
+inline bool is_within(const glm::dvec3& v, double most) {
+    return glm::dot(v, v) <= most * most;
+}
+inline bool is_stiffness(double newtons_per_metre) {
+    return newtons_per_metre >= 0 && newtons_per_metre <= most_newtons_per_metre;
+}
+
+/// Whether what a contact says of forces can be used: numbers, and of this world.
+inline bool has_sound_forces(const Contact& contact) {
+    return is_within(contact.force, most_newtons) && is_stiffness(contact.properties.stiffness) &&
+           (!contact.jumped || is_within(contact.jumped_force, most_newtons));
+}
+
+/// The same of its places; `farthest`: farthest_metres in scene units.
+inline bool has_sound_places(const Contact& contact, double farthest) {
+    const double squares = glm::dot(contact.goal, contact.goal) + glm::dot(contact.proxy, contact.proxy) +
+                           glm::dot(contact.carried, contact.carried);
+    return squares <= farthest * farthest &&
+           (!contact.carried_stiffness || is_stiffness(*contact.carried_stiffness));
+}
+
 namespace {
+
+Error must_be(const char* name, const char* range, Hints hints = {}) {
+    return usage_error(std::string(name) + " must be a number " + range, std::move(hints));
+}
+
+// Less than this is the rounding of the books, and nothing that a hand could feel.
+constexpr double least_joules = 1e-9;
+
+using glm::dot;
+using glm::dvec3;
+
+/// w: from 1 to 0 as ticks go from 0 to fade_ticks, level at both ends.
+double fade(double ticks) {
+    const double p = ticks / JumpCancellation::fade_ticks;
+    return p < 1 ? 1.0 - p * p * (3.0 - 2.0 * p) : 0.0;
+}
+
+/// N/m; a softer spring exerts nothing.
+constexpr double least_stiffness = 1e-6;
+
+/// Neither longer than F nor against it, with as little change as that takes.
+dvec3 within(const dvec3& force, const dvec3& out) {
+    const double f2 = dot(force, force), along = dot(out, force);
+    if (!(f2 > 0 && std::isfinite(f2))) return force;
+    const dvec3 with = along < 0 ? out - force * (along / f2) : out;
+    const double length2 = dot(with, with);
+    return length2 > f2 ? with * std::sqrt(f2 / length2) : with;
+}
 
 /// A limited force is this share shorter than the limit, so that no rounding, here or where its length is
 /// computed once more, brings it above: a device's limit holds to the last bit.
@@ -32,6 +82,278 @@ double farthest_place(const GuardSettings& settings, double metres_per_unit) {
 }
 
 }  // namespace
+
+// Written so that NaN is refused.
+Result<void> validate(const GuardSettings& settings) {
+    if (!(settings.max_force >= 1e-6 && settings.max_force <= 1e9))
+        return must_be("the device's force", "from 1e-6 to 1e9 N", {{Setting::max_force}});
+    if (!(settings.max_stiffness >= 1e-3 && settings.max_stiffness <= 1e12))
+        return must_be("the device's stiffness", "from 1e-6 to 1e9 N/mm", {{Setting::max_stiffness}});
+    if (settings.ramp_in_ticks < 0 || settings.ramp_out_ticks < 0)
+        return must_be("a ramp of force", "of ticks, 0 or more");
+    if (!(settings.rise.per_tick > 0))
+        return must_be("the rise of stiffness", "above 0 N/mm per second", {{Setting::stiffness_rise}});
+    if (!(settings.damping >= 0 && std::isfinite(settings.damping)))
+        return must_be("damping", "of N s/m, 0 or more", {{Setting::damping}});
+    if (!(settings.passivity >= 0 && std::isfinite(settings.passivity)))
+        return must_be("the passivity controller's damping", "of N s/m, 0 or more", {{Setting::passivity}});
+    if (settings.stale_after_ns < 0 || settings.stale_after_ns > 3'600'000'000'000)
+        return must_be("the age of a stale surface", "from 0 to 3600000 ms", {{Setting::stale_after}});
+    return {};
+}
+
+using glm::dot;
+using glm::dvec3;
+
+double DeviceSpring::energy(double k, double x2) const {
+    k = std::min(k, max_stiffness);
+    if (k * k * x2 <= max_force * max_force) return 0.5 * k * x2;
+    return max_force * (std::sqrt(x2) - 0.5 * max_force / k);
+}
+
+double DeviceSpring::pull(double k, double x2) const {
+    k = std::min(k, max_stiffness);
+    return k * k * x2 <= max_force * max_force ? k : max_force / std::sqrt(x2);
+}
+
+double DeviceSpring::stiffness(double joules, double x2) const {
+    const double k = 2.0 * joules / x2;
+    if (k * k * x2 <= max_force * max_force) return k;
+    const double cut = std::sqrt(x2) - joules / max_force;
+    return cut > 0 ? 0.5 * max_force / cut : std::numeric_limits<double>::infinity();
+}
+
+void EnergyAccount::move(const Contact& contact, const std::optional<double>& carried_stiffness,
+                         double ramp) {
+    if (!started_) goal_ = contact.goal;
+    started_ = true;
+    if (!carried_stiffness) excess_ = 0;
+
+    // The surface moves, the goal does not.
+    ramp_ = ramp;
+    stiffness_before_ = carried_stiffness;
+    energy_before_ = 0;
+    dvec3 before(0.0), fresh(0.0);  // the stretch, and what the spring would exert now
+    if (carried_stiffness) {
+        before = metres_per_unit_ * (contact.carried - goal_);
+        const double before2 = dot(before, before);
+        energy_before_ = ramp * spring_.energy(*carried_stiffness, before2);
+        fresh = ramp * spring_.pull(*carried_stiffness, before2) * before;
+    }
+    figures_.surface += energy_before_ - figures_.stored;
+
+    // The goal moves against the force that is held.
+    step_ = metres_per_unit_ * (contact.goal - goal_);
+    work_of_tick_ = dot(held_, step_);
+    figures_.work += work_of_tick_;
+    const double by_the_jump = dot(blended_, step_);
+    figures_.surface += by_the_jump;
+    const double bound = std::max(0.0, dot(spring_force_ - fresh, step_));
+    figures_.bound += bound;
+    excess_ += work_of_tick_ - by_the_jump - energy_before_ - bound;
+    x_ = metres_per_unit_ * (contact.proxy - contact.goal);
+    x2_ = dot(x_, x_);
+    stretched_ = x_ - before;
+    goal_ = contact.goal;
+}
+
+void EnergyAccount::store(double stiffness) {
+    figures_.stored = energy(stiffness);
+    spring_force_ = ramp_ * spring_.pull(stiffness, x2_) * x_;
+    // The nearest place to the new goal is no farther from it than the place before was, so that the energy
+    // grows by -F.dG + k |dG|^2 / 2 at most.
+    const double k = std::min(stiffness_before_.value_or(stiffness), spring_.max_stiffness);
+    const double bound = 0.5 * ramp_ * k * dot(step_, step_);
+    figures_.bound += bound;
+    excess_ += figures_.stored - bound;
+    figures_.created = std::max(figures_.created, figures_.balance());
+}
+
+void EnergyAccount::lose_goal() {
+    figures_.surface -= figures_.stored;
+    figures_.stored = 0;
+    held_ = blended_ = spring_force_ = dvec3(0.0);
+}
+
+std::optional<double> ContactStiffness::carried(const Contact& contact) const {
+    if (!limited_ || !contact.carried_stiffness) return contact.carried_stiffness;
+    return std::min(*contact.carried_stiffness, stiffness_);
+}
+
+/// From tick to tick of a contact.
+double ContactStiffness::risen(double before, double map, const EnergyAccount& account) {
+    double most = rise_.per_tick;
+    const double stretch2 = glm::dot(account.stretch(), account.stretch());
+    if (from_hole_ && stretch2 > 0) most = std::min(most, rise_from_hole / std::sqrt(stretch2));
+    // At a stiffness that stays, holding a force creates a little, friction and drops lose much.
+    const double stays = account.energy(before);
+    paid_ += std::max(0.0, account.allowed() - stays);
+    const double stiffness = std::min(map, before + most);
+    const double cost = account.energy(stiffness) - stays;
+    if (!rise_.paid || cost <= paid_) {
+        paid_ = std::max(0.0, paid_ - cost);
+        return stiffness;
+    }
+    const double affordable = std::clamp(account.stiffness(stays + paid_), before, stiffness);
+    paid_ = 0;
+    return affordable;
+}
+
+double ContactStiffness::in_effect(const Contact& contact, const EnergyAccount& account) {
+    const double map = contact.properties.stiffness;
+    from_hole_ = from_hole_ || contact.hole_share > 0;
+    if (!rise_.limited() && !from_hole_) return map;
+    const std::optional<double> carried = this->carried(contact);
+    if (carried && contact.touching) {
+        stiffness_ = risen(*carried, map, account);
+    } else {
+        paid_ = 0;
+        stiffness_ = map;
+    }
+    from_hole_ = contact.touching && (contact.hole_share > 0 || (from_hole_ && stiffness_ < map));
+    limited_ = contact.touching && (rise_.limited() || from_hole_);
+    return stiffness_;
+}
+
+using glm::dot;
+using glm::dvec3;
+
+dvec3 ContactDamping::force(const EnergyAccount& account, double stiffness, const dvec3& velocity,
+                            int ticks) {
+    if (!(stiffness > 0)) {
+        lift();
+        return dvec3(0.0);
+    }
+    rate_ = filtered_velocity(rate_, account.stretched(), ticks);
+    const dvec3 damper = b_ * rate_;
+    if (dot(damper, velocity) > 0) return dvec3(0.0);
+    const dvec3& stretch = account.stretch();
+    const double inward = -dot(damper, stretch), spring = stiffness * dot(stretch, stretch);
+    if (spring == 0) return dvec3(0.0);
+    return inward > spring ? damper * (spring / inward) : damper;
+}
+
+glm::dvec3 PassivityController::force(double excess, const glm::dvec3& velocity) const {
+    const double speed2 = glm::dot(velocity, velocity);
+    if (!(excess > least_joules) || !(speed2 > 0)) return glm::dvec3(0.0);
+    return velocity * -std::min(excess / (tick_seconds * speed2), most_);
+}
+
+double JumpCancellation::felt_share(double stiffness) const {
+    return stiffness > device_.max_stiffness ? device_.max_stiffness / stiffness : 1.0;
+}
+
+/// What the jump alone would make the hand feel.
+dvec3 JumpCancellation::felt_jump(const Contact& contact) const {
+    return felt_share(contact.carried_stiffness.value_or(contact.properties.stiffness)) *
+           contact.jumped_force;
+}
+
+void JumpCancellation::reset() {
+    surface_is_new_ = device_.waits_to_be_free;
+    waiting_ = buried_ = false;
+    presence_ = 1;
+    jump_ = wanted_ = given_ = dvec3(0.0);
+    ticks_ = fade_ticks;
+    rested_ = false;
+    stiffness_ = 0;
+    near_hole_ = false;
+}
+
+/// What a hole does to stiffness is spread by the guard (ContactStiffness), which goes by what the spring
+/// would exert at the new stiffness. So what is remembered of the spring goes with it: a jump is how far the
+/// surface jumped.
+void JumpCancellation::follow_hole(const Contact& contact) {
+    const double stiffness = std::min(contact.properties.stiffness, device_.max_stiffness);
+    const bool near_hole = contact.hole_share > 0;
+    if ((near_hole || near_hole_) && stiffness_ > least_stiffness) {
+        const double scale = stiffness / stiffness_;
+        jump_ *= scale;
+        wanted_ *= scale;
+        given_ *= scale;
+    }
+    stiffness_ = stiffness;
+    near_hole_ = near_hole;
+}
+
+/// From what the hand gets now to nothing.
+void JumpCancellation::fall_silent() {
+    jump_ = -given_;
+    ticks_ = 0;
+    if (given_ == dvec3(0.0)) presence_ = 0;
+}
+
+void JumpCancellation::meet_new(const dvec3& force) {
+    surface_is_new_ = false;
+    waiting_ = device_.waits_to_be_free;
+    if (waiting_)
+        fall_silent();
+    else
+        begin(force);
+}
+
+void JumpCancellation::begin(const dvec3& jumped_force) {
+    const bool was_buried = buried_;
+    buried_ = dot(jumped_force, jumped_force) > device_.max_force * device_.max_force;
+    if (buried_) {
+        if (!was_buried) fall_silent();
+        return;
+    }
+    if (was_buried) {
+        jump_ = jumped_force - given_;
+        ticks_ = 0;
+        return;
+    }
+    // What is left of an earlier jump fades on, from where it is. For both there is one clock; it shows the
+    // mean of theirs, so that a row of small jumps is followed and not held back for ever.
+    const dvec3 added = jumped_force - wanted_;
+    const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
+    const double left = fade(ticks_) > 0 ? fade(ticks_) / before : 0.0;
+    const dvec3 rest = (wanted_ - given_) * left;
+    const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
+    ticks_ = rest_n > 0 ? ticks_ * (rest_n / (rest_n + added_n)) : 0.0;
+    jump_ = (rest + added) / fade(ticks_);
+}
+
+BlendedForce JumpCancellation::calm(const Contact& contact) {
+    if (!has_sound_forces(contact)) return {contact.force};
+    follow_hole(contact);
+    const double share = felt_share(contact.properties.stiffness);
+    const dvec3 felt = share * contact.force;
+    // Most ticks by far: nothing jumped, and there is nothing to fade.
+    if (!surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks && presence_ >= 1) {
+        wanted_ = given_ = felt;
+        return {contact.force};
+    }
+    if (!contact.touching) {
+        buried_ = false;
+        ticks_ = fade_ticks;
+        presence_ = 1;
+        // A finger whose goal is not known is not known to be free.
+        if (!contact.goal_held) surface_is_new_ = waiting_ = false;
+    } else if (surface_is_new_) {
+        meet_new(felt);
+    } else if (contact.jumped && !waiting_) {
+        begin(felt_jump(contact));
+    }
+    BlendedForce out;
+    out.presence = presence_;
+    out.waiting = waiting_ && contact.touching;
+    wanted_ = is_silent() ? dvec3(0.0) : felt;
+    given_ = felt;
+    out.force = contact.force;
+    if (is_silent() || ticks_ < fade_ticks) {
+        given_ = within(felt, wanted_ - fade(ticks_) * jump_);
+        out.force = given_ / share;
+        if (!contact.goal_held) ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
+    }
+    rested_ = contact.goal_held;
+    if (!contact.goal_held)
+        presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
+    out.difference = out.force - contact.force;
+    out.active = out.difference != dvec3(0.0);
+    return out;
+}
 
 ForceGuard::ForceGuard(const GuardSettings& settings, double metres_per_scene_unit)
     : settings_(settings),
@@ -170,6 +492,20 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
     if (!can_go_out(out)) return begin_anew();
     last_force_ = whole;
     return out;
+}
+
+GuardedForce FingerGuard::guard(const Contact& contact, double surface_share) {
+    const BlendedForce blended = jump_.calm(contact);
+    GuardedForce out = blended.active ? guard_.guard_blended(contact, blended, surface_share)
+                                      : guard_.guard(contact, surface_share);
+    if ((out.reasons & guard_fault) && guard_.has_begun_anew()) jump_.reset();
+    if (blended.waiting) out.reasons |= guard_waiting;
+    return out;
+}
+
+void FingerGuard::surface_is_new() {
+    if (has_let_go()) jump_.reset();  // the hand gets nothing that could fade
+    jump_.surface_is_new();
 }
 
 }  // namespace touchable

@@ -1,23 +1,148 @@
 #pragma once
 
+// The loop of a thousand ticks a second, in real time.
+//
+// HapticLoop runs a TouchStep on a thread of its own: each millisecond it takes goals from the HapticPort,
+// the pair of frames from the timeline, and hands forces back; what happened goes into the TickLog, a ring
+// that another thread empties. realtime asks the system for SCHED_FIFO and locked memory, and says what was
+// granted.
+//
+// The haptic thread waits for no other thread: a goal or a force that is late is missing, never waited for. A
+// tick whose time has passed is skipped and counted.
+
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "engine/base/boot_time.hpp"
 #include "engine/base/result.hpp"
-#include "haptics_cpu/haptic_port.hpp"
-#include "haptics_cpu/realtime.hpp"
-#include "haptics_cpu/tick_log.hpp"
+#include "engine/base/threads.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
+
+/// A ring between one thread that writes and one that reads (single producer, single consumer). Neither
+/// waits; all memory is there from the start.
+template <class Slot>
+class SpscRing {
+public:
+    explicit SpscRing(std::vector<Slot> slots) : slots_(std::move(slots)) {}
+
+    /// The writer's: `fill` writes the next slot; false, and nothing written, while the ring is full.
+    /// Wait-free.
+    template <class Fill>
+    bool push(const Fill& fill) {
+        const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
+        if (at - popped_.load(std::memory_order_acquire) == slots_.size()) return false;
+        fill(slots_[at % slots_.size()]);
+        pushed_.store(at + 1, std::memory_order_release);
+        return true;
+    }
+    /// The reader's: hands the oldest slot to `take`; false where there is none.
+    template <class Take>
+    bool pop(const Take& take) {
+        const std::uint64_t at = popped_.load(std::memory_order_relaxed);
+        if (at == pushed_.load(std::memory_order_acquire)) return false;
+        take(slots_[at % slots_.size()]);
+        popped_.store(at + 1, std::memory_order_release);
+        return true;
+    }
+
+private:
+    std::vector<Slot> slots_;
+    alignas(64) std::atomic<std::uint64_t> pushed_{0};
+    alignas(64) std::atomic<std::uint64_t> popped_{0};
+};
+
+/// Ticks on their way from the haptic thread to whoever keeps them.
+class TickLog {
+public:
+    TickLog(int ticks, int fingers);
+
+    /// Haptic thread. Copies the tick; false, and nothing kept, while the ring is full. Wait-free.
+    bool push(const TouchTick& tick);
+    /// Reader. Hands the oldest tick to `take`; false where there is none.
+    template <class Take>
+    bool pop(const Take& take) {
+        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
+    }
+
+private:
+    /// A tick, and its part of the log's memory, to which its spans refer.
+    struct Slot {
+        TouchTick tick;
+        std::span<glm::dvec3> goals;
+        std::span<Contact> contacts;
+        std::span<GuardedForce> forces;
+        std::span<double> shares;
+    };
+    std::vector<Slot> slots_for(int ticks, int fingers);
+
+    // Of all slots, one after the other: a log is made between two sessions of a hand, and each piece of
+    // memory takes its time.
+    std::vector<glm::dvec3> goals_;
+    std::vector<Contact> contacts_;
+    std::vector<GuardedForce> forces_;
+    std::vector<double> shares_;
+    SpscRing<Slot> ring_;
+};
+
+/// What the haptic thread is plugged into: where goals come from and forces go. Called every millisecond from
+/// that thread alone; must not wait. One that throws has failed.
+class HapticPort {
+public:
+    virtual ~HapticPort() = default;
+    /// Goals of a tick, world, scene units, one per finger. False: the device is gone, and the loop ends.
+    virtual bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) = 0;
+    /// Called before the goals of a tick that comes after a gap of so many ms without ticks (longer than
+    /// HapticLoop::longest_gap_ns). The hand may be anywhere by then, and another person's.
+    virtual void come_back(std::int64_t) {}
+    /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes
+    /// zeros.
+    virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
+    /// Of what was written last, how much of a finger's force went to the hand: 0 to 1.
+    virtual double share(std::size_t) const { return 1; }
+};
+
+/// Memory from which no page has to be fetched in a tick.
+enum class MemoryLock {
+    none,
+    present,  ///< what there was when it was asked for, as under a finite RLIMIT_MEMLOCK
+    all       ///< and whatever comes later, once it has been touched
+};
+
+/// How much of what a real-time thread wants this machine allows.
+struct RealtimeGrant {
+    bool fifo = false;  ///< SCHED_FIFO
+    MemoryLock memory = MemoryLock::none;
+    std::optional<std::uint64_t> memory_limit{};  ///< RLIMIT_MEMLOCK, bytes; nothing: none that counts
+    int cpu = -1;                                 ///< the one CPU the thread stays on; -1: any
+    std::string in_words() const;  ///< "SCHED_FIFO, memory locked, on CPU 1", or what is missing
+};
+
+/// SCHED_FIFO priority of the haptic thread: above ordinary real-time work, below the kernel's own.
+inline constexpr int haptic_priority = 80;
+
+/// Asks for it, for the calling thread: SCHED_FIFO, the program's memory locked, pinned to the last of its
+/// CPUs (interrupts tend to be served by the first) where there are several, timer slack 1 ns. Goes on
+/// without what is refused.
+RealtimeGrant become_realtime();
+
+/// For a thread that carries a device's bytes: SCHED_FIFO as the haptic one has it, on any CPU. False: it is
+/// not permitted.
+bool become_fifo();
+
+/// Sleeps until a moment of the monotonic clock, absolutely.
+void sleep_until(std::chrono::steady_clock::time_point moment);
 
 /// How a loop went; complete once it has ended.
 struct LoopFacts {

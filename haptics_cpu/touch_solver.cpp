@@ -8,12 +8,8 @@
 #include <memory>
 
 #include "haptics_cpu/cast.hpp"
-#include "haptics_cpu/friction.hpp"
-#include "haptics_cpu/pixel_space.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/surface_carry.hpp"
-#include "haptics_cpu/surface_lattice.hpp"
-#include "haptics_cpu/tick_velocity.hpp"
-#include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
 

@@ -7,7 +7,6 @@
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "haptics_cpu/proxy.hpp"
 #include "haptics_cpu/slide.hpp"
 
 namespace touchable {

@@ -1,12 +1,18 @@
 #include "haptics_cpu/touch_step.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <utility>
 
-#include "haptics_cpu/tick_velocity.hpp"
-
 namespace touchable {
+
+Workspace default_workspace(int width, double fx, double median_depth) {
+    constexpr double picture_width = 0.16;  // of device space, metres
+    const double scene_width = width / fx * median_depth;
+    return {picture_width / scene_width, {0, 0, -median_depth}};
+}
 
 namespace {
 
@@ -112,6 +118,16 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     done.forces = forces_;
     done.metres_per_scene_unit = solver_.settings().metres_per_scene_unit;
     return done;
+}
+
+void ForceHash::add(const glm::dvec3& force) {
+    std::array<std::uint8_t, 24> bytes;
+    std::size_t at = 0;
+    for (const double component : {force.x, force.y, force.z}) {
+        const auto bits = std::bit_cast<std::uint64_t>(component == 0 ? 0.0 : component);
+        for (int shift = 0; shift < 64; shift += 8) bytes[at++] = static_cast<std::uint8_t>(bits >> shift);
+    }
+    hash_.add(bytes.data(), bytes.size());
 }
 
 }  // namespace touchable

@@ -1,13 +1,66 @@
 #pragma once
 
+// A tick of touch: goals in, forces out. This is the front door for offline runs and for programs that have a
+// loop of their own.
+//
+// TouchStep holds a solver and a guard for each finger. `run` takes the frames of the moment and the
+// fingers' goals, solves each proxy (touch_solver.hpp), makes its force and guards it (force_guard.hpp), and
+// gives a TouchTick with all that is told of it. A Workspace says how the device's metres lie in the scene.
+// ForceHash is the hash by which two runs are compared; force_rules is the version of the rules by which
+// forces are made: recordings name it.
+//
+// A force is a pure function of configuration, frames with timestamps, goals and the state before. One thread
+// at a time; a step neither waits nor allocates.
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
-#include "haptics_cpu/finger_guard.hpp"
-#include "haptics_cpu/stale_surface.hpp"
-#include "haptics_cpu/touch_tick.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/scene/surface_timeline.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {
+
+/// The similarity between device metres and scene units: scene = origin + device / metres_per_scene_unit.
+/// Axes agree (x right, y up, z towards the person).
+struct Workspace {
+    double metres_per_scene_unit = 0.001;  ///< S: device metres per scene unit, > 0
+    glm::dvec3 origin{0, 0, 0};            ///< scene point of the device's centre
+
+    glm::dvec3 to_scene(const glm::dvec3& device_metres) const {
+        return origin + device_metres / metres_per_scene_unit;
+    }
+    glm::dvec3 to_device(const glm::dvec3& scene) const { return (scene - origin) * metres_per_scene_unit; }
+};
+
+/// The default: a picture `width` pixels wide, seen with focal length `fx` (pixels) at `median_depth` (scene
+/// units), spans 0.16 m of device space; the device's centre is at that depth on the optical axis.
+Workspace default_workspace(int width, double fx, double median_depth);
+
+/// What happened in one tick; spans hold one element per finger.
+struct TouchTick {
+    std::int64_t tick = 0, time_ns = 0;
+    FramePair pair;    ///< in a log only its numbers, times and blend mean anything: frames are recycled
+    double blend = 0;  ///< that the surface had: 0 where it holds the earlier frame
+    std::span<const glm::dvec3> goals;  ///< as the hand gave them
+    std::span<const Contact> contacts;
+    std::span<const GuardedForce> forces;
+    std::span<const double> shares{};  ///< of these, how much was sent to the hand, 0 to 1; empty: all
+    double metres_per_scene_unit = 0;
+    bool behind = false;  ///< a proxy was behind the surface by more than rounding explains
+    double solve_us = 0;  ///< solver and guard of all fingers, wall time
+    double late_us = 0;   ///< how long after its time it began; 0 in virtual time
+
+    double share(std::size_t finger) const { return shares.empty() ? 1.0 : shares[finger]; }
+    /// The force that was sent to a finger's hand, newtons, world axes.
+    glm::dvec3 sent(std::size_t finger) const { return share(finger) * forces[finger].force; }
+};
 
 /// N fingers from tick to tick: solver, jump cancellation, guard, and what they carry over. The one way a
 /// tick is made, offline and live (docs/solver.md, A tick, file by file).
@@ -56,5 +109,30 @@ private:
     std::vector<FingerGuard> guards_;
     std::vector<GuardedForce> forces_;
 };
+
+/// XXH64 (seed 0) over guarded forces as little-endian doubles fx, fy, fz (newtons, world axes), -0 written
+/// as +0, ticks outer, fingers inner (docs/conventions.md, Units): equal hashes mean equal forces to the last
+/// bit.
+class ForceHash {
+public:
+    void add(const glm::dvec3& force);
+    std::uint64_t value() const { return hash_.value(); }
+    std::string hex() const { return hash_.hex(); }  ///< 16 digits
+
+private:
+    ByteHash hash_;
+};
+
+/// The rules by which forces come about, by number. A change that is meant to give other forces for the same
+/// frames and goals gives a new number and says here what it was; forces made under different numbers are not
+/// compared. (Between two releases the number is raised once.)
+///
+/// 1: until 0.1 was in the making, and recordings that do not say. Haptic properties of the frame nearer in
+///    time, friction where a facet is entered, velocities over one tick whatever time had passed.
+/// 2: properties blended in time as depth is, friction of the place where a slide ends, velocities over the
+///    time that has passed, no force on a goal that is buried when its surface is new, ramps that resume,
+///    normals made of the sides that meet at a face's nearest corner, what is sudden by the hand's own time,
+///    a jump's fade that rests while a goal is missing.
+inline constexpr int force_rules = 2;
 
 }  // namespace touchable

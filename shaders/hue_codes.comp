@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 // Red, green and blue -> codes (hue_code.h), a lane per eight pixels of a row: 24 bytes in, a texel out. A colour
-// that says nothing of depth becomes a code beyond every valid one (engine/scene/stored_code.hpp).
+// that says nothing of depth becomes a code beyond every valid one (engine/scene/frames.hpp).
 
 #include "shaders/hue_code.h"
 #include "shaders/surface_codes.h"

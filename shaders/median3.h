@@ -1,7 +1,7 @@
 // The lower median of 9 codes, some of them invalid, without a branch; for GLSL.
 //
 // Invalid codes count as least and greatest in turn, so that the middle of all is the lower median of the valid
-// ones (engine/surface/median_row.cpp). A column is sorted once, with its invalid codes above all others; both ways
+// ones (engine/surface/median.cpp). A column is sorted once, with its invalid codes above all others; both ways
 // it can take part, with the first of them as the least or as the greatest, follow by shifting. A window starts
 // with the least and goes on, column by column, with whatever is next in turn.
 #ifndef TOUCHABLE_SHADERS_MEDIAN3_H

@@ -1,5 +1,6 @@
 // What the kernels that turn stored values into filtered codes share with each other and with C++. Planes are
-// rows of texels of 16 bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean nothing.
+// rows of texels of 16 bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean
+// nothing.
 #ifndef TOUCHABLE_SHADERS_SURFACE_CODES_H
 #define TOUCHABLE_SHADERS_SURFACE_CODES_H
 
@@ -33,23 +34,23 @@ SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
            code == codes.excluded[3];
 }
 
-/// Neighbours of a row of blocks, of which each is a word of validity wide and a tile high, so two tiles. Numbered
-/// row by row.
+/// Neighbours of a row of blocks, of which each is a word of validity wide and a tile high, so two tiles.
+/// Numbered row by row.
 struct ListedBlocks {
     uint first, count;
 };
 
 /// Of the kernels that march along strips (strip.h).
 struct StripPush {
-    uint width, height;       // pixels
+    uint width, height;        // pixels
     uint in_pitch, out_pitch;  // texels from one row to the next
-    uint segments;            // parts of a row that are marched side by side
-    uint segment_texels;      // codes of a segment / 8; a multiple of 4
-    uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
-    uint validity_words;      // of a row
-    uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
-    uint factor;              // WorkingCodes of filters after the median; unused where they are looked up
-    uint listed;              // runs of blocks that are built, of the last stage; 0: all of the frame
+    uint segments;             // parts of a row that are marched side by side
+    uint segment_texels;       // codes of a segment / 8; a multiple of 4
+    uint along_x;              // 1: neighbouring lanes are neighbours along x, as GPUs like it
+    uint validity_words;       // of a row
+    uint pass, groups;         // of fill_holes: which pass this is, and workgroups of each
+    uint factor;               // WorkingCodes of filters after the median; unused where they are looked up
+    uint listed;               // runs of blocks that are built, of the last stage; 0: all of the frame
     ValidCodes valid;
 };
 
@@ -62,15 +63,15 @@ struct FillPass {
 /// Specialisation constants of those kernels, in order.
 struct StripConstants {
     uint group_size;
-    uint sample_bytes;    // of a stored value: 1 or 2
-    uint may_be_invalid;  // 0 where every stored value is a valid code
+    uint sample_bytes;     // of a stored value: 1 or 2
+    uint may_be_invalid;   // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
-    uint ragged;          // 0 where the width is a multiple of 8 and the height of 2
-    uint to_finer;        // 1: codes are for filters that need finer ones: working codes, or no_finer_code
-    uint looked_up;       // 1: working codes are those of a table
+    uint ragged;           // 0 where the width is a multiple of 8 and the height of 2
+    uint to_finer;         // 1: codes are for filters that need finer ones: working codes, or no_finer_code
+    uint looked_up;        // 1: working codes are those of a table
 };
 
-/// A length by depth in codes; see engine/scene/code_curve.hpp.
+/// A length by depth in codes; see engine/scene/scene.hpp.
 struct CurvePush {
     uint constant, linear, quadratic, falls, last, shift, from_last;
 };
@@ -79,7 +80,7 @@ struct CurvePush {
 struct TerracesPush {
     uint width, height, pitch;
     uint segments, segment_texels, along_x;
-    CurvePush steps, levels;  // from one stored code to the next, and from one level, in working codes
+    CurvePush steps, levels;     // from one stored code to the next, and from one level, in working codes
     uint fraction, step, noise;  // TerraceFilter
 };
 
@@ -99,13 +100,13 @@ struct TemporalPush {
     uint height, pitch;  // pixels; texels from one row to the next
     uint begins;         // 1: nothing is known of the frame before
     CurvePush gate;
-    uint none;           // what an invalid code becomes; beyond `valid`
-    ValidCodes valid;    // which exclude nothing
+    uint none;         // what an invalid code becomes; beyond `valid`
+    ValidCodes valid;  // which exclude nothing
 };
 
-/// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes: a
-/// word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid. Those of two
-/// tiles, as wide as a word of validity, are a texel.
+/// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes:
+/// a word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid. Those of
+/// two tiles, as wide as a word of validity, are a texel.
 const uint tile_pair_bytes = 16u;
 /// Of a tile without a valid code.
 const uint no_part = 65535u;
@@ -113,8 +114,8 @@ const uint no_part = 65535u;
 /// Of tile_bounds.
 struct TileBoundsPush {
     uint width, height;
-    uint pitch;             // texels of codes from one row to the next
-    uint words, strips;     // pairs of tiles in a row, and pairs of rows
+    uint pitch;          // texels of codes from one row to the next
+    uint words, strips;  // pairs of tiles in a row, and pairs of rows
     uint tiles_x, tiles_y;
     uint listed;  // as in StripPush
 };

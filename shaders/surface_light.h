@@ -1,4 +1,4 @@
-// Light on the surface, as light.comp and its twin (player/draw/surface_light.cpp) have it. Compiled as GLSL
+// Light on the surface, as light.comp and its twin (player/draw/drawn_surface.cpp) have it. Compiled as GLSL
 // and as C++ (with GLM). Colours: 0 to 255 a channel, as brightness.
 #ifndef TOUCHABLE_SHADERS_SURFACE_LIGHT_H
 #define TOUCHABLE_SHADERS_SURFACE_LIGHT_H

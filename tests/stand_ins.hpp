@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/random.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable::test {
 

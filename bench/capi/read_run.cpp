@@ -9,7 +9,7 @@
 
 #include "bench/clocks.hpp"
 #include "capi/touchable.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
 

@@ -8,12 +8,11 @@
 #include "bench/clocks.hpp"
 #include "capi/frames.hpp"
 #include "capi/touchable.hpp"
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/surface_timeline.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "haptics_cpu/force_hash.hpp"
 #include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {

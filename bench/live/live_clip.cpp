@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
-#include "engine/clip/matroska_writer.hpp"
-#include "player/run/interrupt.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 

@@ -6,9 +6,8 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/codecs.hpp"
-#include "engine/clip/packet_decoder.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {

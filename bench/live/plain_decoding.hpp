@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 
 namespace touchable {
 

@@ -1,8 +1,8 @@
 #include "bench/live/seek_run.hpp"
 
 #include "bench/clocks.hpp"
-#include "engine/content/random.hpp"
-#include "player/run/interrupt.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "player/run/terminal.hpp"
 #include "player/session/touch_figures.hpp"
 
 namespace touchable {

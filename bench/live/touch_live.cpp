@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "bench/clocks.hpp"
-#include "player/run/device_port.hpp"
 #include "player/run/live_session.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
 

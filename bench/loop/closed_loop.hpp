@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "bench/touch/touch_surface.hpp"
-#include "device/held_handle.hpp"
+#include "device/point_motion.hpp"
 #include "haptics_cpu/touch_solver.hpp"
-#include "haptics_cpu/workspace.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
 

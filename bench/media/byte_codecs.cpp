@@ -6,8 +6,8 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/rank_zstd.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/clip/track_codecs.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/peak_memory.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 namespace {

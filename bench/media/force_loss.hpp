@@ -7,8 +7,8 @@
 
 #include "bench/media/plane_codec.hpp"
 #include "bench/suite.hpp"
-#include "engine/scene/raw_frame.hpp"
-#include "player/session/standard_stroke.hpp"
+#include "engine/scene/frames.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/scene/plane_view.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 

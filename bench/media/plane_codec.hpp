@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/scene/plane_view.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 

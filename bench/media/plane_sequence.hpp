@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/clip/plane_role.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -8,7 +8,7 @@
 #include "bench/paper/scratch_run.hpp"
 #include "bench/paper/scripted_path.hpp"
 #include "bench/suite.hpp"
-#include "engine/base/number_words.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

@@ -8,8 +8,8 @@
 #include "bench/clocks.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "engine/base/number_words.hpp"
-#include "haptics_cpu/workspace.hpp"
+#include "engine/base/words.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
 namespace {

@@ -5,7 +5,7 @@
 #include "bench/paper/paper_clip.hpp"
 #include "bench/paper/scripted_path.hpp"
 #include "bench/suite.hpp"
-#include "device/held_handle.hpp"
+#include "device/point_motion.hpp"
 
 namespace touchable {
 

@@ -1,6 +1,6 @@
 #include "bench/paper/scripted_path.hpp"
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 

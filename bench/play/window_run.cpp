@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bench/clocks.hpp"
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/window/play_window.hpp"
 

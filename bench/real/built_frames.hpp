@@ -3,9 +3,8 @@
 #include <vector>
 
 #include "bench/suite.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

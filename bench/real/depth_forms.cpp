@@ -11,9 +11,9 @@
 #include <fstream>
 
 #include "bench/real/depth_map.hpp"
-#include "engine/base/number_words.hpp"
+#include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/import/bag_bytes.hpp"
 
 namespace touchable {

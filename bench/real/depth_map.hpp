@@ -4,9 +4,8 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

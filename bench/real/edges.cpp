@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/real/built_frames.hpp"
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

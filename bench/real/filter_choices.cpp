@@ -1,6 +1,6 @@
 #include "bench/real/filter_choices.hpp"
 
-#include "engine/surface/filter_choice.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "bench/real/built_frames.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {

@@ -4,8 +4,8 @@
 
 #include "bench/real/depth_plane.hpp"
 #include "bench/suite.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/touch/noisy_scene.hpp"
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 namespace {

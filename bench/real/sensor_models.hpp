@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/real/depth_map.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 namespace {

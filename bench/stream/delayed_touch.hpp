@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/suite.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/scene/surface_frame.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/scene/frames.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/stream/relay.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/gpu/gpu_buffer.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 
 namespace touchable {

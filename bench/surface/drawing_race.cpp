@@ -11,9 +11,9 @@
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "player/draw/gpu_painters.hpp"
-#include "player/draw/scene_picture.hpp"
-#include "player/draw/surface_drawing.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/light_picture.hpp"
+#include "player/draw/pictures.hpp"
 
 namespace touchable {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "bench/surface/race.hpp"
-#include "player/draw/cpu_lattice.hpp"
-#include "player/draw/gpu_lattice.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "tests/view/plain_surface.hpp"
 
 namespace touchable {

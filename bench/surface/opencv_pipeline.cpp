@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/scene/surface_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "shaders/cut_rule.h"
 
 #ifdef TOUCHABLE_HAS_OPENCV

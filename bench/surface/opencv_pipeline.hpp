@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

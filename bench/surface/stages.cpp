@@ -5,8 +5,8 @@
 
 #include "bench/clocks.hpp"
 #include "bench/surface/race.hpp"
-#include "player/draw/gpu_painters.hpp"
-#include "player/draw/view_camera.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/view.hpp"
 
 namespace touchable {
 namespace {

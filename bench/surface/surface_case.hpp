@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
-#include "engine/scene/surface_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {

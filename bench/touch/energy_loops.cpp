@@ -6,8 +6,8 @@
 
 #include "bench/touch/globe_run.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "engine/base/trigonometry.hpp"
-#include "engine/content/presets.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/families.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 
 namespace touchable {
 namespace {

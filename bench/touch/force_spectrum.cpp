@@ -4,7 +4,7 @@
 #include <complex>
 #include <cstddef>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

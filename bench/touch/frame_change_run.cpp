@@ -50,7 +50,7 @@ private:
     std::int64_t next_ = 0;
 };
 
-double quantile(std::vector<double>& values, double share) {
+double at_share(std::vector<double>& values, double share) {
     std::sort(values.begin(), values.end());
     const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
     return values.empty() ? 0 : values[std::min(rank, values.size() - 1)];
@@ -90,13 +90,13 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
         (pair.prev.number != last && last >= 0 ? changed_us : other_us).push_back(us);
         last = pair.prev.number;
     }
-    const double changed = quantile(changed_us, 0.5), other = quantile(other_us, 0.5);
+    const double changed = at_share(changed_us, 0.5), other = at_share(other_us, 0.5);
     figures.push_back({"new_frame_us", changed - other, "us"});
     figures.push_back({"new_frames", static_cast<double>(changed_us.size()), ""});
     figures.push_back({"new_frame_tick_us_p50", changed, "us"});
-    figures.push_back({"new_frame_tick_us_p99", quantile(changed_us, 0.99), "us"});
+    figures.push_back({"new_frame_tick_us_p99", at_share(changed_us, 0.99), "us"});
     figures.push_back({"other_tick_us_p50", other, "us"});
-    figures.push_back({"other_tick_us_p99", quantile(other_us, 0.99), "us"});
+    figures.push_back({"other_tick_us_p99", at_share(other_us, 0.99), "us"});
     return {};
 }
 

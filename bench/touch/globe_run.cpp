@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 
 #include "bench/touch/touch_run.hpp"
-#include "engine/base/trigonometry.hpp"
-#include "engine/content/strokes.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/height_fields.hpp"
 
 namespace touchable {
 namespace {

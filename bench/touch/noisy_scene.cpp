@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

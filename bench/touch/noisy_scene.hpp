@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "engine/content/random.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "tests/reference/certificate.hpp"
 #include "tests/reference/comparison.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 

@@ -1,7 +1,7 @@
 #include "bench/touch/timing_run.hpp"
 
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 
 namespace touchable {
 namespace {

@@ -7,12 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "engine/authoring/camera_rest.hpp"
 #include "engine/authoring/hole_filling.hpp"
-#include "engine/base/number_words.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/reader_around.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
 namespace {
@@ -132,7 +131,7 @@ private:
     std::int64_t frame_at_rest(std::int64_t n) const;
 
     Known known_;
-    HoleFilling filling_;
+    HolesFromMotion filling_;
     std::vector<std::string> notes_;
     std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
 };

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip.hpp"
 
 namespace touchable {
 

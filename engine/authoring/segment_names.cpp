@@ -1,13 +1,49 @@
-#include "engine/authoring/segment_names.hpp"
-
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
-#include "engine/authoring/segment_json.hpp"
+#include "engine/authoring/segments.hpp"
+#include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
+
 namespace {
+
+constexpr double hard = as_stiff_as_the_device;
+constexpr std::string_view limit = "as stiff as the device can", estimate = "estimate";
+
+// Friction from HaTT is that of a hand-held tool's tip that slides: the median of its materials of a kind.
+// It has no static friction: that is estimated as four thirds of the dynamic one.
+constexpr std::array<PaletteMaterial, 20> materials{{
+    {"wood", hard, 0.29, 0.216, 100, limit, "HaTT: MDF, painted, stained and plain wood"},
+    {"metal", hard, 0.36, 0.268, 40, limit, "HaTT: aluminium (2), mesh, shelving, textured metal"},
+    {"glass", hard, 0.18, 0.137, 0, limit, "estimate: HaTT's glazed ceramic"},
+    {"ceramic", hard, 0.18, 0.137, 30, limit, "HaTT: ceramic"},
+    {"plastic", hard, 0.27, 0.206, 40, limit, "HaTT: ABS, acrylic (2), plastic mesh (2)"},
+    {"paper", 1.2, 0.32, 0.24, 20, estimate, "HaTT: paper of 10 kinds"},
+    {"cardboard", 1, 0.37, 0.28, 50, estimate, "HaTT: cardboard, gift box"},
+    {"cloth", 0.5, 0.41, 0.307, 100, estimate, "HaTT: cotton, denim, silk and other cloth (10)"},
+    {"felt", 0.5, 0.6, 0.447, 60, estimate, "HaTT: felt"},
+    {"leather", 0.8, 0.53, 0.398, 100, estimate, "HaTT: fronts of leather (2)"},
+    {"rubber", 1.1, 0.82, 0.612, 50, "flat punch of 4 mm radius, E 0.1 MPa", "HaTT: textured rubber"},
+    {"foam", 0.22, 1.21, 0.911, 80, "flat punch of 4 mm radius, E 25 kPa",
+     "HaTT: EPDM, pink and polyethylene foam"},
+    {"cork", 1.5, 0.77, 0.578, 100, estimate, "HaTT: cork"},
+    {"skin", 0.3, 0.61, 0.46, 60, estimate, "Zhang and Mak 1999: mean of all measurements"},
+    {"stone", hard, 0.93, 0.699, 120, limit, "HaTT: stone tile (2)"},
+    {"brick", hard, 0.68, 0.509, 150, limit, "HaTT: brick (2), painted brick"},
+    {"carpet", 0.4, 1.34, 1.003, 150, estimate, "HaTT: carpet (4)"},
+    {"fur", 0.15, 0.72, 0.54, 80, estimate, "estimate: HaTT's blanket, fleece, towel, velvet"},
+    {"grass", 0.2, 1.48, 1.111, 150, estimate, "HaTT: artificial grass"},
+    {"water", 0.05, 0.03, 0.02, 0, estimate, "estimate"},
+}};
+
+constexpr std::int64_t last_pixel = 16383;
+constexpr std::size_t most_points = 10000;
 
 using NamesNode = checked_json::Node;
 using NamesJson = nlohmann::ordered_json;
@@ -114,6 +150,75 @@ NamesJson write_segment(const NamedSegment& segment) {
 }
 
 }  // namespace
+
+std::span<const PaletteMaterial> palette() {
+    return materials;
+}
+
+const PaletteMaterial* find_material(std::string_view name) {
+    const auto found = std::find_if(materials.begin(), materials.end(),
+                                    [&](const PaletteMaterial& material) { return material.name == name; });
+    return found == materials.end() ? nullptr : &*found;
+}
+
+std::string material_names() {
+    std::string all;
+    for (const PaletteMaterial& material : materials)
+        all += (all.empty() ? "" : ", ") + std::string(material.name);
+    return all;
+}
+
+std::string no_such_material(std::string_view name) {
+    std::vector<std::string> names;
+    for (const PaletteMaterial& material : materials) names.emplace_back(material.name);
+    const std::string meant = nearest_word(name, names);
+    return in_quotes(name) + " is no material" + (meant.empty() ? "" : " (" + meant + "?)") +
+           "; right would be one of " + material_names();
+}
+
+}  // namespace touchable
+
+namespace touchable::segment_json {
+
+PixelOfFrame read_place(const checked_json::Node& node) {
+    const auto numbers = node.elements(2, 3, "[X, Y] or [X, Y, FRAME]");
+    PixelOfFrame place;
+    place.x = static_cast<int>(numbers[0].integer(0, last_pixel));
+    place.y = static_cast<int>(numbers[1].integer(0, last_pixel));
+    if (numbers.size() == 3) place.frame = numbers[2].integer(0, last_frame);
+    return place;
+}
+
+nlohmann::ordered_json write_place(const PixelOfFrame& place) {
+    return {place.x, place.y, place.frame};
+}
+
+SegmentCut read_cut(const checked_json::Node& node) {
+    node.allow_only({"frame", "stroke"});
+    SegmentCut cut;
+    cut.frame = node["frame"].integer(0, last_frame);
+    for (const checked_json::Node& point :
+         node["stroke"].elements(2, most_points, "a list of 2 to 10000 points, [X, Y] each")) {
+        const auto numbers = point.elements(2, 2, "[X, Y]");
+        cut.stroke.push_back({static_cast<int>(numbers[0].integer(0, last_pixel)),
+                              static_cast<int>(numbers[1].integer(0, last_pixel))});
+    }
+    return cut;
+}
+
+nlohmann::ordered_json write_cut(const SegmentCut& cut) {
+    nlohmann::ordered_json stroke = nlohmann::ordered_json::array();
+    for (const SegmentCut::Point& point : cut.stroke)
+        stroke.push_back(nlohmann::ordered_json::array({point.x, point.y}));
+    nlohmann::ordered_json json;
+    json["frame"] = cut.frame;
+    json["stroke"] = std::move(stroke);
+    return json;
+}
+
+}  // namespace touchable::segment_json
+
+namespace touchable {
 
 Result<SegmentNames> parse_segment_names(std::string_view json, std::string_view where) {
     const auto refusal = [&](const std::string& message) {

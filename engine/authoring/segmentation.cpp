@@ -2,21 +2,59 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
+#include <tuple>
 #include <utility>
 
-#include "engine/authoring/label_memory.hpp"
-#include "engine/authoring/region_cleaning.hpp"
-#include "engine/authoring/region_merging.hpp"
-#include "engine/authoring/segment_figures.hpp"
-#include "engine/authoring/superpixels.hpp"
+#include "engine/authoring/regions.hpp"
 
 namespace touchable {
+
 namespace {
+
+/// Of what was seen before, so many are remembered, the newest.
+constexpr std::size_t most_known = 512;
+/// Alike: within 16 levels of colour and a fifth of the depth, and not twice as large.
+constexpr std::int64_t colour_alike = 64 * 64, depth_alike = PixelFeatures::depth_per_octave / 4;
+constexpr std::int64_t size_alike = 2;
+/// And an eighth of the picture away at most.
+constexpr std::int64_t place_alike = 8;
+
+std::int64_t colour_distance(const RegionLook& a, const RegionLook& b) {
+    return squared(a.brightness - b.brightness) + squared(a.red_green - b.red_green) +
+           squared(a.yellow_blue - b.yellow_blue);
+}
+
+/// Texture is what a mean over 9x9 pixels, all of one segment, takes away.
+constexpr int blur_reach = 4, blur_side = 2 * blur_reach + 1;
+/// A place is inside where it is so far from other segments.
+constexpr int inside = 2;
+constexpr std::int64_t outside = std::int64_t{1} << 40;  // farther than any place
+constexpr std::uint32_t no_place = std::numeric_limits<std::uint32_t>::max();
+
+struct FigureSums {
+    std::int64_t pixels = 0, x = 0, y = 0, deviation = 0, textured = 0;
+    std::array<std::int64_t, 3> colour{};
+};
+
+std::uint16_t label_at(const Segmentation& of, int x, int y) {
+    return of.labels[static_cast<std::size_t>(y) * static_cast<std::size_t>(of.width) +
+                     static_cast<std::size_t>(x)];
+}
+
+/// All the square around it, as its corners and the middles of its sides tell, is of the same segment.
+bool is_within(const Segmentation& of, int x, int y, int reach) {
+    if (x < reach || y < reach || x >= of.width - reach || y >= of.height - reach) return false;
+    for (int dy = -reach; dy <= reach; dy += reach)
+        for (int dx = -reach; dx <= reach; dx += reach)
+            if (label_at(of, x + dx, y + dy) != label_at(of, x, y)) return false;
+    return true;
+}
 
 constexpr long usual_superpixels = 1500;
 constexpr int smallest_side = 4;
 constexpr std::int64_t smallest_permille = 2;  // of the picture's pixels: a segment
-constexpr long pixels_per_thread = 20000;
+constexpr long segmented_pixels_per_thread = 20000;
 /// A pixel of which colour changed by more than 12 levels, or depth by 2 %, shows something else.
 constexpr std::int32_t same_colour = 48, same_depth = 118;
 
@@ -38,9 +76,228 @@ std::int32_t smallest_segment(const Scene& scene) {
 
 }  // namespace
 
+bool LabelMemory::are_alike(const RegionLook& a, const RegionLook& b) const {
+    const std::int64_t away = squared(a.x - b.x) + squared(a.y - b.y);
+    return colour_distance(a, b) <= colour_alike && std::abs(a.depth - b.depth) <= depth_alike &&
+           std::max(a.pixels, b.pixels) <= size_alike * std::min(a.pixels, b.pixels) &&
+           away * squared(place_alike) <= squared(width_) + squared(height_);
+}
+
+/// Pairs of a region and a label, those that share most pixels first. A pair has to share more than half of
+/// the smaller one.
+void LabelMemory::take_by_overlap(const std::vector<RegionLook>& looks,
+                                  const std::vector<std::uint16_t>& regions,
+                                  const std::vector<std::uint16_t>& labels, bool follows,
+                                  std::vector<std::uint16_t>& names) {
+    constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> place_of(std::size_t{newest_} + 1, unknown);
+    for (std::size_t k = 0; k < known_.size(); ++k) place_of[known_[k].label] = static_cast<std::uint32_t>(k);
+    std::vector<std::int64_t> shared(looks.size() * known_.size()), label_pixels(known_.size());
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+        if (labels[k] == 0 || place_of[labels[k]] == unknown) continue;
+        ++label_pixels[place_of[labels[k]]];
+        if (regions[k] < looks.size()) ++shared[regions[k] * known_.size() + place_of[labels[k]]];
+    }
+    struct Pair {
+        std::int64_t shared;
+        std::size_t region, known;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t region = 0; region < looks.size(); ++region)
+        for (std::size_t known = 0; known < known_.size(); ++known) {
+            const std::int64_t both = shared[region * known_.size() + known];
+            if (both * 2 > std::min(looks[region].pixels, label_pixels[known]) &&
+                (follows || are_alike(looks[region], known_[known].look)))
+                pairs.push_back({both, region, known});
+        }
+    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+        return std::tie(b.shared, a.region, a.known) < std::tie(a.shared, b.region, b.known);
+    });
+    for (const Pair& pair : pairs) {
+        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
+        names[pair.region] = known_[pair.known].label;
+        known_[pair.known].is_taken = true;
+    }
+}
+
+void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector<std::uint16_t>& names) {
+    struct Pair {
+        std::int64_t away;
+        std::size_t region, known;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t region = 0; region < looks.size(); ++region)
+        for (std::size_t known = 0; known < known_.size(); ++known) {
+            const RegionLook &look = looks[region], &before = known_[known].look;
+            if (names[region] == 0 && !known_[known].is_taken && are_alike(look, before))
+                pairs.push_back(
+                    {squared(look.x - before.x) + squared(look.y - before.y) + colour_distance(look, before),
+                     region, known});
+        }
+    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+        return std::tie(a.away, a.region, a.known) < std::tie(b.away, b.region, b.known);
+    });
+    for (const Pair& pair : pairs) {
+        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
+        names[pair.region] = known_[pair.known].label;
+        known_[pair.known].is_taken = true;
+    }
+}
+
+void LabelMemory::remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
+    for (std::size_t region = 0; region < looks.size(); ++region) {
+        if (names[region] == 0) continue;
+        const auto at =
+            std::lower_bound(known_.begin(), known_.end(), names[region],
+                             [](const Known& one, std::uint16_t label) { return one.label < label; });
+        if (at != known_.end() && at->label == names[region])
+            *at = {names[region], looks[region], frame_, false};
+        else
+            known_.insert(at, {names[region], looks[region], frame_, false});
+    }
+    while (known_.size() > most_known) {
+        const auto oldest = std::min_element(known_.begin(), known_.end(),
+                                             [](const Known& a, const Known& b) { return a.seen < b.seen; });
+        if (oldest->seen == frame_) break;
+        known_.erase(oldest);
+    }
+}
+
+std::vector<std::uint16_t> LabelMemory::name(const std::vector<RegionLook>& looks,
+                                             const std::vector<std::uint16_t>& regions,
+                                             const std::vector<std::uint16_t>& labels, bool follows) {
+    ++frame_;
+    std::vector<std::uint16_t> names(looks.size());
+    for (Known& known : known_) known.is_taken = false;
+    take_by_overlap(looks, regions, labels, follows, names);
+    take_by_look(looks, names);
+    // After 65,535 segments there are no more labels: what is new then has none.
+    for (std::uint16_t& name : names)
+        if (name == 0 && newest_ < std::numeric_limits<std::uint16_t>::max()) name = ++newest_;
+    remember(looks, names);
+    return names;
+}
+
+void SegmentFigures::find_deviations(const PlaneView& colour, int width, int height, RowBands& bands) {
+    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    brightness_.resize(pixels);
+    deviations_.assign(pixels, 0);
+    const auto row_of = [&](auto& plane, int y) {
+        return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    };
+    bands.for_each_band(height, 1, [&](const RowBand& band) {
+        for (int y = band.first; y < band.last; ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
+                row_of(brightness_, y)[x] =
+                    static_cast<std::uint16_t>((77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2] + 8) / 16);
+            }
+    });
+    bands.for_each_band(height, 1, [&](const RowBand& band) {
+        std::vector<std::int32_t> columns(static_cast<std::size_t>(width));
+        for (int y = std::max(band.first, blur_reach); y < std::min(band.last, height - blur_reach); ++y) {
+            std::fill(columns.begin(), columns.end(), 0);
+            for (int from = y - blur_reach; from <= y + blur_reach; ++from)
+                for (int x = 0; x < width; ++x)
+                    columns[static_cast<std::size_t>(x)] += row_of(brightness_, from)[x];
+            std::int32_t sum = 0;
+            for (int x = 0; x < width; ++x) {
+                sum += columns[static_cast<std::size_t>(x)];
+                if (x < blur_side - 1) continue;
+                const int middle = x - blur_reach;
+                row_of(deviations_, y)[middle] = static_cast<std::uint16_t>(
+                    std::abs(row_of(brightness_, y)[middle] - sum / (blur_side * blur_side)));
+                sum -= columns[static_cast<std::size_t>(x - blur_side + 1)];
+            }
+        }
+    });
+}
+
+/// By label; `place_of_` leads to each.
+void SegmentFigures::list_segments(Segmentation& of) {
+    place_of_.resize(std::size_t{1} << 16, no_place);
+    of.segments.clear();
+    for (const std::uint16_t label : of.labels) {
+        if (label == 0 || place_of_[label] != no_place) continue;
+        place_of_[label] = 0;
+        of.segments.push_back({label, 0, {}, 0, 0, 0});
+    }
+    std::sort(of.segments.begin(), of.segments.end(),
+              [](const Segment& a, const Segment& b) { return a.label < b.label; });
+    for (std::size_t k = 0; k < of.segments.size(); ++k)
+        place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
+}
+
+/// All figures, with the mean place.
+void SegmentFigures::find_means(const PlaneView& colour, Segmentation& of) const {
+    const int width = of.width, height = of.height;
+    std::vector<FigureSums> all(of.segments.size());
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::uint16_t label = label_at(of, x, y);
+            if (label == 0) continue;
+            FigureSums& sums = all[place_of_[label]];
+            ++sums.pixels;
+            sums.x += x;
+            sums.y += y;
+            if (colour.empty()) continue;
+            const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
+            for (std::size_t c = 0; c < 3; ++c) sums.colour[c] += rgb[c];
+            if (!is_within(of, x, y, blur_reach)) continue;
+            ++sums.textured;
+            sums.deviation += deviations_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                          static_cast<std::size_t>(x)];
+        }
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const FigureSums& sums = all[k];
+        Segment& segment = of.segments[k];
+        segment.pixels = static_cast<std::int32_t>(sums.pixels);
+        segment.x = static_cast<std::int32_t>(sums.x / sums.pixels);
+        segment.y = static_cast<std::int32_t>(sums.y / sums.pixels);
+        for (std::size_t c = 0; c < 3; ++c)
+            segment.colour[c] = static_cast<std::uint8_t>((sums.colour[c] + sums.pixels / 2) / sums.pixels);
+        if (sums.textured > 0)
+            segment.contrast =
+                static_cast<std::int32_t>((sums.deviation + sums.textured / 2) / sums.textured);
+    }
+}
+
+/// In place of the mean place the pixel next to it, one inside if there is one.
+void SegmentFigures::find_middles(Segmentation& of) const {
+    struct Nearest {
+        std::int64_t rank = std::numeric_limits<std::int64_t>::max();
+        std::int32_t x = 0, y = 0;
+    };
+    std::vector<Nearest> all(of.segments.size());
+    for (int y = 0; y < of.height; ++y)
+        for (int x = 0; x < of.width; ++x) {
+            const std::uint16_t label = label_at(of, x, y);
+            if (label == 0) continue;
+            Nearest& nearest = all[place_of_[label]];
+            const Segment& segment = of.segments[place_of_[label]];
+            const std::int64_t dx = x - segment.x, dy = y - segment.y, away = dx * dx + dy * dy;
+            if (away >= nearest.rank) continue;
+            const std::int64_t rank = away + (is_within(of, x, y, inside) ? 0 : outside);
+            if (rank < nearest.rank) nearest = {rank, x, y};
+        }
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        of.segments[k].x = all[k].x;
+        of.segments[k].y = all[k].y;
+    }
+}
+
+void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
+    if (!frame.colour.empty()) find_deviations(frame.colour, of.width, of.height, bands);
+    list_segments(of);
+    find_means(frame.colour, of);
+    find_middles(of);
+    for (const Segment& segment : of.segments) place_of_[segment.label] = no_place;
+}
+
 struct Segmenter::State {
     State(const Scene& scene, int threads)
-        : bands(threads > 0 ? threads : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
+        : bands(threads > 0 ? threads
+                            : threads_for(long{scene.width} * scene.height, segmented_pixels_per_thread)),
           reader(scene),
           superpixels(scene.width, scene.height, superpixel_side(scene)),
           merging(scene.camera, smallest_segment(scene)),

@@ -1,14 +1,74 @@
 #pragma once
 
+// The surfaces of a recording, told apart by colour and depth and followed through time.
+//
+// A frame becomes superpixels by its PixelFeatures, these are merged to regions where they are alike, small
+// ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmentation does this one
+// call a frame, in order.
+//
+// One thread's; the same frames give the same labels on every machine.
+
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
+
+/// What pixels are told apart by, in numbers of which equal differences weigh about the same: 4 of them are
+/// a level of 255 of colour, or 1/1000 of the depth.
+struct PixelFeatures {
+    static constexpr std::int32_t no_surface = -(1 << 20);
+    static constexpr int depth_per_octave = 4096;
+
+    int width = 0, height = 0;
+    /// Of a mean over 3x3 pixels. Brightness, which shading changes, has half the weight; the two of hue are
+    /// shares of the brightness, which it does not change.
+    std::vector<std::int16_t> brightness, red_green, yellow_blue;
+    /// Logarithm of the planar depth, so that a share of it is a difference; `no_surface` in holes.
+    std::vector<std::int32_t> depth;
+
+    std::size_t place(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+    bool has_surface(std::size_t k) const { return depth[k] != no_surface; }
+};
+
+inline std::int64_t squared(std::int64_t difference) {
+    return difference * difference;
+}
+
+/// The pixel of colour that is nearest to one of depth, should colour have another size.
+inline const std::uint8_t* colour_at(const PlaneView& colour, int x, int y, int width, int height) {
+    if (colour.width != width) x = (2 * x + 1) * colour.width / (2 * width);
+    if (colour.height != height) y = (2 * y + 1) * colour.height / (2 * height);
+    return colour.row(y) + std::ptrdiff_t{3} * x;
+}
+
+class FeatureReader {
+public:
+    explicit FeatureReader(const Scene& scene);
+    void read(const RawFrame& frame, PixelFeatures& features, RowBands& bands) const;
+    /// About that depth: from one code to the next.
+    std::int32_t quantum(std::int32_t depth) const;
+
+private:
+    void read_colour(const PlaneView& colour, PixelFeatures& features, const RowBand& band) const;
+    void read_depth(const PlaneView& depth, PixelFeatures& features, const RowBand& band) const;
+
+    int width_, height_;
+    DepthCoding coding_;
+    std::vector<std::int32_t> depth_of_code_, ray_;  // ray_: of range depth, by pixel; else none
+    std::vector<std::int32_t> quanta_;               // by eighths of an octave
+    std::vector<std::int32_t> shares_;
+};
+
+/// 4096 log2(number), for 1 and up to 2^31, rounded down.
+std::int32_t fixed_log2(double number);
 
 /// A segment as its pixels have it so far in this frame.
 struct Segment {

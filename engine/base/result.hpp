@@ -1,14 +1,71 @@
 #pragma once
 
+// How a function says that it could not do what it was asked for.
+//
+// A function that can fail returns Result<T>: a value, or an Error with one line for a person (what is wrong,
+// where, what would be right) and its kind, which is the program's exit code. Ask it by `if (!result)`, then
+// use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. Nothing is thrown across a
+// module's border. An Error may hint at a Setting: a library does not know what a program calls it, an option
+// or a row of a panel. Plain values, for any thread.
+
 #include <cassert>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
-
-#include "engine/base/setting.hpp"
+#include <vector>
 
 namespace touchable {
+
+/// What a person can set of what is opened, touched, shown or written. Messages speak of it in plain words; a
+/// program that lets people set it knows what they write for it: an option, a row of a panel, a parameter.
+enum class Setting {
+    builder,
+    camera,
+    clip,
+    damping,
+    depth_unit,
+    device,
+    device_rules,
+    field_of_view,
+    fingers,
+    forces,
+    gpu,
+    hand,
+    haptic_map,
+    headless,
+    height_map,
+    interpolation,
+    intrinsics,
+    live,
+    loop,
+    max_force,
+    max_stiffness,
+    painter,
+    passivity,
+    playback,
+    preset,
+    rate,
+    record,
+    scene_file,
+    script,
+    seconds,
+    stale_after,
+    start,
+    start_buried,
+    stiffness_rise,
+    stribeck,
+    temporal,
+    view
+};
+inline constexpr int setting_count = static_cast<int>(Setting::view) + 1;
+
+/// A setting that a message is about, or that would help, and the value that would be right.
+struct Hint {
+    Setting setting;
+    std::string value{};  ///< empty: any, or what the message says
+};
+using Hints = std::vector<Hint>;
 
 /// What kind of thing went wrong; each kind has its own exit code (see `exit_code`).
 enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted };

@@ -3,15 +3,31 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <utility>
-
-#include "engine/base/vector_unit.hpp"
 
 // Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
 // CPUs may have: the widest that is there is chosen at run time. Vectors never cross a function call that is
 // not inlined, so it does not matter what the ABI says of those that the oldest CPUs lack (-Wno-psabi).
 
 namespace touchable {
+
+/// What a CPU may have for many values at once; each has what those before it have. `baseline` is what every
+/// CPU of its kind has.
+enum class VectorUnit { baseline, sse4, avx2, avx512 };
+
+/// Those that this CPU has, the widest first; never empty.
+inline std::span<const VectorUnit> usable_vector_units() {
+    static constexpr VectorUnit all[] = {VectorUnit::avx512, VectorUnit::avx2, VectorUnit::sse4,
+                                         VectorUnit::baseline};
+    const std::span<const VectorUnit> units(all);
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512bw")) return units;
+    if (__builtin_cpu_supports("avx2")) return units.subspan(1);
+    if (__builtin_cpu_supports("sse4.1")) return units.subspan(2);
+#endif
+    return units.subspan(3);
+}
 
 /// So many values of 16 bits side by side.
 using Lanes16 = std::uint16_t __attribute__((vector_size(16)));

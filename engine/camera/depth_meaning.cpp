@@ -6,11 +6,10 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/formats/guessed_scene.hpp"
-#include "engine/formats/presets.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {

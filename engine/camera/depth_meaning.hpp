@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/camera/node_facts.hpp"
+#include "engine/camera/v4l2_stream.hpp"
 #include "engine/formats/source_description.hpp"
-#include "engine/scene/plane_view.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 

@@ -1,16 +1,82 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip.hpp"
 #include "engine/formats/source_description.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
+
+/// What a frameset says of itself (docs/camera.md has its bytes).
+struct FramesetHeader {
+    std::uint64_t number = 0;
+    std::int64_t time_ns = 0;  ///< of the sender's clock; 0: it does not say
+    int width = 0, height = 0;
+    double metres_per_unit = 0;               ///< of a depth of 1
+    double fx = 0, fy = 0, cx = 0, cy = 0;    ///< of the depth picture, pixels
+    int colour_width = 0, colour_height = 0;  ///< 0: there is no colour
+    bool colour_is_registered = false;        ///< seen from where depth is seen from, by the same lens
+
+    bool has_colour() const { return colour_width > 0; }
+    std::size_t depth_bytes() const;
+    /// Of depth and colour.
+    std::size_t payload_bytes() const;
+    /// All but number and time.
+    bool means_the_same_as(const FramesetHeader& other) const;
+};
+
+inline constexpr std::size_t frameset_header_bytes = 100;
+/// Of a depth picture, and of one of colour.
+inline constexpr std::size_t most_frameset_pixels = std::size_t{1} << 24U;
+
+/// A whole one.
+struct Frameset {
+    FramesetHeader header;
+    std::shared_ptr<std::vector<std::uint8_t>> payload;  ///< depth in host order, then colour
+
+    PlaneView depth() const;   ///< 1 channel, 16 bits; 0 is no depth
+    PlaneView colour() const;  ///< RGB of 8 bits; without colour none
+};
+
+/// Finds the framesets in a stream of bytes, from anywhere in it: what is damaged is passed over up to the
+/// next one that is whole. It holds what it was given since the last whole one, at most one frameset and what
+/// `take` was given at once; and works at most for a few times as many bytes as came.
+class FramesetParser {
+public:
+    void take(std::span<const std::uint8_t> bytes);
+    /// The next whole one; nothing: more bytes are needed. An error, for good: what the sender gives is none,
+    /// or another than before.
+    Result<std::optional<Frameset>> next();
+    /// Framesets that were damaged or cut short, as far as they can be told from each other.
+    std::int64_t damaged() const { return damaged_; }
+    /// That came again, by their number, one after the other.
+    std::int64_t repeated() const { return repeated_; }
+
+private:
+    std::span<const std::uint8_t> rest() const { return std::span(bytes_).subspan(begin_); }
+    bool find_header();
+    void pass_over(std::size_t count);
+    bool may_check(std::size_t count);
+
+    std::vector<std::uint8_t> bytes_;
+    std::size_t begin_ = 0;  // of what is not used yet
+    std::optional<FramesetHeader> first_;
+    std::uint64_t last_number_ = 0;
+    std::size_t strays_ = 0;  // bytes passed over since the last whole one
+    std::size_t credit_ = 0;  // bytes that may be checked
+    bool is_lost_ = true;     // what is passed over is damage that was counted, or a beginning
+    std::int64_t damaged_ = 0, repeated_ = 0;
+};
 
 /// A program that sends framesets (frameset_format.hpp): a command that is started, or one that listens.
 struct FramesetChoice {

@@ -16,9 +16,9 @@
 #include <thread>
 #include <utility>
 
-#include "engine/base/printable.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

@@ -1,19 +1,105 @@
 #pragma once
 
 #include <linux/videodev2.h>
-
+#include <poll.h>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/camera/node_facts.hpp"
-#include "engine/camera/video_system.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
+
+/// All that this room asks of the system's video devices (V4L2), call by call, so that a test can stand in
+/// for them. Calls give what the system's give: -1, or MAP_FAILED, with errno. Several threads may ask for
+/// different devices.
+class VideoSystem {
+public:
+    virtual ~VideoSystem() = default;
+    /// Nodes that there are, such as "/dev/video0", in the order of their numbers.
+    virtual std::vector<std::string> nodes() = 0;
+    /// For reading and writing, and so that no call waits.
+    virtual int open(const char* node) = 0;
+    virtual int close(int descriptor) = 0;
+    virtual int ioctl(int descriptor, unsigned long request, void* argument) = 0;
+    /// Shared, for reading and writing.
+    virtual void* mmap(int descriptor, std::size_t length, std::int64_t offset) = 0;
+    virtual int munmap(void* memory, std::size_t length) = 0;
+    virtual int poll(std::span<pollfd> descriptors, int timeout_ms) = 0;
+};
+
+/// This machine's.
+std::shared_ptr<VideoSystem> system_video();
+
+/// A call that a signal broke off is made again.
+int call(VideoSystem& system, int descriptor, unsigned long request, void* argument);
+
+/// Why a node cannot be used, with what would help: "/dev/video0: may not be opened: ...". `failure` is the
+/// errno.
+std::string node_trouble(const std::string& node, int failure);
+
+/// Who has a device open, such as "cheese (process 123)", as far as this user may see; empty: nobody that is
+/// seen.
+std::string users_of_node(const std::string& node);
+
+/// A size of pictures that a camera offers, and at which rates.
+struct NodeMode {
+    int width = 0, height = 0;
+    std::vector<FrameRate> rates{};  ///< the fastest first; empty: the camera does not say
+};
+
+/// A kind of pictures that a camera offers.
+struct NodeFormat {
+    std::uint32_t code = 0;         ///< V4L2_PIX_FMT_...
+    std::string name;               ///< the driver's words
+    std::vector<NodeMode> modes{};  ///< empty: the camera does not say
+    bool any_size = false;          ///< sizes between the least and the greatest in `modes`, too
+};
+
+/// What a node is, as its driver tells.
+struct NodeFacts {
+    std::string node, driver, card, bus;
+    bool captures = false;  ///< gives pictures by memory that is mapped; nodes of metadata do not
+    std::vector<NodeFormat> formats{};
+};
+
+/// Of an open device.
+Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::string& node);
+/// Opens it to look, and closes it again. Others may use it meanwhile.
+Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node);
+
+/// Whether pictures of this format can be touched: Z16, and grey of 16 bits in either byte order.
+bool is_depth_format(std::uint32_t code);
+/// The format by which a node is touched: Z16, which is depth for certain, before grey. An error names what
+/// it gives instead.
+Result<const NodeFormat*> depth_of_node(const NodeFacts& facts);
+/// Whether pictures of this format can be shown as colour.
+bool is_colour_format(std::uint32_t code);
+/// "Z16", "YUYV"; "Y16 (big-endian)".
+std::string format_text(std::uint32_t code);
+
+/// Seconds between pictures the other way round; nothing where it is none, or none that a camera has.
+std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t denominator);
+double per_second(const FrameRate& rate);
+/// "30", "29.97", of frames a second.
+std::string rate_text(const FrameRate& rate);
+
+/// What somebody wants of a stream; nothing: what is usual.
+struct ModeWish {
+    int width = 0, height = 0;        ///< 0: the largest of usual rate, up to 1280x720
+    std::optional<double> rate = {};  ///< frames a second; nothing: 30, or the nearest to that
+};
+/// The mode to ask for. `rates` of it has one rate, or none where the camera does not say. An error, without
+/// the node's name, where the format has no such size.
+Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish);
+
+/// "640x480 at 30, 15 frames/s".
+std::string mode_text(const NodeMode& mode);
 
 /// How a stream's pictures lie in memory, as the driver settled it.
 struct StreamFormat {

@@ -1,32 +1,25 @@
-#include "engine/clip/aligned_clip.hpp"
-
+// Depth of one scale for all frames: whether a clip pumps, its codes by the lines of ShotAlignment, and what
+// a finger at rest feels of it before and after.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/clip/reader_around.hpp"
-#include "engine/clip/resting_pulse.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/clip/shot_alignment.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::uint16_t no_depth = 65535;
+constexpr std::uint16_t no_aligned_depth = 65535;
 /// Of few codes not too many are made: terrace removal has to have room between them.
 constexpr std::uint16_t few_codes = 4095, codes_of_few = 8190, codes_of_many = 65534;
-constexpr int fraction_bits = 24;
+constexpr int line_fraction_bits = 24;
 /// Frames that tell whether depth pumps: so many in a row, at so many places.
-constexpr std::int64_t frames_in_a_row = 4, places = 8;
+constexpr std::int64_t frames_in_a_row = 4, places_of_clip = 8;
 /// Of the range of codes, from frame to frame; and of what no scale explains.
 constexpr double least_pumping = 1.0 / 1000, times_unexplained = 2;
 
@@ -35,7 +28,7 @@ struct CodeLine {
     std::int64_t scale = 0, shift = 0;
     std::int64_t largest = 0;
     std::uint16_t at(std::uint16_t stored) const {
-        const std::int64_t code = (scale * stored + shift) >> fraction_bits;
+        const std::int64_t code = (scale * stored + shift) >> line_fraction_bits;
         return static_cast<std::uint16_t>(std::clamp<std::int64_t>(code, 0, largest));
     }
 };
@@ -66,7 +59,7 @@ Result<std::optional<RawFrame>> AlignedReader::next() {
     RawFrame& raw = **frame;
     const DepthCoding& stored = inner().scene().depth;
     const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];
-    std::vector<std::uint16_t> codes(65536, no_depth);
+    std::vector<std::uint16_t> codes(65536, no_aligned_depth);
     for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
         const auto word = static_cast<std::uint16_t>(code);
         if (stored.is_valid(word)) codes[word] = line.at(word);
@@ -88,9 +81,9 @@ struct Looked {
     std::vector<std::pair<std::uint16_t, std::uint16_t>> ranges;  // of codes, by frame
 };
 
-/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
-Result<void> look(ClipReader& clip, std::int64_t from, std::int64_t count, Looked& looked) {
-    if (auto there = clip.seek(from); !there) return there;
+/// Damaged frames tell nothing, nor what comes after them: the error comes when they are played.
+Result<void> look_at_cells(ClipReader& clip, std::int64_t from, std::int64_t count, Looked& looked) {
+    TRY(clip.seek(from));
     for (std::int64_t n = 0; n < count; ++n) {
         if (stop_requested())
             return Error{ErrorKind::interrupted,
@@ -109,10 +102,10 @@ Result<void> look(ClipReader& clip, std::int64_t from, std::int64_t count, Looke
 /// By a few frames.
 Result<bool> does_pump(ClipReader& clip, std::int64_t count) {
     double moved = 0, unexplained = 0;
-    const std::int64_t apart = std::max<std::int64_t>(frames_in_a_row, count / places);
+    const std::int64_t apart = std::max<std::int64_t>(frames_in_a_row, count / places_of_clip);
     for (std::int64_t from = 0; from + 1 < count; from += apart) {
         Looked looked;
-        TRY(look(clip, from, frames_in_a_row, looked));
+        TRY(look_at_cells(clip, from, frames_in_a_row, looked));
         moved += looked.alignment.pumping() * looked.alignment.pumping();
         unexplained += looked.alignment.unexplained() * looked.alignment.unexplained();
     }
@@ -122,11 +115,11 @@ Result<bool> does_pump(ClipReader& clip, std::int64_t count) {
 }
 
 /// From the least aligned code of any frame to the greatest, at least that of the codes as they are stored.
-struct Span {
+struct CodeSpan {
     double least = 0, most = 0;
 };
-Span span_of(const std::vector<Line>& lines, const Looked& looked, std::uint16_t code_max) {
-    Span span{0, static_cast<double>(code_max) * Cell::per_code};
+CodeSpan span_of(const std::vector<Line>& lines, const Looked& looked, std::uint16_t code_max) {
+    CodeSpan span{0, static_cast<double>(code_max) * Cell::per_code};
     for (std::size_t n = 0; n < lines.size(); ++n) {
         const auto& [low, high] = looked.ranges[n];
         span.least = std::min(span.least, lines[n].at(static_cast<double>(low) * Cell::per_code));
@@ -137,14 +130,14 @@ Span span_of(const std::vector<Line>& lines, const Looked& looked, std::uint16_t
 
 /// Of whole codes, a half added, so that the next one is the nearest.
 CodeLine fixed_point(const Line& line, std::uint16_t largest) {
-    constexpr double one = std::int64_t{1} << fraction_bits;
+    constexpr double one = std::int64_t{1} << line_fraction_bits;
     return {static_cast<std::int64_t>(line.scale * one),
             static_cast<std::int64_t>((line.shift / Cell::per_code + 0.5) * one), largest};
 }
 
 /// Near and far are those of the span. Where there were few codes, or terraces are to be removed, these are
 /// levels now, and the new codes leave room for finer ones.
-Scene aligned_scene(Scene scene, const Span& span) {
+Scene aligned_scene(Scene scene, const CodeSpan& span) {
     DepthCoding& depth = scene.depth;
     const bool were_few = depth.code_max <= few_codes;
     const bool need_room = scene.filter.terraces == TerraceRemoval::on;
@@ -161,6 +154,54 @@ Scene aligned_scene(Scene scene, const Span& span) {
     depth.code_max = static_cast<std::uint16_t>(were_few ? codes_of_few : codes_of_many);
     derive_valid_range(depth);
     return scene;
+}
+
+constexpr double picture_width = 0.16;  // metres of the device (docs/conventions.md, Units)
+
+/// What a finger that rests on what stands still feels of depth that changes from frame to frame.
+struct RestingPulse {
+    double hand_metres = 0;  ///< root mean square over cells and frames, of the device
+    double newtons = 0;      ///< that times the scene's stiffness where no haptic picture says another
+};
+
+/// DepthCoding::depth of a code between codes.
+double depth_at(const DepthCoding& coding, double code) {
+    const double share =
+        std::clamp((coding.near_is_high ? code : coding.code_max - code) / coding.code_max, 0.0, 1.0);
+    return coding.kind == DepthCodingKind::inverse
+               ? 1 / (1 / coding.far + (1 / coding.near - 1 / coding.far) * share)
+               : coding.far + (coding.near - coding.far) * share;
+}
+
+double hand_metres_per_unit(const Scene& scene, const Line& line, const CellPicture& first) {
+    if (scene.device_metres_per_unit) return *scene.device_metres_per_unit;
+    std::vector<double> depths;
+    for (const Cell& cell : first.cells)
+        if (cell.depth != Cell::none)
+            depths.push_back(depth_at(scene.depth, line.at(cell.depth) / Cell::per_code));
+    if (depths.empty()) return 0;
+    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    return picture_width * scene.camera.fx / (scene.width * *middle);
+}
+
+/// `lines` take the frames' cells to sixteenths of the scene's codes. The scale of the hand is the scene's,
+/// or that by which the picture is 0.16 m wide at the median depth of frame 0.
+RestingPulse resting_pulse(const std::vector<RestingCells>& resting, const std::vector<Line>& lines,
+                           const Scene& scene, const CellPicture& first) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t n = 1; n < std::min(lines.size(), resting.size()); ++n)
+        for (const auto& [then, now] : resting[n]) {
+            const double moved = depth_at(scene.depth, lines[n].at(now) / Cell::per_code) -
+                                 depth_at(scene.depth, lines[n - 1].at(then) / Cell::per_code);
+            sum += moved * moved;
+            ++count;
+        }
+    if (count == 0 || lines.empty()) return {};
+    const double metres =
+        hand_metres_per_unit(scene, lines.front(), first) * std::sqrt(sum / static_cast<double>(count));
+    return {metres, metres * scene.default_properties.stiffness};
 }
 
 std::string pulse_words(const RestingPulse& pulse) {
@@ -202,11 +243,11 @@ Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReade
         }
     }
     Looked looked;
-    TRY(look(*clip, 0, *count, looked));
+    TRY(look_at_cells(*clip, 0, *count, looked));
     TRY(clip->rewind());
     const std::vector<Line> lines = looked.alignment.finish();
     if (lines.empty()) return clip;
-    const Span span = span_of(lines, looked, depth.code_max);
+    const CodeSpan span = span_of(lines, looked, depth.code_max);
     Scene scene = aligned_scene(clip->scene(), span);
     const double per_value =
         static_cast<double>(scene.depth.code_max) * Cell::per_code / (span.most - span.least);

@@ -1,18 +1,155 @@
-#include "engine/clip/camera_run.hpp"
+// Cameras' runs: the numbers and times of live frames, the clock of a sender, and recordings that behave like
+// a camera.
+#include <array>
+#include <condition_variable>
 
-#include <algorithm>
-#include <utility>
-
-#include "engine/base/number_words.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
 namespace {
 
+using std::chrono::steady_clock;
+
 constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another count
 
-std::int64_t steady_ns(std::chrono::steady_clock::time_point moment) {
+std::int64_t steady_ns(steady_clock::time_point moment) {
     return std::chrono::nanoseconds(moment.time_since_epoch()).count();
+}
+
+/// What chance decides about a frame.
+enum class Chance : std::uint64_t { drop = 1, jitter = 2 };
+
+/// 0 to below 1, the same every time.
+double drawn(Chance what, std::int64_t number) {
+    const std::array<std::uint64_t, 2> key{static_cast<std::uint64_t>(what),
+                                           static_cast<std::uint64_t>(number)};
+    ByteHash hash;
+    hash.add(key.data(), sizeof key);
+    return static_cast<double>(hash.value() >> 11) * 0x1p-53;
+}
+
+std::int64_t after_stall(std::int64_t at_ns, const CameraDelivery& settings) {
+    if (!settings.stall_ns || at_ns < *settings.stall_ns) return at_ns;
+    return std::max(at_ns, settings.resume_ns.value_or(never_delivered));
+}
+
+class ReplayCamera final : public ReaderAround {
+public:
+    ReplayCamera(std::unique_ptr<ClipReader> recording, const CameraDelivery& delivery)
+        : ReaderAround(std::move(recording)), delivery_(delivery), scene_(inner().scene()) {
+        scene_.rate = delivery_.rate.value_or(scene_.rate);
+        scene_.interpolation = FrameInterpolation::hold;
+    }
+    const Scene& scene() const override { return scene_; }
+    bool is_live() const override { return true; }
+    Result<void> seek(std::int64_t frame) override;
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> begin(steady_clock::time_point zero) override;
+    void interrupt() override;
+
+private:
+    Delivery after(const Delivery& last) const { return delivery_after(last, delivery_, scene_.rate); }
+    Delivery newest_or_next() const;
+    Result<std::optional<RawFrame>> next_recorded();
+    Result<std::optional<RawFrame>> read(std::int64_t number);
+    bool is_interrupted();
+    Result<void> wait_for(const Delivery& frame);
+
+    const CameraDelivery delivery_;
+    Scene scene_;
+    std::int64_t position_ = 0;  // the frame that the recording gives next
+    std::optional<steady_clock::time_point> zero_;
+    Delivery last_;
+    std::mutex mutex_;
+    std::condition_variable told_;
+    bool interrupted_ = false;  // guarded by mutex_
+};
+
+Result<void> ReplayCamera::seek(std::int64_t frame) {
+    if (zero_) return usage_error("a camera that runs goes to no other frame than its next");
+    auto there = inner().seek(frame);
+    if (there) position_ = frame;
+    return there;
+}
+
+Result<void> ReplayCamera::begin(steady_clock::time_point zero) {
+    zero_ = zero;
+    last_ = {position_ - 1, 0};
+    return {};
+}
+
+void ReplayCamera::interrupt() {
+    const std::lock_guard lock(mutex_);
+    interrupted_ = true;
+    told_.notify_all();
+}
+
+bool ReplayCamera::is_interrupted() {
+    const std::lock_guard lock(mutex_);
+    return interrupted_;
+}
+
+/// Of those that were not given yet: the newest that is there, or the first that comes.
+Delivery ReplayCamera::newest_or_next() const {
+    const std::int64_t now_ns = std::chrono::nanoseconds(steady_clock::now() - *zero_).count();
+    const std::int64_t end = frame_count().value_or(never_delivered);
+    Delivery frame = after(last_);
+    for (Delivery later = after(frame); later.at_ns <= now_ns && later.number < end; later = after(later))
+        frame = later;
+    return frame;
+}
+
+/// The recording's frame, those before it passed over; nothing beyond its end.
+Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
+    if (const auto count = frame_count()) {
+        if (number >= *count) return std::optional<RawFrame>();
+        if (const std::int64_t nearer = access_point(number); nearer > position_) {
+            TRY(inner().seek(nearer));
+            position_ = nearer;
+        }
+    }
+    while (true) {
+        auto frame = next_recorded();
+        if (!frame || !*frame || (*frame)->number == number) return frame;
+    }
+}
+
+Result<void> ReplayCamera::wait_for(const Delivery& frame) {
+    std::unique_lock lock(mutex_);
+    const auto is_interrupted = [this] { return interrupted_; };
+    if (frame.at_ns == never_delivered)
+        told_.wait(lock, is_interrupted);
+    else
+        told_.wait_until(lock, *zero_ + std::chrono::nanoseconds(frame.at_ns), is_interrupted);
+    if (!interrupted_) return {};
+    return Error{ErrorKind::interrupted,
+                 "the camera was told to stop before it gave frame " + std::to_string(frame.number)};
+}
+
+/// At the camera's time.
+Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
+    auto frame = inner().next();
+    if (!frame || !*frame) return frame;
+    ++position_;
+    (*frame)->time_ns = scene_.rate.time_ns((*frame)->number);
+    return frame;
+}
+
+Result<std::optional<RawFrame>> ReplayCamera::next() {
+    if (!zero_) return next_recorded();
+    const Delivery delivery = newest_or_next();
+    // A reader that was told to stop, or that nothing comes for, has no frame to decode.
+    if (const bool nothing_comes = delivery.at_ns == never_delivered; nothing_comes || is_interrupted())
+        return wait_for(delivery).error();
+    auto frame = read(delivery.number);
+    if (!frame || !*frame) return frame;
+    TRY(wait_for(delivery));
+    last_ = delivery;
+    return frame;
 }
 
 }  // namespace
@@ -62,11 +199,6 @@ std::optional<Error> CameraRun::told_to_end() const {
                  "the " + kind_ + " was told to stop before it gave frame " + std::to_string(next_number_)};
 }
 
-void CameraRun::remark(std::string words) {
-    const std::lock_guard lock(mutex_);
-    remarks_.push_back(std::move(words));
-}
-
 void CameraRun::gone(const std::string& why) {
     is_gone_ = true;
     std::string when;
@@ -76,9 +208,44 @@ void CameraRun::gone(const std::string& why) {
     remark("the " + kind_ + ", " + name_ + ", " + why + when);
 }
 
+void CameraRun::remark(std::string words) {
+    const std::lock_guard lock(mutex_);
+    remarks_.push_back(std::move(words));
+}
+
 std::vector<std::string> CameraRun::remarks() const {
     const std::lock_guard lock(mutex_);
     return remarks_;
+}
+
+std::int64_t SenderClock::taken_at(std::int64_t sent_ns, std::int64_t arrived_ns) {
+    constexpr std::int64_t longest_way = 100'000'000, slower = 1000;  // a thousandth
+    constexpr std::int64_t most_known = std::int64_t{1} << 62U;
+    const bool is_known = sent_ns > 0 && sent_ns < most_known;
+    if (!is_known || !last_ || sent_ns <= last_->sent_ns)
+        apart_ns_ = arrived_ns - (is_known ? sent_ns : 0);
+    else
+        apart_ns_ = std::min(apart_ns_ + (arrived_ns - last_->arrived_ns) / slower, arrived_ns - sent_ns);
+    if (is_known && arrived_ns - sent_ns - apart_ns_ > longest_way) apart_ns_ = arrived_ns - sent_ns;
+    if (!is_known) {
+        last_.reset();
+        return arrived_ns;
+    }
+    last_ = Moment{sent_ns, arrived_ns};
+    return sent_ns + apart_ns_;
+}
+
+Delivery delivery_after(const Delivery& last, const CameraDelivery& settings, const FrameRate& rate) {
+    std::int64_t number = last.number + 1;
+    while (drawn(Chance::drop, number) < settings.drop) ++number;
+    const double late_ns = drawn(Chance::jitter, number) * static_cast<double>(settings.jitter_ns);
+    const std::int64_t at_ns = rate.time_ns(number) + static_cast<std::int64_t>(late_ns);
+    return {number, after_stall(std::max(last.at_ns, at_ns), settings)};  // none overtakes another
+}
+
+std::unique_ptr<ClipReader> make_replay_camera(std::unique_ptr<ClipReader> recording,
+                                               const CameraDelivery& delivery) {
+    return std::make_unique<ReplayCamera>(std::move(recording), delivery);
 }
 
 }  // namespace touchable

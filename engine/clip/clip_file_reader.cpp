@@ -1,21 +1,240 @@
-#include "engine/clip/clip_file_reader.hpp"
-
+// Reads our clips from files of any container: tracks are decoded side by side, frames checked against their
+// times and what the file promises, and seeking goes by the file's index as far as that leads.
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
 #include <utility>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_container.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/far_plane.hpp"
-#include "engine/clip/plane_notes.hpp"
-#include "engine/clip/track_thread.hpp"
-#include "engine/picture/decoded_picture.hpp"
-#include "engine/picture/demuxer.hpp"
+#include "engine/clip/containers.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/picture/decoding.hpp"
 
 namespace touchable {
 namespace {
+
+/// Decodes a track of a file ahead of its reader: large pictures on a thread of its own, small ones when
+/// they are asked for. The same pictures and errors in the same order either way.
+class TrackThread {
+public:
+    /// What is made of each decoded plane; `where` it is, for messages.
+    using Fit = std::function<Result<Plane>(Plane, const std::string& where)>;
+    TrackThread(TrackDecoder decoder, int stream, Fit fit);
+    ~TrackThread();  ///< ends once the picture being decoded is done
+    TrackThread(const TrackThread&) = delete;
+    TrackThread& operator=(const TrackThread&) = delete;
+
+    PlaneRole role() const { return decoder_.role(); }
+    int stream() const { return stream_; }
+    /// Complete once a picture was given.
+    const TrackInfo& info() const { return decoder_.info(); }
+    /// Whether its packets say how long their pictures stay; known then, too.
+    bool has_additions() const { return decoder_.has_additions(); }
+    /// "clip.mkv: track depth".
+    std::string name() const { return name_; }
+
+    /// Gives it packets to work on while others are read.
+    void fill(Demuxer& file);
+    /// The next picture, whose plane is the one before where all samples are the same; nothing after the
+    /// last. Waits for it.
+    Result<std::optional<TrackDecoder::Picture>> next(Demuxer& file);
+    /// From the packets on that come from now on, planes are left out where that saves decoding.
+    void leave_out() { left_out_ = true; }
+    /// Forgets all packets and pictures: the next packet holds this frame.
+    void restart(std::int64_t frame);
+
+private:
+    using Outcome = Result<std::optional<TrackDecoder::Picture>>;
+    struct Job {
+        Result<PacketPtr> packet;  ///< null: there is none any more
+        bool left_out = false;
+    };
+    bool has_room();
+    void push(Demuxer& file);
+    std::optional<Outcome> take();
+    void run();
+    void work(const Job& job);
+    void give(Outcome outcome);
+    Outcome fitted(TrackDecoder::Picture picture);
+
+    TrackDecoder decoder_;  // the worker's, as is newest_
+    const int stream_;
+    const std::string name_;
+    const Fit fit_;
+    const bool threaded_;
+    Plane newest_;
+    // The reader's.
+    bool left_out_ = false;
+    bool all_read_ = false;         // or reading failed
+    std::optional<Outcome> final_;  // the end or the error that was given
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Job> jobs_;  // guarded by mutex_, as are all below
+    std::deque<Outcome> outcomes_;
+    std::exception_ptr thrown_;
+    bool working_ = false, stopping_ = false;
+    std::thread thread_;
+};
+
+/// Packets of a track under way: one being decoded while another waits.
+constexpr std::size_t packets_ahead = 2;
+/// From this many pixels on a picture is worth a thread.
+constexpr std::int64_t pixels_for_thread = 50'000;
+
+std::optional<TrackDecoder::Picture> end_of_track() {
+    return {};
+}
+
+TrackThread::TrackThread(TrackDecoder decoder, int stream, Fit fit)
+    : decoder_(std::move(decoder)),
+      stream_(stream),
+      name_(decoder_.name()),
+      fit_(std::move(fit)),
+      threaded_(decoder_.pixels() >= pixels_for_thread) {}
+
+TrackThread::~TrackThread() {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void TrackThread::restart(std::int64_t frame) {
+    std::unique_lock lock(mutex_);
+    jobs_.clear();
+    changed_.wait(lock, [this] { return !working_; });
+    if (thrown_) {  // its thread has ended with that
+        lock.unlock();
+        thread_.join();
+        lock.lock();
+        thrown_ = nullptr;
+    }
+    outcomes_.clear();
+    decoder_.restart(frame);
+    final_.reset();
+    all_read_ = false;
+}
+
+void TrackThread::fill(Demuxer& file) {
+    while (threaded_ && has_room()) push(file);
+}
+
+bool TrackThread::has_room() {
+    if (all_read_) return false;
+    const std::lock_guard lock(mutex_);
+    return jobs_.size() + outcomes_.size() + (working_ ? 1 : 0) < packets_ahead;
+}
+
+void TrackThread::push(Demuxer& file) {
+    auto packet = file.next(stream_);
+    all_read_ = !packet || !*packet;
+    std::unique_lock lock(mutex_);
+    jobs_.push_back({std::move(packet), left_out_});
+    lock.unlock();
+    changed_.notify_all();
+    if (!threaded_ || thread_.joinable()) return;
+    if (auto started = start_thread(thread_, "track-decoder", "that decodes a track", [this] { run(); });
+        !started)
+        give(started.error());
+}
+
+Result<std::optional<TrackDecoder::Picture>> TrackThread::next(Demuxer& file) {
+    while (!final_) {
+        if (auto outcome = take()) {
+            if (outcome->ok() && **outcome) return std::move(*outcome);
+            final_ = std::move(outcome);
+        } else {
+            push(file);
+        }
+    }
+    return final_->ok() ? Outcome(end_of_track()) : Outcome(final_->error());
+}
+
+/// Nothing: a further packet is needed.
+std::optional<TrackThread::Outcome> TrackThread::take() {
+    std::unique_lock lock(mutex_);
+    if (!threaded_ && outcomes_.empty() && !jobs_.empty()) {
+        const Job job = std::move(jobs_.front());
+        jobs_.pop_front();
+        lock.unlock();
+        work(job);
+        lock.lock();
+    }
+    changed_.wait(lock, [this] { return !outcomes_.empty() || thrown_ || (jobs_.empty() && !working_); });
+    if (!outcomes_.empty()) {
+        auto outcome = std::move(outcomes_.front());
+        outcomes_.pop_front();
+        return outcome;
+    }
+    if (thrown_) std::rethrow_exception(thrown_);
+    return std::nullopt;
+}
+
+/// Nothing thrown leaves the thread: `next` throws it again.
+void TrackThread::run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+        if (stopping_) return;
+        const Job job = std::move(jobs_.front());
+        jobs_.pop_front();
+        working_ = true;
+        lock.unlock();
+        std::exception_ptr thrown;
+        try {
+            work(job);
+        } catch (...) {
+            thrown = std::current_exception();
+        }
+        lock.lock();
+        working_ = false;
+        thrown_ = thrown;
+        changed_.notify_all();
+        if (thrown_) return;
+    }
+}
+
+void TrackThread::work(const Job& job) {
+    if (!job.packet) return give(job.packet.error());
+    const AVPacket* packet = job.packet->get();
+    if (packet && job.left_out && decoder_.is_one_packet_each()) {
+        auto skipped = decoder_.skip(*packet);
+        return give(skipped ? Outcome(std::optional(std::move(*skipped))) : Outcome(skipped.error()));
+    }
+    if (auto sent = decoder_.send(packet); !sent) return give(sent.error());
+    while (true) {
+        auto decoded = decoder_.receive();
+        if (!decoded) return give(decoded.error());
+        if (!*decoded) break;
+        give(fitted(std::move(**decoded)));
+    }
+    if (!packet) give(end_of_track());
+}
+
+TrackThread::Outcome TrackThread::fitted(TrackDecoder::Picture picture) {
+    TRY_ASSIGN(auto plane,
+               fit_(std::move(picture.plane), name_ + ", frame " + std::to_string(picture.number)));
+    if (!same_samples(plane.view, newest_.view)) newest_ = std::move(plane);
+    picture.plane = newest_;
+    return std::optional(std::move(picture));
+}
+
+void TrackThread::give(Outcome outcome) {
+    {
+        const std::lock_guard lock(mutex_);
+        outcomes_.push_back(std::move(outcome));
+    }
+    changed_.notify_all();
+}
 
 constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
 
@@ -34,7 +253,7 @@ public:
     std::optional<std::int64_t> frame_count() const override { return promised_; }
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override;
+    Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override;
     std::int64_t access_point(std::int64_t frame) const override;
     void leave_out_colour() override { with_colour_ = false; }
@@ -82,13 +301,13 @@ private:
     std::string file_;
     std::unique_ptr<ClipContainer> container_;
     Scene scene_;
-    Unstated unstated_;  // by whoever described it
+    Unstated unstated_;  // by its description
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
-    std::optional<WholePart> whole_;  // of a file that promises nothing
-    bool index_leads_ = true;         // to access points, as far as that was tried
+    std::optional<ClipContainer::WholePart> whole_;  // of a file that promises nothing
+    bool index_leads_ = true;                        // to access points, as far as that was tried
     bool with_colour_ = true;
 
     // Where the reading is; `open_file` and `start` make it anew.
@@ -100,18 +319,14 @@ private:
 };
 
 Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replacement) {
-    if (auto opened = open_file(); !opened) return opened;
+    TRY(open_file());
     TRY_ASSIGN(auto rate, container_->rate(*demuxer_));
     recorded_rate_ = std::move(rate);
     TRY_ASSIGN(const auto whole, container_->whole_part(*demuxer_));
     whole_ = whole;
-    if (auto read = read_scene(replacement); !read) return read;
-    if (auto started = start(); !started) return started;
+    TRY(read_scene(replacement));
+    TRY(start());
     return describe();
-}
-
-Result<void> ClipFileReader::rewind() {
-    return seek(0);
 }
 
 /// By the file's index, or where that leads nowhere by reading on from the first byte.
@@ -121,8 +336,8 @@ Result<void> ClipFileReader::seek(std::int64_t frame) {
     TRY_ASSIGN(const auto begun, begin_at(frame));
     index_leads_ = begun;
     if (!begun) {
-        if (auto opened = open_file(); !opened) return opened;
-        if (auto started = start(); !started) return started;
+        TRY(open_file());
+        TRY(start());
     }
     while ((first_ ? 0 : number_) < frame) {
         TRY_ASSIGN(const auto passed, next());
@@ -246,7 +461,7 @@ Result<void> ClipFileReader::read_poses() {
 Result<void> ClipFileReader::start() {
     number_ = 0;
     first_.reset();
-    if (auto opened = open_tracks(); !opened) return opened;
+    TRY(open_tracks());
     TRY_ASSIGN(auto frame, read());
     if (!frame) return refuse("has no frames");
     first_ = std::move(*frame);
@@ -296,7 +511,7 @@ Result<void> ClipFileReader::describe() {
                              (promised_ == 1 ? " has all" : " have all"));
         return describe_tracks();
     }
-    // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
+    // A Matroska file gets its duration when it is completed, so one that ends sooner is not whole.
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
     constexpr double rounding = 0.002;

@@ -1,20 +1,52 @@
-#include "engine/clip/far_plane.hpp"
+// Frames that are read ahead, and the far plane that they tell.
+#include <cstdlib>
 
-#include <algorithm>
-#include <utility>
-
-#include "engine/base/number_words.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/prefetch.hpp"
-#include "engine/clip/reader_around.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
 namespace {
 
+class PrefetchedClip final : public ReaderAround {
+public:
+    PrefetchedClip(std::unique_ptr<ClipReader> clip, std::vector<RawFrame> frames)
+        : ReaderAround(std::move(clip)), frames_(std::move(frames)) {}
+    Result<std::optional<RawFrame>> next() override {
+        if (given_ < frames_.size()) return std::optional(std::exchange(frames_[given_++], {}));
+        return inner().next();
+    }
+    Result<void> seek(std::int64_t frame) override {
+        const bool is_next = given_ < frames_.size() && frame == static_cast<std::int64_t>(given_);
+        return is_next ? Result<void>{} : leave_for(frame);
+    }
+    /// Those that were read ahead are of the future then.
+    Result<void> begin(std::chrono::steady_clock::time_point zero) override {
+        if (given_ < frames_.size()) TRY(leave_for(static_cast<std::int64_t>(given_)));
+        return inner().begin(zero);
+    }
+
+private:
+    Result<void> leave_for(std::int64_t frame) {
+        frames_.clear();
+        given_ = 0;
+        return inner().seek(frame);
+    }
+
+    std::vector<RawFrame> frames_;
+    std::size_t given_ = 0;
+};
+
+std::size_t bytes_of(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(std::abs(plane->stride)) * static_cast<std::size_t>(plane->height);
+    return bytes;
+}
+
 constexpr std::int64_t stray_of = 10'000;  // one valid pixel in so many may be stray
-constexpr double margin = 1.05;
+constexpr double far_margin = 1.05;
 
 class ClipWithFarPlane final : public ReaderAround {
 public:
@@ -35,7 +67,7 @@ Error interrupted_looking() {
 }
 
 /// Whether there is such a frame.
-Result<bool> look(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
+Result<bool> look_at_frame(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
     if (stop_requested()) return interrupted_looking();
     if (!frame) return frame.error();
     if (*frame) estimator.add((*frame)->depth);
@@ -46,7 +78,7 @@ Result<bool> look(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& esti
 Result<void> look_at_clip(Prefetch& ahead, FarPlaneEstimator& estimator) {
     std::int64_t looked = 0;  // frames in a row
     for (bool more = true; more && looked < first_frames;) {
-        const auto there = look(ahead.next(), estimator);
+        const auto there = look_at_frame(ahead.next(), estimator);
         if (!there && (looked == 0 || there.error().kind == ErrorKind::interrupted)) return there.error();
         more = there && *there;
         looked += more ? 1 : 0;
@@ -55,13 +87,47 @@ Result<void> look_at_clip(Prefetch& ahead, FarPlaneEstimator& estimator) {
         const std::int64_t frame = ahead.clip().access_point(wanted);
         if (wanted < looked || frame < looked) continue;
         looked = frame + 1;
-        const auto there = look(ahead.at(frame), estimator);
+        const auto there = look_at_frame(ahead.at(frame), estimator);
         if (!there && there.error().kind == ErrorKind::interrupted) return there.error();
     }
     return {};
 }
 
 }  // namespace
+
+std::unique_ptr<ClipReader> with_prefetched_frames(std::unique_ptr<ClipReader> clip,
+                                                   std::vector<RawFrame> frames) {
+    return std::make_unique<PrefetchedClip>(std::move(clip), std::move(frames));
+}
+
+Result<std::optional<RawFrame>> Prefetch::next() {
+    auto frame = clip_->next();
+    is_damaged_ = !frame;
+    if (!frame || !*frame) return frame;
+    ++number_;
+    bytes_ += bytes_of(**frame);
+    if (bytes_ <= most_bytes)
+        frames_.push_back(**frame);
+    else
+        frames_.clear();
+    return frame;
+}
+
+Result<std::optional<RawFrame>> Prefetch::at(std::int64_t frame) {
+    has_moved_ = true;
+    TRY(clip_->seek(frame));
+    return clip_->next();
+}
+
+Result<std::unique_ptr<ClipReader>> Prefetch::finish() {
+    const bool kept = bytes_ <= most_bytes && !is_damaged_;
+    if (!kept) {
+        TRY(clip_->rewind());
+        return std::move(clip_);
+    }
+    if (has_moved_) TRY(clip_->seek(number_));
+    return with_prefetched_frames(std::move(clip_), std::move(frames_));
+}
 
 std::vector<std::int64_t> telling_frames(std::int64_t count) {
     std::vector<std::int64_t> frames;
@@ -95,7 +161,7 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
     const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
     SceneDescription open(scene);
     open.unstated.far = true;
-    TRY_ASSIGN(auto settled, touchable::settle(open, {.far = depth * margin}));
+    TRY_ASSIGN(auto settled, touchable::settle(open, {.far = depth * far_margin}));
     scene = std::move(settled);
     // Some of the strays are within the margin.
     std::int64_t lost = 0;

@@ -1,19 +1,150 @@
-#include "engine/clip/film_writer.hpp"
-
+// Films of a window: its pictures as H.264, 30 a second, and its sound as AAC or FLAC.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <string>
+#include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/film_sound.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/clip/track_codecs.hpp"
-#include "engine/clip/track_encoder.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/reserved_output.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr std::int64_t film_sound_bits_per_second = 160'000;  // of AAC
+
+std::int16_t as_16_bits(float value) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * 32767));
+}
+
+/// FLAC's samples are interleaved integers, AAC's planar floats.
+void lay_sound(std::span<const StereoSample> samples, AVFrame& to) {
+    if (to.format == AV_SAMPLE_FMT_S16) {
+        auto* at = reinterpret_cast<std::int16_t*>(to.data[0]);
+        for (const StereoSample& sample : samples) {
+            *at++ = as_16_bits(sample.left);
+            *at++ = as_16_bits(sample.right);
+        }
+        return;
+    }
+    auto* const left = reinterpret_cast<float*>(to.data[0]);
+    auto* const right = reinterpret_cast<float*>(to.data[1]);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        left[k] = samples[k].left;
+        right[k] = samples[k].right;
+    }
+}
+
+/// The sound of a film that is being written: two channels at
+/// SoundTrack::rate, from the film's first picture on. Calls give FFmpeg's status, negative where they
+/// failed.
+class FilmSound {
+public:
+    /// Adds its stream, before the muxer's header is written: AAC, or FLAC where `is_exact`. The muxer writes
+    /// to `room`.
+    int open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact);
+    /// The sample that comes next.
+    std::int64_t next() const { return next_; }
+    int add(std::span<const StereoSample> samples);
+    /// Silence.
+    int fill_until(std::int64_t sample);
+    /// Before the muxer's trailer.
+    int finish();
+
+private:
+    int encode(const AVFrame* frame);
+    int encode_waiting(int count);
+
+    AVFormatContext* muxer_ = nullptr;
+    ReservedOutput* room_ = nullptr;
+    AVStream* stream_ = nullptr;
+    CodecPtr codec_;
+    FramePtr frame_;
+    PacketPtr packet_;
+    std::vector<StereoSample> waiting_;  // less than a frame of the codec's
+    std::int64_t next_ = 0;
+};
+
+int FilmSound::open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact) {
+    const AVCodec* const codec = avcodec_find_encoder(is_exact ? AV_CODEC_ID_FLAC : AV_CODEC_ID_AAC);
+    if (!codec) return AVERROR_ENCODER_NOT_FOUND;
+    muxer_ = &muxer;
+    room_ = &room;
+    codec_.reset(avcodec_alloc_context3(codec));
+    frame_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    if (!codec_ || !frame_ || !packet_) return AVERROR(ENOMEM);
+    codec_->sample_fmt = is_exact ? AV_SAMPLE_FMT_S16 : AV_SAMPLE_FMT_FLTP;
+    codec_->sample_rate = SoundTrack::rate;
+    codec_->ch_layout = AV_CHANNEL_LAYOUT_STEREO;
+    codec_->time_base = {1, SoundTrack::rate};
+    codec_->bit_rate = film_sound_bits_per_second;
+    codec_->flags |= AV_CODEC_FLAG_BITEXACT;
+    if (muxer.oformat->flags & AVFMT_GLOBALHEADER) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    if (const int status = avcodec_open2(codec_.get(), codec, nullptr); status < 0) return status;
+    stream_ = avformat_new_stream(&muxer, nullptr);
+    if (!stream_) return AVERROR(ENOMEM);
+    stream_->time_base = codec_->time_base;
+    return avcodec_parameters_from_context(stream_->codecpar, codec_.get());
+}
+
+/// Null: what the codec still holds.
+int FilmSound::encode(const AVFrame* frame) {
+    int status = avcodec_send_frame(codec_.get(), frame);
+    while (status >= 0) {
+        status = avcodec_receive_packet(codec_.get(), packet_.get());
+        if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return 0;
+        if (status < 0) return status;
+        if (!room_->reserve_for(*packet_)) return AVERROR(ENOSPC);
+        packet_->stream_index = stream_->index;
+        av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
+        status = av_interleaved_write_frame(muxer_, packet_.get());
+    }
+    return status;
+}
+
+int FilmSound::encode_waiting(int count) {
+    av_frame_unref(frame_.get());
+    frame_->format = codec_->sample_fmt;
+    frame_->sample_rate = codec_->sample_rate;
+    frame_->ch_layout = codec_->ch_layout;
+    frame_->nb_samples = count;
+    frame_->pts = next_ - std::ssize(waiting_);
+    if (const int status = av_frame_get_buffer(frame_.get(), 0); status < 0) return status;
+    lay_sound(std::span(waiting_).first(static_cast<std::size_t>(count)), *frame_);
+    waiting_.erase(waiting_.begin(), waiting_.begin() + count);
+    return encode(frame_.get());
+}
+
+int FilmSound::add(std::span<const StereoSample> samples) {
+    const auto whole = static_cast<std::size_t>(codec_->frame_size);
+    while (!samples.empty()) {
+        const std::size_t count = std::min(samples.size(), whole - waiting_.size());
+        waiting_.insert(waiting_.end(), samples.begin(),
+                        samples.begin() + static_cast<std::ptrdiff_t>(count));
+        next_ += static_cast<std::int64_t>(count);
+        samples = samples.subspan(count);
+        if (waiting_.size() < whole) break;
+        if (const int status = encode_waiting(codec_->frame_size); status < 0) return status;
+    }
+    return 0;
+}
+
+int FilmSound::fill_until(std::int64_t sample) {
+    static constexpr StereoSample silence[1024]{};
+    int status = 0;
+    while (status >= 0 && next_ < sample)
+        status = add(std::span(silence).first(
+            static_cast<std::size_t>(std::min<std::int64_t>(sample - next_, std::size(silence)))));
+    return status;
+}
+
+int FilmSound::finish() {
+    if (!waiting_.empty())
+        if (const int status = encode_waiting(static_cast<int>(waiting_.size())); status < 0) return status;
+    return encode(nullptr);
+}
 
 /// Where players can begin, in pictures.
 constexpr std::int64_t film_access_interval = 2 * FilmWriter::pictures_per_second;
@@ -21,7 +152,7 @@ constexpr std::int64_t samples_per_picture = SoundTrack::rate / FilmWriter::pict
 /// Pictures and sound lie no farther apart in the file.
 constexpr std::int64_t most_pictures_apart = 2 * FilmWriter::pictures_per_second;
 
-int even(double side) {
+int even_side(double side) {
     return std::max(2, static_cast<int>(std::floor(side)) / 2 * 2);
 }
 
@@ -64,7 +195,7 @@ private:
     ScalerPtr scaler_;
     int from_width_ = 0, from_height_ = 0;  // of what the scaler takes
     std::int64_t next_ = 0;                 // place that is not encoded yet
-    Result<void> fault_;                    // the first
+    Result<void> so_far_;                   // the first fault, or none
 };
 
 Result<void> FfmpegFilm::check_status(int status) const {
@@ -74,12 +205,12 @@ Result<void> FfmpegFilm::check_status(int status) const {
 }
 
 Result<void> FfmpegFilm::keep(Result<void> done) {
-    if (fault_.ok()) fault_ = std::move(done);
-    return fault_;
+    if (so_far_) so_far_ = std::move(done);
+    return so_far_;
 }
 
 Result<void> FfmpegFilm::open(const char* format) {
-    if (auto usable = output_.check(); !usable.ok()) return usable;
+    TRY(output_.check());
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, format, nullptr);
     if (status < 0) return refuse(ffmpeg_text(status));
@@ -105,7 +236,7 @@ Result<void> FfmpegFilm::begin(int width, int height) {
     stream->time_base = codec_->time_base;
     stream->avg_frame_rate = codec_->framerate;
     const bool is_exact = std::strcmp(muxer_->oformat->name, "matroska") == 0;
-    if (auto opened = check_status(sound_.open(*muxer_, room_, is_exact)); !opened.ok()) return opened;
+    TRY(check_status(sound_.open(*muxer_, room_, is_exact)));
     return check_status(avformat_write_header(muxer_.get(), nullptr));
 }
 
@@ -116,8 +247,8 @@ Result<void> FfmpegFilm::fit(const PlaneView& picture) {
     const double scale = std::min(static_cast<double>(to.width) / picture.width,
                                   static_cast<double>(to.height) / picture.height);
     const bool same = picture.width / 2 * 2 == to.width && picture.height / 2 * 2 == to.height;
-    const int width = same ? to.width : even(picture.width * scale);
-    const int height = same ? to.height : even(picture.height * scale);
+    const int width = same ? to.width : even_side(picture.width * scale);
+    const int height = same ? to.height : even_side(picture.height * scale);
     if (from_width_ != picture.width || from_height_ != picture.height) {
         const int taken_width = same ? width : picture.width, taken_height = same ? height : picture.height;
         scaler_.reset(sws_getContext(taken_width, taken_height, AV_PIX_FMT_RGB24, width, height,
@@ -147,7 +278,7 @@ Result<void> FfmpegFilm::fit(const PlaneView& picture) {
 Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
     for (; next_ < end; ++next_) {
         const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
-        if (auto filled = check_status(sound_.fill_until(least_heard)); !filled.ok()) return filled;
+        TRY(check_status(sound_.fill_until(least_heard)));
         picture_->pts = next_;
         picture_->pict_type = next_ % film_access_interval == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
         PacketPtr packet(av_packet_alloc());
@@ -159,52 +290,44 @@ Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
         packet->stream_index = 0;
         packet->duration = 1;
         av_packet_rescale_ts(packet.get(), codec_->time_base, muxer_->streams[0]->time_base);
-        if (auto written = check_status(av_interleaved_write_frame(muxer_.get(), packet.get()));
-            !written.ok())
-            return written;
+        TRY(check_status(av_interleaved_write_frame(muxer_.get(), packet.get())));
     }
     return {};
 }
 
 Result<void> FfmpegFilm::show(const PlaneView& picture, std::int64_t place) {
-    if (!fault_.ok()) return fault_;
-    if (picture_) {
-        if (auto repeated = repeat_until(place); !repeated.ok()) return repeated;
-    } else if (auto begun = begin(even(picture.width), even(picture.height)); !begun.ok()) {
-        return begun;
-    }
+    if (!so_far_) return so_far_;
+    TRY(picture_ ? repeat_until(place) : begin(even_side(picture.width), even_side(picture.height)));
     return fit(picture);
 }
 
 Result<void> FfmpegFilm::sound(std::int64_t sample, std::span<const StereoSample> samples) {
-    if (!fault_.ok()) return fault_;
+    if (!so_far_) return so_far_;
     const std::int64_t late = std::clamp<std::int64_t>(sound_.next() - sample, 0, std::ssize(samples));
     samples = samples.subspan(static_cast<std::size_t>(late));
     if (samples.empty()) return {};
     const std::int64_t end = sample + late + std::ssize(samples);
-    if (auto repeated = repeat_until(end / samples_per_picture - most_pictures_apart); !repeated.ok())
-        return repeated;
-    if (auto filled = check_status(sound_.fill_until(sample)); !filled.ok()) return filled;
+    TRY(repeat_until(end / samples_per_picture - most_pictures_apart));
+    TRY(check_status(sound_.fill_until(sample)));
     return check_status(sound_.add(samples));
 }
 
 /// Both are as long as each other, and nothing waits.
 Result<void> FfmpegFilm::end_tracks(std::int64_t end) {
-    if (auto repeated = repeat_until(std::max(end, next_ + 1)); !repeated.ok()) return repeated;
-    if (auto filled = check_status(sound_.fill_until(next_ * samples_per_picture)); !filled.ok())
-        return filled;
+    TRY(repeat_until(std::max(end, next_ + 1)));
+    TRY(check_status(sound_.fill_until(next_ * samples_per_picture)));
     return check_status(sound_.finish());
 }
 
 Result<void> FfmpegFilm::finish(std::int64_t end) {
     if (!picture_) return refuse("there was no picture");
-    if (fault_.ok()) fault_ = end_tracks(end);
+    if (so_far_) so_far_ = end_tracks(end);
     const bool is_cut = room_.is_full() && next_ > 0;  // there is room for its end
-    if (!fault_.ok() && !is_cut) return fault_;
+    if (!so_far_ && !is_cut) return so_far_;
     int status = av_write_trailer(muxer_.get());
     if (status >= 0) status = room_.close();
     if (status < 0) return refuse(ffmpeg_text(status));
-    if (auto named = output_.commit(); !named.ok() || fault_.ok()) return named;
+    if (auto named = output_.commit(); !named || so_far_) return named;
     return refuse("the disk is full; it is kept up to there");
 }
 
@@ -212,11 +335,8 @@ Result<void> FfmpegFilm::finish(std::int64_t end) {
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& file, Existing existing) {
     silence_ffmpeg();
-    std::string end = file.extension().string();
-    for (char& letter : end)
-        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-    const bool is_mp4 = end == ".mp4";
-    if (!is_mp4 && end != ".mkv")
+    const bool is_mp4 = is_mp4_name(file);
+    if (!is_mp4 && !has_ending(file, ".mkv"))
         return usage_error(file.string() +
                            " is no name of a film; right would be one that ends in .mp4 or .mkv");
     auto film = std::make_unique<FfmpegFilm>(file, existing);

@@ -1,21 +1,241 @@
+// Clips in Matroska: for each track the coding that suits its first pictures, pictures that do not change
+// stored once, and tracks copied from another clip.
 #include <algorithm>
-#include <string>
+#include <cstring>
+#include <deque>
 #include <utility>
-#include <vector>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/block_addition.hpp"
-#include "engine/clip/clip_muxing.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/frame_times_text.hpp"
-#include "engine/clip/muxed_clip_writer.hpp"
-#include "engine/clip/track_copy.hpp"
-#include "engine/clip/track_writer.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
 namespace {
+
+/// A picture as stored, and for how many frames it stays.
+struct StoredPicture {
+    PacketPtr packet;
+    std::int64_t frame = 0;   ///< the first that shows it
+    std::int64_t frames = 1;  ///< that show it
+};
+
+/// A coding that a track may have. Where there are others, its bytes count so many times.
+struct CodingOffer {
+    TrackCoding coding;
+    int weight = 1;
+};
+
+std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, const ClipStorage& storage) {
+    using enum TrackCoding;
+    if (role == PlaneRole::colour && !storage.exact_colour) return {{h264_visual}};
+    const bool fast = storage.archive == Archive::fast, wide = first.bytes_per_sample == 2;
+    // What H.264 takes to decode grows with its bytes: at half the bytes of the other it is as quick.
+    if (fast && wide) return {{h264_quick, 2}, {rank_zstd}};
+    if (fast) return {{h264_quick}};
+    if (wide) return {{h264_thrifty}, {ffv1}, {rank_zstd}};
+    return {{h264_thrifty}, {ffv1}};
+}
+
+/// One track of a clip that is written: pictures that do not change are stored once, and where there is a
+/// choice of codings, the one whose first pictures take the fewest bytes, by weight, is taken.
+class TrackWriter {
+public:
+    /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
+    static Result<TrackWriter> open(PlaneRole role, const PlaneView& first, const Scene& scene,
+                                    const ClipStorage& storage);
+
+    PlaneRole role() const { return role_; }
+    /// The plane of the next frame.
+    Result<void> add(const PlaneView& plane);
+    /// That plane as readers will be given it, where the coding changes values and ClipStorage::gives_colour
+    /// asked for it; empty otherwise.
+    PlaneView as_read() const { return reader_ ? reader_->picture() : PlaneView{}; }
+    /// No frame comes any more.
+    void end();
+
+    /// Whether it is known by now how the track is coded.
+    bool decided() const { return codings_.size() == 1; }
+    TrackCoding coding() const { return codings_.front().offer.coding; }
+    const TrackEncoder& encoder() const { return *codings_.front().encoder; }
+    /// The oldest picture, once decided; null where there is none.
+    const StoredPicture* oldest() const;
+    /// Whether it is known how long that stays.
+    bool oldest_is_complete() const;
+    StoredPicture take_oldest();
+
+private:
+    struct Coding {
+        CodingOffer offer;
+        std::unique_ptr<TrackEncoder> encoder;
+        std::deque<StoredPicture> pictures{};
+        std::int64_t bytes = 0;
+    };
+    TrackWriter() = default;
+    bool stays(const PlaneView& plane);
+    void decide();
+
+    PlaneRole role_ = PlaneRole::depth;
+    std::vector<Coding> codings_;       // those that are still to choose from
+    std::vector<std::uint8_t> newest_;  // samples of the picture before
+    std::int64_t frames_ = 0;
+    bool ended_ = false;
+    std::unique_ptr<ReadAlong> reader_;  // null: not asked for
+};
+
+Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, const Scene& scene,
+                                      const ClipStorage& storage) {
+    TrackWriter track;
+    track.role_ = role;
+    const auto open = [&](const CodingOffer& offer) -> Result<void> {
+        TRY_ASSIGN(auto encoder, TrackEncoder::open(role, offer.coding, first, scene));
+        track.codings_.push_back({offer, std::move(encoder)});
+        return {};
+    };
+    for (const CodingOffer& offer : offers_for(role, first, storage))
+        if (auto opened = open(offer); !opened && opened.error().kind != ErrorKind::usage)
+            return opened.error();
+    // What is too large for H.264 is not for FFV1.
+    if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
+    if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
+        TRY_ASSIGN(auto reader, ReadAlong::open(track.encoder(), role));
+        track.reader_ = std::move(reader);
+    }
+    return track;
+}
+
+/// Whether it is the picture before once more; keeps it otherwise.
+bool TrackWriter::stays(const PlaneView& plane) {
+    const auto row_bytes = static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
+    bool same = !newest_.empty();
+    newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y) {
+        std::uint8_t* kept = newest_.data() + row_bytes * static_cast<std::size_t>(y);
+        if (same && std::memcmp(kept, plane.row(y), row_bytes) == 0) continue;
+        same = false;
+        std::memcpy(kept, plane.row(y), row_bytes);
+    }
+    return same;
+}
+
+Result<void> TrackWriter::add(const PlaneView& plane) {
+    const bool access = frames_ % clip_tags::access_interval == 0;
+    if (frames_ == clip_tags::access_interval) decide();
+    const bool same = stays(plane);
+    for (Coding& coding : codings_) {
+        if (same && !access) {
+            ++coding.pictures.back().frames;
+            continue;
+        }
+        TRY_ASSIGN(auto packet, coding.encoder->encode(plane, access));
+        if (reader_) TRY(reader_->add(*packet));
+        coding.bytes += packet->size;
+        coding.pictures.push_back({std::move(packet), frames_});
+    }
+    ++frames_;
+    return {};
+}
+
+void TrackWriter::end() {
+    ended_ = true;
+    decide();
+}
+
+/// The first of those that are equally small.
+void TrackWriter::decide() {
+    const auto least = std::min_element(
+        codings_.begin(), codings_.end(),
+        [](const Coding& a, const Coding& b) { return a.bytes * a.offer.weight < b.bytes * b.offer.weight; });
+    if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
+    codings_.erase(codings_.begin() + 1, codings_.end());
+}
+
+const StoredPicture* TrackWriter::oldest() const {
+    const auto& pictures = codings_.front().pictures;
+    return pictures.empty() ? nullptr : &pictures.front();
+}
+
+bool TrackWriter::oldest_is_complete() const {
+    return ended_ || codings_.front().pictures.size() > 1;
+}
+
+StoredPicture TrackWriter::take_oldest() {
+    auto& pictures = codings_.front().pictures;
+    StoredPicture picture = std::move(pictures.front());
+    pictures.pop_front();
+    return picture;
+}
+
+/// Tracks of a touchable clip in Matroska as they are stored there, for a clip of the same frames: nothing is
+/// decoded or encoded, and what its coding once made of colour stays as it is.
+class TrackCopy {
+public:
+    /// Null where they cannot be copied: the file is no Matroska, or has not all of these roles, or other
+    /// programs wrote it.
+    static Result<std::unique_ptr<TrackCopy>> open(const std::filesystem::path& file,
+                                                   std::vector<PlaneRole> roles);
+
+    std::size_t count() const { return streams_.size(); }
+    bool has(PlaneRole role) const { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); }
+    PlaneRole role(std::size_t track) const { return roles_[track]; }
+    const AVStream& stream(std::size_t track) const;
+    /// Frames that its pictures were taken for so far.
+    std::int64_t frames(std::size_t track) const { return frames_[track]; }
+    /// A track's next picture, with its BlockAddition; `packet` is null after the last.
+    Result<StoredPicture> next(std::size_t track);
+
+private:
+    TrackCopy() = default;
+
+    std::string file_;
+    std::unique_ptr<Demuxer> demuxer_;
+    std::vector<PlaneRole> roles_;
+    std::vector<int> streams_;
+    std::vector<std::int64_t> frames_;  // that each track's pictures were shown for so far
+};
+
+Result<std::unique_ptr<TrackCopy>> TrackCopy::open(const std::filesystem::path& file,
+                                                   std::vector<PlaneRole> roles) {
+    const SourceFile source(file);
+    const auto container = matroska_container(source);
+    auto demuxer = container->open();
+    if (!demuxer && demuxer.error().kind == ErrorKind::interrupted) return demuxer.error();
+    if (!demuxer || !container->rate(**demuxer)) return std::unique_ptr<TrackCopy>();
+    const auto tracks = container->tracks(**demuxer, Scene{});
+    if (!tracks) return std::unique_ptr<TrackCopy>();
+    std::unique_ptr<TrackCopy> copy(new TrackCopy);
+    copy->file_ = file.string();
+    for (const PlaneRole role : roles) {
+        const auto found = std::find_if(tracks->begin(), tracks->end(),
+                                        [&](const ClipTrack& track) { return track.role == role; });
+        if (found == tracks->end()) return std::unique_ptr<TrackCopy>();
+        (*demuxer)->select(found->stream);
+        copy->streams_.push_back(found->stream);
+    }
+    copy->demuxer_ = std::move(*demuxer);
+    copy->roles_ = std::move(roles);
+    copy->frames_.resize(copy->roles_.size());
+    // Without its additions it is not known how long a picture stays.
+    for (const int stream : copy->streams_) {
+        TRY_ASSIGN(const auto packet, copy->demuxer_->peek(stream));
+        if (!packet || !block_addition_of(*packet)) return std::unique_ptr<TrackCopy>();
+    }
+    return copy;
+}
+
+const AVStream& TrackCopy::stream(std::size_t track) const {
+    return *demuxer_->container().streams[streams_[track]];
+}
+
+Result<StoredPicture> TrackCopy::next(std::size_t track) {
+    TRY_ASSIGN(auto packet, demuxer_->next(streams_[track]));
+    if (!packet) return StoredPicture{};
+    const auto addition = block_addition_of(*packet);
+    if (!addition || !addition->sound)
+        return input_error(file_ + ", " + std::string(role_name(roles_[track])) + ", frame " +
+                           std::to_string(frames_[track]) + ": is damaged: its checksum is another");
+    const std::int64_t frame = std::exchange(frames_[track], frames_[track] + addition->frames);
+    return StoredPicture{std::move(packet), frame, addition->frames};
+}
 
 class MatroskaWriter final : public MuxedClipWriter {
 public:
@@ -47,15 +267,10 @@ private:
 };
 
 Result<void> MatroskaWriter::attach_scene() {
-    if (auto attached =
-            attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said()));
-        !attached)
-        return attached;
+    TRY(attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said())));
     if (scene_.path)
-        if (auto attached = attach_text(*muxer_, clip_tags::poses_file, "text/plain",
-                                        timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit));
-            !attached)
-            return attached;
+        TRY(attach_text(*muxer_, clip_tags::poses_file, "text/plain",
+                        timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit)));
     if (!scene_.rate.own_times) return {};
     return attach_text(*muxer_, clip_tags::times_file, "text/plain", frame_times_text(scene_.rate));
 }
@@ -89,24 +304,21 @@ Result<void> MatroskaWriter::add_copied_track(const AVStream& from, PlaneRole ro
 
 Result<void> MatroskaWriter::begin_file() {
     for (const TrackWriter& track : tracks_)
-        if (auto added =
-                add_plane_stream(*muxer_, track.encoder(), track.role(), track.coding(), check_, scene_);
-            !added)
-            return added;
+        TRY(add_plane_stream(*muxer_, track.encoder(), track.role(), track.coding(), check_, scene_));
     for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
-        if (auto added = add_copied_track(copy_->stream(k), copy_->role(k)); !added) return added;
-    if (auto added = add_sound_stream(); !added) return added;
-    if (auto attached = attach_scene(); !attached) return attached;
-    add_tags(clip_format_version);
+        TRY(add_copied_track(copy_->stream(k), copy_->role(k)));
+    TRY(add_sound_stream());
+    TRY(attach_scene());
+    add_clip_tags(*muxer_, scene_.rate, clip_format_version);
     begun_ = true;
     return write_header();
 }
 
 Result<void> MatroskaWriter::write_stored(std::size_t track) {
     const StoredPicture picture = tracks_[track].take_oldest();
-    if (auto copied = copy_until(picture.frame); !copied) return copied;
+    TRY(copy_until(picture.frame));
     const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
-    if (auto added = add_block_addition(*picture.packet, codec, picture.frames); !added) return added;
+    TRY(add_block_addition(*picture.packet, codec, picture.frames));
     return write_picture_of(track, picture);
 }
 
@@ -114,7 +326,7 @@ Result<void> MatroskaWriter::write_stored(std::size_t track) {
 Result<void> MatroskaWriter::write_picture_of(std::size_t stream, const StoredPicture& picture) {
     AVPacket* packet = picture.packet.get();
     packet->pts = packet->dts = time_ms(picture.frame);
-    if (auto written = write_sound(packet->pts); !written) return written;
+    TRY(write_sound(packet->pts));
     packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
     return write_picture(*packet, stream, {1, 1000});
 }
@@ -133,7 +345,7 @@ Result<void> MatroskaWriter::copy_until(std::int64_t frame) {
                 (next == ahead_.size() || ahead_[k].frame < ahead_[next].frame))
                 next = k;
         if (next == ahead_.size()) return {};
-        if (auto written = write_picture_of(tracks_.size() + next, ahead_[next]); !written) return written;
+        TRY(write_picture_of(tracks_.size() + next, ahead_[next]));
         TRY_ASSIGN(auto after, copy_->next(next));
         ahead_[next] = std::move(after);
     }
@@ -144,8 +356,7 @@ Result<void> MatroskaWriter::copy_until(std::int64_t frame) {
 Result<void> MatroskaWriter::write_complete() {
     const auto decided = [](const TrackWriter& track) { return track.decided(); };
     if (!std::all_of(tracks_.begin(), tracks_.end(), decided)) return {};
-    if (!begun_)
-        if (auto begun = begin_file(); !begun) return begun;
+    if (!begun_) TRY(begin_file());
     while (true) {
         std::size_t next = tracks_.size();
         for (std::size_t k = 0; k < tracks_.size(); ++k) {
@@ -154,22 +365,20 @@ Result<void> MatroskaWriter::write_complete() {
                 next = k;
         }
         if (next == tracks_.size() || !tracks_[next].oldest_is_complete()) return {};
-        if (auto written = write_stored(next); !written) return written;
+        TRY(write_stored(next));
     }
 }
 
 Result<void> MatroskaWriter::add(const RawFrame& frame) {
-    if (tracks_.empty())
-        if (auto opened = open_tracks(frame); !opened) return opened;
-    for (TrackWriter& track : tracks_)
-        if (auto added = track.add(plane_of(frame, track.role())); !added) return added;
+    if (tracks_.empty()) TRY(open_tracks(frame));
+    for (TrackWriter& track : tracks_) TRY(track.add(plane_of(frame, track.role())));
     return write_complete();
 }
 
 Result<void> MatroskaWriter::add_rest() {
     for (TrackWriter& track : tracks_) track.end();
-    if (auto written = write_complete(); !written) return written;
-    if (auto copied = copy_until(check_.frames()); !copied) return copied;
+    TRY(write_complete());
+    TRY(copy_until(check_.frames()));
     for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
         if (copy_->frames(k) < check_.frames())
             return input_error(storage_.copied->file.string() + ": its " +
@@ -179,17 +388,6 @@ Result<void> MatroskaWriter::add_rest() {
 }
 
 }  // namespace
-
-Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described) {
-    const FrameRate& rate = described.scene.rate;
-    if (auto valid = validate(described); !valid)
-        return input_error(path.string() + ": " + valid.error().message);
-    if (described.unstated.far)
-        return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
-    if (!clip_tags::is_too_fast(rate)) return {};
-    return input_error(path.string() + ": not written: the scene's rate is " + clip_tags::rate_text(rate) +
-                       " frames/s; a clip has at most " + std::to_string(clip_tags::fastest_rate));
-}
 
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
                                                 const SceneDescription& described, const ClipStorage& storage,

@@ -1,32 +1,28 @@
+// How MP4 says what a clip is: an MPEG-4 scene, tags, and names of tracks.
 #include <algorithm>
 #include <cstring>
 #include <map>
 #include <string>
 #include <utility>
 
-#include "engine/base/byte_source.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_container.hpp"
-#include "engine/clip/clip_file_reader.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/lossless_coding.hpp"
-#include "engine/clip/mp4_scene.hpp"
-#include "engine/clip/mp4_writer.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/containers.hpp"
+#include "engine/clip/track_codecs.hpp"
+#include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/movie_fragments.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_format_version};
+constexpr ClipContainer::Words mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_format_version};
 
 /// The MPEG-4 scene of a file, as far as it has one.
 struct FoundScene {
     std::optional<Mp4Scene> scene{};  // where it is a touchable clip
-    bool is_damaged = false;          // nobody knows what it is
+    bool is_damaged = false;          // it may be a clip, or none
     std::string fault{};              // why it is no clip; empty: it is one, or there is none
 };
 
@@ -66,7 +62,14 @@ std::string object_in_words(const std::string& plane, const mpeg4::PlaneTexture&
     return "its MPEG-4 scene: " + plane + " is object " + std::to_string(texture.url.object);
 }
 
-/// What a program that makes such files with names alone calls the planes.
+Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
+    TRY_ASSIGN(const auto track, track_of_plane(scene, role));
+    if (!track) return std::optional<int>();
+    return stream_numbered(
+        file, *track, object_in_words(std::string(role_name(role)), *texture_of_plane(scene.nodes, role)));
+}
+
+/// Whether tracks have the names that programs give the planes in files without a scene.
 bool has_tracks_of_touch(mpeg4::BytesView movie) {
     const auto parts = mpeg4::boxes_in(movie);
     bool has_depth = false, has_more = false;
@@ -148,7 +151,7 @@ Result<std::vector<int>> Mp4Container::streams(const Demuxer& file) const {
     return all;
 }
 
-Result<std::optional<WholePart>> Mp4Container::whole_part(const Demuxer& file) {
+Result<std::optional<ClipContainer::WholePart>> Mp4Container::whole_part(const Demuxer& file) {
     if (!fragments_) return std::optional<WholePart>();
     TRY_ASSIGN(const auto all, streams(file));
     std::vector<std::int64_t> counts;
@@ -321,13 +324,6 @@ Result<std::optional<std::uint32_t>> track_of_plane(const Mp4Scene& scene, Plane
     if (track == scene.stream.objects.end())
         return input_error(object_in_words(name, *texture) + ", which is no track");
     return std::optional(track->second);
-}
-
-Result<std::optional<int>> stream_of_plane(const Mp4Scene& scene, const Demuxer& file, PlaneRole role) {
-    TRY_ASSIGN(const auto track, track_of_plane(scene, role));
-    if (!track) return std::optional<int>();
-    return stream_numbered(
-        file, *track, object_in_words(std::string(role_name(role)), *texture_of_plane(scene.nodes, role)));
 }
 
 bool is_mp4_clip(const SourceFile& file, bool is_described) {

@@ -1,21 +1,12 @@
-#include "engine/clip/mp4_writer.hpp"
-
+// Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
 #include <algorithm>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "engine/base/byte_source.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/frame_times_text.hpp"
-#include "engine/clip/muxed_clip_writer.hpp"
-#include "engine/clip/plane_part.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/clip/read_along.hpp"
-#include "engine/clip/track_encoder.hpp"
+#include "engine/clip/containers.hpp"
+#include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -95,7 +86,7 @@ private:
     std::vector<Mp4Track> tracks_;   // track k is stream k, and has number k + 1
     std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
     mpeg4::SceneStream scene_stream_;
-    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: nobody asked
+    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not asked for
 };
 
 Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
@@ -107,7 +98,7 @@ Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     track.encoder = std::move(encoder);
     AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream) return refuse("out of memory");
-    if (auto described = track.encoder->describe(*stream->codecpar); !described) return described;
+    TRY(track.encoder->describe(*stream->codecpar));
     stream->id = static_cast<int>(tracks_.size()) + 1;
     stream->time_base = time_base();
     stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
@@ -131,17 +122,16 @@ Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
             const int bits =
                 role == PlaneRole::depth ? scene_.depth_bits : std::max(8, height_bits(scene_.height_coding));
             Mp4Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits - 8 : 0};
-            if (auto opened = open_track(std::move(track), plane); !opened) return opened;
+            TRY(open_track(std::move(track), plane));
         }
     }
-    if (!storage_.fragmented)
-        if (auto made = make_scene_stream(); !made) return made;
+    if (!storage_.fragmented) TRY(make_scene_stream());
     return begin_file();
 }
 
 Result<void> Mp4Writer::begin_file() {
-    if (auto added = add_sound_stream(); !added) return added;
-    if (auto tagged = tag_scene(); !tagged) return tagged;
+    TRY(add_sound_stream());
+    TRY(tag_scene());
     if (storage_.fragmented) return begin_fragments();
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "use_metadata_tags", 0);
@@ -177,7 +167,7 @@ Result<void> Mp4Writer::begin_fragments() {
 }
 
 Result<void> Mp4Writer::tag_scene() {
-    add_tags(storage_.fragmented ? clip_format_version : mp4_format_version);
+    add_clip_tags(*muxer_, scene_.rate, storage_.fragmented ? clip_format_version : mp4_format_version);
     AVDictionary*& tags = muxer_->metadata;
     av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
     if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
@@ -199,21 +189,18 @@ void Mp4Writer::choose_access_point() {
 Result<void> Mp4Writer::encode(std::size_t track, const PlaneView& plane) {
     const std::int64_t frame = check_.frames() - 1;
     TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, frame == access_point_));
-    if (reader_ && tracks_[track].role == PlaneRole::colour)
-        if (auto read = reader_->add(*packet); !read) return read;
+    if (reader_ && tracks_[track].role == PlaneRole::colour) TRY(reader_->add(*packet));
     packet->pts = packet->dts = tick_of(frame);
     packet->duration = tick_of(frame + 1) - tick_of(frame);
     return write_picture(*packet, track, time_base());
 }
 
 Result<void> Mp4Writer::add(const RawFrame& frame) {
-    if (tracks_.empty())
-        if (auto opened = open_tracks(frame); !opened) return opened;
-    if (auto written = write_sound(time_ms(frame.number)); !written) return written;
+    if (tracks_.empty()) TRY(open_tracks(frame));
+    TRY(write_sound(time_ms(frame.number)));
     choose_access_point();
     for (std::size_t k = 0; k < tracks_.size(); ++k)
-        if (auto written = encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])); !written)
-            return written;
+        TRY(encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])));
     return {};
 }
 
@@ -267,20 +254,6 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
     return open_clip_writer<Mp4Writer>(path, described, storage, existing, sound);
-}
-
-bool is_mp4_name(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return ending == ".mp4";
-}
-
-Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
-                                                      const SceneDescription& described,
-                                                      const ClipStorage& storage, Existing existing,
-                                                      const std::optional<SoundPart>& sound) {
-    return (is_mp4_name(path) ? create_mp4_clip : create_clip)(path, described, storage, existing, sound);
 }
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-#include "engine/clip/rank_zstd.hpp"
+#include "engine/clip/track_codecs.hpp"
 
 #include <zstd.h>
 
@@ -93,7 +93,7 @@ void take_codes(StoredBytes from, int width, int height, bool by_left, std::uint
 }
 
 /// What stands before a packet's frame of zstd.
-struct Head {
+struct PacketHead {
     RankZstdMode mode = samples_by_gradient;
     std::size_t distinct = 0;
     std::size_t bytes = 0;
@@ -102,9 +102,9 @@ struct Head {
 };
 
 /// Nothing where the packet does not say of itself that it holds so many samples.
-std::optional<Head> head_of(std::span<const std::uint8_t> packet, RankZstdDecoder::Version version,
-                            std::size_t samples) {
-    Head head;
+std::optional<PacketHead> head_of(std::span<const std::uint8_t> packet, RankZstdDecoder::Version version,
+                                  std::size_t samples) {
+    PacketHead head;
     if (version == RankZstdDecoder::Version::second) {
         if (packet.empty() || packet[0] > static_cast<std::uint8_t>(ranks_by_gradient)) return std::nullopt;
         head = {static_cast<RankZstdMode>(packet[0]), 0, 1};

@@ -1,12 +1,89 @@
+// Frames as cells, robust lines through pairs of their depths, and from these one scale for each shot.
 #include "engine/clip/shot_alignment.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <utility>
+#include <limits>
 
 namespace touchable {
 namespace {
+
+constexpr int usual_cells = 4800, least_side = 4;
+/// A cell whose codes differ by more of the frame's range holds two surfaces.
+constexpr int two_surfaces_share = 8;
+constexpr int least_texture = 24;  // levels of brightness, from the darkest pixel to the brightest
+
+int side_of_cells(int width, int height) {
+    int side = least_side;
+    while ((width / side) * (height / side) > usual_cells) ++side;
+    return side;
+}
+
+struct CellDepths {
+    std::int64_t sum = 0;
+    std::int32_t least = std::numeric_limits<std::int32_t>::max(), most = 0;
+    bool is_whole = true;
+};
+
+template <class Sample>
+CellDepths depths_of(const PlaneView& plane, const DepthCoding& coding, int x0, int y0, int side) {
+    CellDepths depths;
+    for (int y = y0; y < y0 + side; ++y) {
+        const auto* row = reinterpret_cast<const Sample*>(plane.row(y)) + x0;
+        for (int x = 0; x < side; ++x) {
+            const std::int32_t code = row[x];
+            depths.sum += code;
+            depths.least = std::min(depths.least, code);
+            depths.most = std::max(depths.most, code);
+        }
+    }
+    if (coding.all_valid(static_cast<std::uint16_t>(depths.least), static_cast<std::uint16_t>(depths.most)))
+        return depths;
+    // Some pixel has none: the others still tell the frame's range.
+    depths = {.is_whole = false};
+    for (int y = y0; y < y0 + side; ++y)
+        for (int x = x0; x < x0 + side; ++x)
+            if (const std::uint16_t code = plane.sample(x, y); coding.is_valid(code)) {
+                depths.least = std::min<std::int32_t>(depths.least, code);
+                depths.most = std::max<std::int32_t>(depths.most, code);
+            }
+    return depths;
+}
+
+void read_luma(const PlaneView& colour, int x0, int y0, int side, Cell& cell) {
+    std::int64_t sum = 0;
+    std::int32_t least = std::numeric_limits<std::int32_t>::max(), most = 0;
+    for (int y = y0; y < y0 + side; ++y) {
+        const std::uint8_t* rgb = colour.row(y) + 3 * std::ptrdiff_t{x0};
+        for (int x = 0; x < side; ++x, rgb += 3) {
+            const std::int32_t luma = 77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2];  // of 256 a level
+            sum += luma;
+            least = std::min(least, luma);
+            most = std::max(most, luma);
+        }
+    }
+    cell.luma = static_cast<std::int32_t>(sum * Cell::per_level / (256 * std::int64_t{side} * side));
+    cell.is_textured = most - least >= 256 * least_texture;
+}
+
+/// Cells beside much darker or brighter ones change too, where anything moves.
+void mark_borders(std::vector<Cell>& cells, int columns) {
+    constexpr std::int32_t step = least_texture * Cell::per_level;
+    const auto across = static_cast<std::size_t>(columns);
+    const auto part = [&](Cell& a, Cell& b) {
+        if (a.luma - b.luma >= step || b.luma - a.luma >= step) a.is_textured = b.is_textured = true;
+    };
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (k % across + 1 < across) part(cells[k], cells[k + 1]);
+        if (k + across < cells.size()) part(cells[k], cells[k + across]);
+    }
+}
+
+constexpr std::size_t fewest_points = 8, judging_points = 256;
+constexpr int pair_trials = 96, refinements = 6;
+constexpr double per_median = 1.4826;  // standard deviation of normal noise / median distance
+constexpr double most_scale = 16;      // and its reciprocal the least
+constexpr double least_spread = 16;    // of `from`, times the noise: nearer together no scale can be told
 
 constexpr double steps_of_range = 4096;  // differences below one tell nothing
 constexpr std::int32_t same_luma = 5 * Cell::per_level / 2, other_luma = 24 * Cell::per_level;
@@ -16,13 +93,133 @@ constexpr double noise_of_still = 1.0 / 64;
 constexpr double still_frames = 0.9;        // of a shot, in which things stand still
 constexpr std::size_t telling_texture = 6;  // of so many cells one must be textured to tell of the camera
 constexpr int settled_age = 4, calm_frames = 24;
-constexpr double memory = 32;  // frames over which a reference is averaged
-constexpr int radius = 15;     // frames before and after, of a moving camera
+constexpr double reference_frames = 32;  // frames over which a reference is averaged
+constexpr int moving_radius = 15;        // frames before and after, of a moving camera
 constexpr std::size_t most_resting = 96;
 
-std::int32_t size_of(std::int32_t number) {
+/// Without a sign.
+template <class Number>
+Number size_of(Number number) {
     return number < 0 ? -number : number;
 }
+
+/// The middle one, the lower of two; `numbers` come in another order.
+double median_of(std::vector<double>& numbers) {
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 2);
+    std::nth_element(numbers.begin(), middle, numbers.end());
+    return *middle;
+}
+
+/// Numbers that are the same on every machine.
+class PairDraw {
+public:
+    std::size_t below(std::size_t count) {
+        state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+        return static_cast<std::size_t>((state_ >> 33) % count);
+    }
+
+private:
+    std::uint64_t state_ = 88172645463325252U;
+};
+
+class MedianFit {
+public:
+    MedianFit(const std::vector<LinePoint>& points, double least_noise)
+        : points_(points), least_noise_(least_noise) {
+        std::vector<double> from;
+        from.reserve(points.size());
+        for (const LinePoint& point : points) from.push_back(point.from);
+        const auto at = [&](std::size_t k) {
+            std::nth_element(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(k), from.end());
+            return from[k];
+        };
+        spread_ = at(from.size() - 1 - from.size() / 10) - at(from.size() / 10);
+    }
+    LineFit make() {
+        LineFit fit;
+        fit.line = has_scale() ? by_pairs() : shifted({});
+        for (int k = 0; k < refinements; ++k) {
+            fit.noise = noise_of(fit.line);
+            fit.line = refined(fit.line, fit.noise);
+        }
+        fit.noise = noise_of(fit.line);
+        return fit;
+    }
+
+private:
+    static double distance(const Line& line, const LinePoint& point) {
+        return size_of(point.to - line.at(point.from));
+    }
+    bool has_scale() const { return spread_ > least_spread * least_noise_; }
+    double noise_of(const Line& line) const {
+        std::vector<double> distances;
+        distances.reserve(points_.size());
+        for (const LinePoint& point : points_) distances.push_back(distance(line, point));
+        return std::max(least_noise_, per_median * median_of(distances));
+    }
+    /// Of this scale.
+    Line shifted(Line line) const {
+        std::vector<double> shifts;
+        shifts.reserve(points_.size());
+        for (const LinePoint& point : points_) shifts.push_back(point.to - line.scale * point.from);
+        line.shift = median_of(shifts);
+        return line;
+    }
+    /// That to which half of the points lie nearest.
+    Line by_pairs() const {
+        PairDraw draw;
+        const std::size_t step = std::max<std::size_t>(1, points_.size() / judging_points);
+        Line best = shifted({});
+        double least = -1;
+        std::vector<double> distances;
+        for (int trial = 0, tried = 0; trial < pair_trials && tried < 8 * pair_trials; ++tried) {
+            const LinePoint &a = points_[draw.below(points_.size())],
+                            &b = points_[draw.below(points_.size())];
+            if (size_of(a.from - b.from) < spread_ / 4) continue;
+            ++trial;
+            Line line;
+            line.scale = (a.to - b.to) / (a.from - b.from);
+            if (!(line.scale >= 1 / most_scale && line.scale <= most_scale)) continue;
+            line.shift = a.to - line.scale * a.from;
+            distances.clear();
+            for (std::size_t k = 0; k < points_.size(); k += step)
+                distances.push_back(distance(line, points_[k]));
+            const double middle = median_of(distances);
+            if (least >= 0 && middle >= least) continue;
+            least = middle;
+            best = line;
+        }
+        return best;
+    }
+    /// Weighted by 1/(1 + (distance / two noises)^2)^2: what is far away does not count.
+    Line refined(const Line& line, double noise) const {
+        double weights = 0, from = 0, to = 0;
+        std::vector<double> each;
+        each.reserve(points_.size());
+        for (const LinePoint& point : points_) {
+            const double share = distance(line, point) / (2 * noise), fall = 1 + share * share;
+            const double weight = 1 / (fall * fall);
+            each.push_back(weight);
+            weights += weight;
+            from += weight * point.from;
+            to += weight * point.to;
+        }
+        if (!has_scale()) return {1, (to - from) / weights};
+        const double middle = from / weights, height = to / weights;
+        double together = 0, alone = 0;
+        for (std::size_t k = 0; k < points_.size(); ++k) {
+            const double x = points_[k].from - middle;
+            together += each[k] * x * (points_[k].to - height);
+            alone += each[k] * x * x;
+        }
+        const double scale = together / alone;
+        if (!(scale >= 1 / most_scale && scale <= most_scale)) return line;
+        return {scale, height - scale * middle};
+    }
+
+    const std::vector<LinePoint>& points_;
+    double least_noise_, spread_ = 0;
+};
 
 /// Brightness that all cells gained: a camera's exposure.
 std::int32_t gained(std::vector<std::int32_t> changes) {
@@ -71,6 +268,46 @@ double regressed_at_zero(const std::vector<double>& numbers, double first) {
 }
 
 }  // namespace
+
+CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding) {
+    const PlaneView& plane = frame.depth;
+    const int side = std::min({side_of_cells(plane.width, plane.height), plane.width, plane.height});
+    const int columns = plane.width / side, rows = plane.height / side;
+    CellPicture picture;
+    picture.has_colour =
+        !frame.colour.empty() && frame.colour.width == plane.width && frame.colour.height == plane.height;
+    picture.cells.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    std::vector<std::int32_t> spreads(picture.cells.size());
+    std::int32_t least = std::numeric_limits<std::int32_t>::max(), most = -1;
+    for (std::size_t k = 0; k < picture.cells.size(); ++k) {
+        const int x = side * (static_cast<int>(k) % columns), y = side * (static_cast<int>(k) / columns);
+        const CellDepths depths = plane.bytes_per_sample == 1
+                                      ? depths_of<std::uint8_t>(plane, coding, x, y, side)
+                                      : depths_of<std::uint16_t>(plane, coding, x, y, side);
+        Cell& cell = picture.cells[k];
+        if (depths.most >= depths.least) {
+            least = std::min(least, depths.least);
+            most = std::max(most, depths.most);
+            spreads[k] = depths.most - depths.least;
+        }
+        if (depths.is_whole)
+            cell.depth = static_cast<std::int32_t>(depths.sum * Cell::per_code / (std::int64_t{side} * side));
+        if (picture.has_colour) read_luma(frame.colour, x, y, side, cell);
+    }
+    if (picture.has_colour) mark_borders(picture.cells, columns);
+    if (most < least) return picture;
+    picture.least = static_cast<std::uint16_t>(least);
+    picture.most = static_cast<std::uint16_t>(most);
+    for (std::size_t k = 0; k < picture.cells.size(); ++k)
+        if (two_surfaces_share * spreads[k] > most - least + 2 * two_surfaces_share)
+            picture.cells[k].depth = Cell::none;
+    return picture;
+}
+
+std::optional<LineFit> fit_line(const std::vector<LinePoint>& points, double least_noise) {
+    if (points.size() < fewest_points) return std::nullopt;
+    return MedianFit(points, least_noise).make();
+}
 
 /// Share of the cells that are much brighter or darker than before.
 double ShotAlignment::changed(const CellPicture& picture) const {
@@ -148,11 +385,12 @@ void ShotAlignment::remember(const CellPicture& picture, const std::vector<bool>
         const Cell& cell = picture.cells[k];
         Reference& reference = references_[k];
         reference.calm = same[k] ? reference.calm + 1 : 0;
-        reference.luma = same[k] ? reference.luma + (cell.luma - reference.luma) / memory : cell.luma;
+        reference.luma =
+            same[k] ? reference.luma + (cell.luma - reference.luma) / reference_frames : cell.luma;
         if (cell.depth == Cell::none) continue;
         const double depth = line.at(cell.depth), apart = depth - reference.depth;
         const bool stays = same[k] && reference.age >= 0 && std::fabs(apart) <= tolerance;
-        reference.depth = stays ? reference.depth + apart / memory : depth;
+        reference.depth = stays ? reference.depth + apart / reference_frames : depth;
         reference.age = stays ? reference.age + 1 : 0;
     }
 }
@@ -165,25 +403,6 @@ void ShotAlignment::begin_shot(const CellPicture& picture) {
     remember(picture, std::vector<bool>(picture.cells.size()), {}, 0);
     shot_.push_back({{}, {}, true});
     resting_.emplace_back();
-}
-
-void ShotAlignment::add(CellPicture picture) {
-    const bool is_alike =
-        before_.cells.size() == picture.cells.size() && before_.has_colour == picture.has_colour;
-    const double other_colour = shot_.empty() || !is_alike ? 1 : changed(picture);
-    RestingCells resting;
-    const LineFit to_before = other_colour > share_of_cut ? LineFit{} : fit_to_before(picture, resting);
-    const bool depth_is_other =
-        to_before.noise > noise_of_cut * range_ && (!picture.has_colour || other_colour > share_of_cut / 2);
-    if (other_colour > share_of_cut || depth_is_other) {
-        begin_shot(picture);
-    } else {
-        Fitted fitted{{}, to_before.line, false};
-        fit_to_shot(picture, fitted);
-        shot_.push_back(fitted);
-        resting_.push_back(std::move(resting));
-    }
-    before_ = std::move(picture);
 }
 
 /// Of which the mean leaves codes as they are.
@@ -206,8 +425,8 @@ std::vector<Line> ShotAlignment::lines_of_moving() const {
     const auto count = static_cast<std::ptrdiff_t>(shot_.size());
     const auto fitted = [&](std::ptrdiff_t k) -> const Fitted& { return shot_[static_cast<std::size_t>(k)]; };
     for (std::ptrdiff_t n = 0; n < count; ++n) {
-        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, n - radius),
-                             last = std::min(count - 1, n + radius);
+        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, n - moving_radius),
+                             last = std::min(count - 1, n + moving_radius);
         std::vector<double> scales(static_cast<std::size_t>(last - first + 1)), shifts(scales.size());
         const auto put = [&](std::ptrdiff_t k, const Line& there) {
             scales[static_cast<std::size_t>(k - first)] = there.scale;
@@ -236,6 +455,25 @@ void ShotAlignment::end_shot() {
     for (const Line& line : is_still ? lines_of_still() : lines_of_moving())
         lines_.push_back(is_likely(line) ? line : Line{});
     shot_.clear();
+}
+
+void ShotAlignment::add(CellPicture picture) {
+    const bool is_alike =
+        before_.cells.size() == picture.cells.size() && before_.has_colour == picture.has_colour;
+    const double other_colour = shot_.empty() || !is_alike ? 1 : changed(picture);
+    RestingCells resting;
+    const LineFit to_before = other_colour > share_of_cut ? LineFit{} : fit_to_before(picture, resting);
+    const bool depth_is_other =
+        to_before.noise > noise_of_cut * range_ && (!picture.has_colour || other_colour > share_of_cut / 2);
+    if (other_colour > share_of_cut || depth_is_other) {
+        begin_shot(picture);
+    } else {
+        Fitted fitted{{}, to_before.line, false};
+        fit_to_shot(picture, fitted);
+        shot_.push_back(fitted);
+        resting_.push_back(std::move(resting));
+    }
+    before_ = std::move(picture);
 }
 
 std::vector<Line> ShotAlignment::finish() {

@@ -1,13 +1,39 @@
 #pragma once
 
+// Depth whose scale changes from frame to frame, brought to one scale: for each frame the line that does so.
+
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "engine/clip/cell_picture.hpp"
-#include "engine/clip/line_fit.hpp"
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
+
+/// d' = scale d + shift.
+struct Line {
+    double scale = 1, shift = 0;
+    double at(double value) const { return scale * value + shift; }
+    /// What `this` gives, in place of the value of `after`.
+    Line then(const Line& after) const { return {after.scale * scale, after.scale * shift + after.shift}; }
+    Line inverse() const { return {1 / scale, -shift / scale}; }
+};
+
+struct LinePoint {
+    double from = 0, to = 0;
+};
+
+struct LineFit {
+    Line line;
+    double noise = 0;  ///< robust standard deviation of `to`
+};
+/// The line on which most points lie, however far the others are away: least median of squares over fixed
+/// pairs, then weights that fall with the distance. Where `from` is nearly the same everywhere the scale
+/// cannot be told: it is 1. Nothing of fewer than eight points. Only + - * / and comparisons, in a fixed
+/// order: the same bits everywhere. `least_noise`: distances below it tell nothing.
+std::optional<LineFit> fit_line(const std::vector<LinePoint>& points, double least_noise);
 
 /// Depths of cells that stood still from the frame before to a frame, there and here, sixteenths of a code.
 using RestingCells = std::vector<std::pair<std::int32_t, std::int32_t>>;

@@ -1,16 +1,51 @@
+// Which codecs are read, how our clips set FFmpeg's encoders, and whether another program's track keeps every
+// value.
 #include "engine/clip/track_codecs.hpp"
 
-#include <string>
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
+
+#include "engine/base/try.hpp"
+#include "engine/mpeg4/bifs.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
-
-#include "engine/base/try.hpp"
 }
 
 namespace touchable {
 namespace {
+
+struct ReadCodec {
+    AVCodecID id;
+    bool lossy;
+};
+
+/// What this program writes, and what cameras, Depthkit and editors export.
+constexpr std::array read_codecs{ReadCodec{AV_CODEC_ID_FFV1, false},    ReadCodec{AV_CODEC_ID_PNG, false},
+                                 ReadCodec{AV_CODEC_ID_FFVHUFF, false}, ReadCodec{AV_CODEC_ID_MJPEG, true},
+                                 ReadCodec{AV_CODEC_ID_MPEG4, true},    ReadCodec{AV_CODEC_ID_H264, true},
+                                 ReadCodec{AV_CODEC_ID_HEVC, true},     ReadCodec{AV_CODEC_ID_PRORES, true},
+                                 ReadCodec{AV_CODEC_ID_VP9, true},      ReadCodec{AV_CODEC_ID_AV1, true},
+                                 ReadCodec{AV_CODEC_ID_HAP, true},      ReadCodec{AV_CODEC_ID_VP8, true},
+                                 ReadCodec{AV_CODEC_ID_RAWVIDEO, false}};
+
+struct OwnCodec {
+    std::uint32_t tag;
+    const char* name;
+    int version;
+};
+
+constexpr std::array own_codecs{
+    OwnCodec{MKTAG('T', '3', 'D', 'Z'), "t3dz", 1},
+    OwnCodec{rank_zstd_tag, "t3d2", 2},
+};
+
+const OwnCodec* own_codec(const AVCodecParameters& stored) {
+    const auto* const found = std::ranges::find(own_codecs, stored.codec_tag, &OwnCodec::tag);
+    return stored.codec_id == AV_CODEC_ID_NONE && found != own_codecs.end() ? found : nullptr;
+}
 
 Error encoder_error(const std::string& what) {
     return {ErrorKind::internal, "encoder: " + what};
@@ -38,19 +73,19 @@ int h264_slices(int width, int height) {
 /// x264 knows no more.
 constexpr int largest_h264_side = 16384;
 
-struct Settings {
+struct EncoderSettings {
     const char* encoder;
     const char* name;  // as people call it
     std::vector<std::pair<const char*, const char*>> options;
 };
 
-Settings settings_of(TrackCoding coding, AVPixelFormat format) {
+EncoderSettings settings_of(TrackCoding coding, AVPixelFormat format) {
     if (coding == TrackCoding::ffv1)
         return {"ffv1", "FFV1", {{"slicecrc", "1"}, {"coder", "1"}, {"context", "1"}}};
     // A packet comes out for each picture that goes in, and begins anew only where it is told to.
-    Settings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
-                  "H.264",
-                  {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"udu_sei", "1"}}};
+    EncoderSettings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
+                         "H.264",
+                         {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"udu_sei", "1"}}};
     if (is_visual(coding)) {
         const char* const quality = coding == TrackCoding::h264_visual ? "18" : "24";
         // Streams of both qualities have the same parameter sets: VLC keeps those of the first as it goes
@@ -80,16 +115,114 @@ Result<int> slices_of(TrackCoding coding, int width, int height) {
     return slices;
 }
 
+using mpeg4::BitReader;
+using ParameterBytes = std::span<const std::uint8_t>;
+
+/// Exp-Golomb: as many bits follow as zeros came.
+std::uint64_t golomb(BitReader& bits) {
+    int zeros = 0;
+    while (zeros < 32 && !bits.flag()) ++zeros;
+    return (std::uint64_t{1} << zeros) - 1 + bits.get(zeros);
+}
+
+/// A flag of the sequence's parameters in avcC (ISO/IEC 14496-10, 7.3.2.1.1).
+bool is_lossless_h264(ParameterBytes avcc) {
+    constexpr std::size_t sequence_at = 8;
+    constexpr std::uint64_t high_444_predictive = 244, colours_at_full_size = 3;
+    if (avcc.size() <= sequence_at) return false;
+    BitReader bits(avcc.subspan(sequence_at));
+    bits.get(8);
+    if (bits.get(8) != high_444_predictive) return false;
+    bits.get(16);
+    golomb(bits);
+    if (golomb(bits) == colours_at_full_size) bits.get(1);
+    golomb(bits);
+    golomb(bits);
+    const bool leaves_out_transform = bits.flag();
+    return leaves_out_transform && !bits.is_over();
+}
+
+/// The first unit of this kind in hvcC (ISO/IEC 14496-15, 8.3.3.1.2).
+std::optional<ParameterBytes> hevc_unit(ParameterBytes hvcc, int kind) {
+    std::size_t at = 22;
+    const auto number = [&](std::size_t bytes) {
+        std::size_t value = 0;
+        for (; bytes > 0; --bytes, ++at) value = value << 8 | (at < hvcc.size() ? hvcc[at] : 0);
+        return value;
+    };
+    for (std::size_t lists = number(1); lists > 0; --lists) {
+        const bool is_wanted = static_cast<int>(number(1) & 63) == kind;
+        for (std::size_t units = number(2); units > 0; --units) {
+            const std::size_t length = number(2);
+            if (at > hvcc.size() || length > hvcc.size() - at) return {};
+            if (is_wanted) return hvcc.subspan(at, length);
+            at += length;
+        }
+    }
+    return {};
+}
+
+/// transquant_bypass_enabled_flag of the pictures' parameters (ISO/IEC 23008-2, 7.3.2.3.1). x265 sets it as
+/// well where some blocks alone are lossless, and its message in the same place tells which.
+bool is_lossless_hevc(ParameterBytes hvcc) {
+    constexpr int picture_parameters = 34;
+    const std::string_view words(reinterpret_cast<const char*>(hvcc.data()), hvcc.size());
+    if (words.find(" no-lossless") != std::string_view::npos) return false;
+    const auto unit = hevc_unit(hvcc, picture_parameters);
+    if (!unit) return false;
+    BitReader bits(*unit);
+    bits.get(16);  // what unit it is
+    golomb(bits);  // its number, and the sequence's
+    golomb(bits);
+    bits.get(7);  // dependent slices, output flag, 3 extra bits, hidden signs, cabac_init
+    for (int number = 0; number < 3; ++number) golomb(bits);  // references of two lists, quantiser
+    bits.get(2);                                              // constrained intra, skipped transforms
+    if (bits.flag()) golomb(bits);                            // a quantiser for each block
+    golomb(bits);                                             // offsets for colour
+    golomb(bits);
+    bits.get(3);  // these for each slice, weights
+    const bool leaves_out_transform = bits.flag();
+    return leaves_out_transform && !bits.is_over();
+}
+
 }  // namespace
 
-Error unstorable_size(int width, int height, const std::string& why) {
-    return usage_error("pictures of " + std::to_string(width) + "x" + std::to_string(height) +
-                       " cannot be stored: " + why);
+std::string codec_name(const AVCodecParameters& stored) {
+    if (const OwnCodec* const own = own_codec(stored)) return own->name;
+    if (stored.codec_id != AV_CODEC_ID_NONE || stored.codec_tag == 0)
+        return avcodec_get_name(stored.codec_id);
+    char text[AV_FOURCC_MAX_STRING_SIZE];
+    return av_fourcc_make_string(text, stored.codec_tag);
+}
+
+std::optional<int> rank_zstd_version(const AVCodecParameters& stored) {
+    const OwnCodec* const own = own_codec(stored);
+    return own ? std::optional(own->version) : std::nullopt;
+}
+
+std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) {
+    const auto is_stored = [&](const ReadCodec& one) { return codec == avcodec_get_name(one.id); };
+    const auto* const stored = std::ranges::find_if(read_codecs, is_stored);
+    if (role == PlaneRole::colour || stored == read_codecs.end() || !stored->lossy) return std::nullopt;
+    return std::string(role_name(role)) + " is stored as " + codec +
+           ", which changes values: what is felt is not quite what was recorded (ffv1, png and t3d2 keep "
+           "every value)";
+}
+
+bool is_read(const AVCodecParameters& stored) {
+    return own_codec(stored) ||
+           std::ranges::find(read_codecs, stored.codec_id, &ReadCodec::id) != read_codecs.end();
+}
+
+std::string codecs_that_are_read() {
+    std::string names;
+    for (const ReadCodec& codec : read_codecs) names += std::string(avcodec_get_name(codec.id)) + ", ";
+    return names + own_codecs[0].name + ", " + own_codecs[1].name;
 }
 
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
                               const FrameRate& rate) {
-    const Settings settings = settings_of(coding, format);
+    const EncoderSettings settings = settings_of(coding, format);
     const AVCodec* codec = avcodec_find_encoder_by_name(settings.encoder);
     if (!codec)
         return encoder_error("this FFmpeg has no " + std::string(settings.name) + " (" + settings.encoder +
@@ -127,6 +260,18 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
         return encoder_error(std::string(settings.name) + ": " +
                              (status < 0 ? ffmpeg_text(status) : "unknown option"));
     return context;
+}
+
+Error unstorable_size(int width, int height, const std::string& why) {
+    return usage_error("pictures of " + std::to_string(width) + "x" + std::to_string(height) +
+                       " cannot be stored: " + why);
+}
+
+bool is_coded_without_loss(const AVCodecParameters& stored) {
+    if (stored.extradata == nullptr || stored.extradata_size <= 0) return false;
+    const ParameterBytes parameters(stored.extradata, static_cast<std::size_t>(stored.extradata_size));
+    if (stored.codec_id == AV_CODEC_ID_H264) return is_lossless_h264(parameters);
+    return stored.codec_id == AV_CODEC_ID_HEVC && is_lossless_hevc(parameters);
 }
 
 }  // namespace touchable

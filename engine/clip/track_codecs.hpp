@@ -1,11 +1,34 @@
 #pragma once
 
+// The codecs under TrackEncoder and TrackDecoder: one of our own, and FFmpeg's as our clips set them.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "engine/base/result.hpp"
-#include "engine/clip/track_encoder.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/scene/frames.hpp"
+
+struct ZSTD_CCtx_s;
+struct ZSTD_DCtx_s;
 
 namespace touchable {
 
+/// Whether tracks of this codec are read. FFmpeg knows hundreds, most of them seldom used, and seldom
+/// attacked by researchers who report what they find.
+bool is_read(const AVCodecParameters& stored);
+/// "ffv1, png, ...": those that are.
+std::string codecs_that_are_read();
+
+/// Whether pictures are kept as they are seen, and not to the last bit.
+constexpr bool is_visual(TrackCoding coding) {
+    return coding == TrackCoding::h264_visual || coding == TrackCoding::h264_reduced;
+}
 /// An encoder for pictures of `width` x `height` samples in an FFmpeg pixel format. An error of kind usage
 /// where it cannot have that size.
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
@@ -13,5 +36,85 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
 
 /// Why pictures of this size cannot be stored.
 Error unstorable_size(int width, int height, const std::string& why);
+
+/// Whether a track of H.264 or HEVC keeps every value, as its own parameters say: its coding may leave out
+/// the transform, for which encoders ask only where they are to be lossless. False where it does not say.
+bool is_coded_without_loss(const AVCodecParameters& stored);
+
+/// How a container names the codec that is our own: FFmpeg has no number for it.
+inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
+
+// A lossless coding of grey pictures of two bytes a sample, each on its own. A packet of the second version:
+//
+//   byte 0     its mode: 0 samples by gradient, 1 ranks by left, 2 ranks by gradient
+//   bytes 1-2  only of ranks: how many distinct values the picture has, less 1; the low byte first
+//   the rest   one frame of zstd that states its size, of
+//                only of ranks: the distinct values from the smallest up, of each how much it is beyond the
+//                next possible one (of the first: beyond 0), as bytes: first all low ones, then all high ones
+//                of each sample a code, row after row, as bytes: all low ones, then all high ones
+//
+// A code is made of a value: of the sample itself, or of its rank, which is its place among the distinct
+// values, from 0. The value is predicted, either by the one to its left, which before the first of a row is
+// the one above, or by the gradient of its neighbours, left + above - above left. Those outside the picture
+// are 0. The difference d from what is predicted, modulo 65536 within -32768..32767, becomes the code 2d, or
+// -2d - 1 where it is negative.
+//
+// A camera that measures in millimetres has few distinct values in a picture, the farther the fewer, and so
+// have values that were stretched to more bits. A packet of the first version is the frame of mode 0, with
+// nothing before it.
+
+struct ZstdDeleter {
+    void operator()(ZSTD_CCtx_s* context) const;
+    void operator()(ZSTD_DCtx_s* context) const;
+};
+
+/// The modes of the second version, by their numbers.
+enum class RankZstdMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
+
+/// Of the second version.
+class RankZstdEncoder {
+public:
+    /// The packet of a picture; until the next call. Empty where memory runs out. Where `choose`, it is
+    /// encoded in each mode; the smallest packet counts, and one of ranks, which takes longer to decode, only
+    /// if it saves a 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
+    std::span<const std::uint8_t> encode(const PlaneView& plane, bool choose);
+
+private:
+    struct Packet {
+        std::vector<std::uint8_t> memory;
+        std::size_t size = 0;
+    };
+    void take_samples(const PlaneView& plane);
+    void find_ranks();
+    bool pack(RankZstdMode mode);
+
+    std::unique_ptr<ZSTD_CCtx_s, ZstdDeleter> context_;
+    int width_ = 0;
+    std::vector<std::uint16_t> samples_, distinct_, ranks_;
+    std::vector<std::uint16_t> rank_of_;  // by sample
+    std::vector<std::uint8_t> bytes_;     // to be compressed
+    Packet newest_, chosen_;
+    std::optional<RankZstdMode> mode_;  // that was chosen, when packets had the size
+    std::size_t size_then_ = 0;
+};
+
+class RankZstdDecoder {
+public:
+    enum class Version { first = 1, second = 2 };
+    explicit RankZstdDecoder(Version version) : version_(version) {}
+
+    /// Whether a packet says of itself that it holds a picture of so many samples. Costs nothing.
+    bool promises(std::span<const std::uint8_t> packet, std::size_t samples) const;
+    /// Decodes a packet into rows of `width` samples, `stride` samples apart. False where it does not hold
+    /// such a picture, whatever its bytes, or memory runs out; the samples are then of no meaning.
+    bool decode(std::span<const std::uint8_t> packet, int width, int height, std::uint16_t* samples,
+                std::ptrdiff_t stride);
+
+private:
+    Version version_;
+    std::unique_ptr<ZSTD_DCtx_s, ZstdDeleter> context_;
+    std::vector<std::uint8_t> bytes_;
+    std::vector<std::uint16_t> distinct_;
+};
 
 }  // namespace touchable

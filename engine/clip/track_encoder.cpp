@@ -1,16 +1,13 @@
-#include "engine/clip/track_encoder.hpp"
-
+// Planes into packets: samples laid out as each codec takes them.
 #include <cstring>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/codecs.hpp"
-#include "engine/clip/rank_zstd.hpp"
 #include "engine/clip/track_codecs.hpp"
 
 namespace touchable {
 namespace {
 
-Error encoder_error(PlaneRole role, const std::string& what) {
+Error track_error(PlaneRole role, const std::string& what) {
     return {ErrorKind::internal, "encoder of track " + std::string(role_name(role)) + ": " + what};
 }
 
@@ -88,7 +85,7 @@ ScalerPtr scaler_to(const AVFrame& picture) {
 }
 
 /// In place of those of the picture before.
-bool attach(std::span<const std::string> messages, AVFrame& picture) {
+bool attach_messages(std::span<const std::string> messages, AVFrame& picture) {
     av_frame_remove_side_data(&picture, AV_FRAME_DATA_SEI_UNREGISTERED);
     for (const std::string& message : messages) {
         AVBufferRef* const buffer = av_buffer_alloc(message.size());
@@ -125,28 +122,28 @@ Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, con
     if (!codec) return codec.error();
     codec_ = std::move(*codec);
     picture_.reset(av_frame_alloc());
-    if (!picture_) return encoder_error(role_, "out of memory");
+    if (!picture_) return track_error(role_, "out of memory");
     picture_->format = form.format;
     picture_->width = form.width;
     picture_->height = form.height;
-    if (av_frame_get_buffer(picture_.get(), 0) < 0) return encoder_error(role_, "out of memory");
+    if (av_frame_get_buffer(picture_.get(), 0) < 0) return track_error(role_, "out of memory");
     picture_->pts = -1;
     if (!is_visual(coding)) return {};
     scaler_ = scaler_to(*picture_);
-    if (!scaler_) return encoder_error(role_, "no way from RGB to its pixels");
+    if (!scaler_) return track_error(role_, "no way from RGB to its pixels");
     return {};
 }
 
 Result<void> FfmpegEncoder::describe(AVCodecParameters& stored) const {
     if (avcodec_parameters_from_context(&stored, codec_.get()) < 0)
-        return encoder_error(role_, "out of memory");
+        return track_error(role_, "out of memory");
     return {};
 }
 
 Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own,
                                         std::span<const std::string> messages) {
     PacketPtr packet(av_packet_alloc());
-    if (!packet || av_frame_make_writable(picture_.get()) < 0) return encoder_error(role_, "out of memory");
+    if (!packet || av_frame_make_writable(picture_.get()) < 0) return track_error(role_, "out of memory");
     if (scaler_) {
         const std::uint8_t* rows[] = {plane.data, nullptr, nullptr, nullptr};
         const int strides[] = {static_cast<int>(plane.stride), 0, 0, 0};
@@ -156,10 +153,10 @@ Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own,
     }
     ++picture_->pts;
     picture_->pict_type = on_its_own ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
-    if (!attach(messages, *picture_)) return encoder_error(role_, "out of memory");
+    if (!attach_messages(messages, *picture_)) return track_error(role_, "out of memory");
     int status = avcodec_send_frame(codec_.get(), picture_.get());
     if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
-    if (status < 0) return encoder_error(role_, ffmpeg_text(status));
+    if (status < 0) return track_error(role_, ffmpeg_text(status));
     return packet;
 }
 
@@ -188,11 +185,11 @@ Result<void> RankZstdTrack::describe(AVCodecParameters& stored) const {
 
 Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own,
                                         std::span<const std::string> messages) {
-    if (!messages.empty()) return encoder_error(role_, "its codec has no room for messages");
+    if (!messages.empty()) return track_error(role_, "its codec has no room for messages");
     const auto bytes = encoder_.encode(plane, on_its_own);
     PacketPtr packet(av_packet_alloc());
     if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
-        return encoder_error(role_, "out of memory");
+        return track_error(role_, "out of memory");
     std::memcpy(packet->data, bytes.data(), bytes.size());
     packet->flags |= AV_PKT_FLAG_KEY;
     return packet;
@@ -207,6 +204,23 @@ Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCo
     auto encoder = std::make_unique<FfmpegEncoder>(role);
     TRY(encoder->open(coding, first, scene));
     return std::unique_ptr<TrackEncoder>(std::move(encoder));
+}
+
+PlaneView part_of(const PlaneView& plane, PlanePart part, int low_bits, std::vector<std::uint8_t>& memory) {
+    if (part == PlanePart::whole) return plane;
+    const auto width = static_cast<std::size_t>(plane.width);
+    memory.resize(width * static_cast<std::size_t>(plane.height));
+    const unsigned low = (1U << low_bits) - 1;
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* from = plane.row(y);
+        std::uint8_t* to = memory.data() + width * static_cast<std::size_t>(y);
+        for (std::size_t x = 0; x < width; ++x) {
+            std::uint16_t sample;
+            std::memcpy(&sample, from + 2 * x, 2);
+            to[x] = static_cast<std::uint8_t>(part == PlanePart::high ? sample >> low_bits : sample & low);
+        }
+    }
+    return {memory.data(), plane.width, plane.width, plane.height, 1, 1};
 }
 
 }  // namespace touchable

@@ -1,13 +1,11 @@
-#include "engine/clip/video_file.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_tags.hpp"
-#include "engine/clip/lossless_coding.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/clip/track_codecs.hpp"
 
 extern "C" {
 #include <libavutil/rational.h>
@@ -18,7 +16,7 @@ namespace {
 
 constexpr int largest_term = 1'000'000'000;  // of a scene's rate
 
-/// Frames that nobody is to see: cut off by an edit list, or VP8's that only serve others.
+/// Frames that are not to be seen: cut off by an edit list, or VP8's that only serve others.
 bool is_hidden(const AVPacket& packet, AVCodecID codec) {
     constexpr int vp8_shown = 0x10;
     return (packet.flags & AV_PKT_FLAG_DISCARD) != 0 || packet.size == 0 ||
@@ -246,8 +244,7 @@ Result<void> VideoFile::seek(std::int64_t frame) {
     if (is_lost_ || number_ > frame || number_ < key) {
         held_.reset();
         TRY_ASSIGN(const auto begun, key > 0 ? begin_at(key) : Result<bool>(false));
-        if (!begun)
-            if (auto back = rewind(); !back) return back;
+        if (!begun) TRY(rewind());
     }
     while (number_ < frame) {
         TRY(next());

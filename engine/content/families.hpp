@@ -1,22 +1,28 @@
 #pragma once
 
+// The makers behind make_scene, one for each family of scenes, and what they share: cameras, planes made of
+// depths. Sizes and bits have been checked; each refuses what its own surface cannot be.
+
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <string_view>
+#include <vector>
 
+#include "engine/base/threads.hpp"
 #include "engine/content/scenes.hpp"
 
-/// The makers behind make_scene, one per family of scenes. Sizes and bits have been checked; each refuses
-/// what its own surface cannot be.
 namespace touchable {
 
-struct GlobeSphere;
+/// The globe's sphere: on the optical axis, filling 80 % of the picture's height. Scene units.
+struct GlobeSphere {
+    glm::dvec3 centre;
+    double radius;
+};
 
 using MadeScene = Result<std::unique_ptr<AnalyticScene>>;
 
 MadeScene make_globe(std::string_view name, const SceneOptions& options);
-/// A globe of `options.maps`, which are there; `scene` has the camera and coding of a globe.
-MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options);
 MadeScene make_height_field(std::string_view name, const SceneOptions& options);
 MadeScene make_primitive(std::string_view name, const SceneOptions& options);
 MadeScene make_noise(std::string_view name, const SceneOptions& options);
@@ -31,5 +37,23 @@ int threads_for_pixels(int threads, std::int64_t pixels);
 /// to one; planar linear coding between `near` and `far`; 600 N/m, friction 0.6 and 0.4. Width at least 2.
 Scene tabletop_scene(std::string_view name, const SceneOptions& options, double near, double far);
 inline constexpr double tabletop_distance = 1000, tabletop_width = 200;
+
+/// Camera and range coding of a preset (docs/scenes.md) at a size: the pixel width scales by 720/W, so the
+/// horizontal field of view stays.
+void apply_preset(CameraPreset preset, Scene& scene);
+
+GlobeSphere globe_sphere(CameraPreset preset, int width, int height);
+
+/// The device radius of the globe, in metres: S = globe_device_radius / radius.
+inline constexpr double globe_device_radius = 0.032;
+
+/// Analytic depths of a whole picture at time t, row-major, scene units.
+std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows);
+
+/// Writes each depth's nearest code as the scene's plane of 8 or 16 bits.
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes);
+
+/// The planes seen as a frame that keeps them alive.
+RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number);
 
 }  // namespace touchable

@@ -1,18 +1,91 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
 #include "engine/content/families.hpp"
-#include "engine/content/globe_motion.hpp"
-#include "engine/content/globe_touch.hpp"
-#include "engine/content/planet_look.hpp"
-#include "engine/content/presets.hpp"
-#include "engine/content/smooth.hpp"
+#include "engine/content/mapped_ground.hpp"
+#include "engine/content/planet.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
+
+/// Axes of a turning globe in the world: the pole leans to the right and a little toward the camera, and what
+/// faces the camera moves to the right.
+class GlobeAxes {
+public:
+    GlobeAxes(const glm::dvec3& pole, double angle)
+        : pole_(pole), east_(glm::normalize(glm::cross(pole_, glm::dvec3(0, 0, 1)))) {
+        const glm::dvec3 toward = glm::cross(east_, pole_);
+        const double c = cosine(angle), s = sine(angle);
+        x_ = c * east_ - s * toward;
+        z_ = s * east_ + c * toward;
+    }
+    /// A world direction in the globe's own frame: +Y its north pole, +Z longitude 0.
+    glm::dvec3 place(const glm::dvec3& direction) const {
+        return {glm::dot(direction, x_), glm::dot(direction, pole_), glm::dot(direction, z_)};
+    }
+    /// Back again.
+    glm::dvec3 world(const glm::dvec3& place) const { return place.x * x_ + place.y * pole_ + place.z * z_; }
+
+private:
+    glm::dvec3 pole_, east_, x_, z_;
+};
+
+/// How a globe leans and turns. Whatever was not asked for is as of the procedural planet.
+class GlobeMotion {
+public:
+    explicit GlobeMotion(const SceneOptions& options)
+        : seconds_per_turn_(options.seconds_per_turn),
+          first_turn_(options.first_longitude_degrees ? -*options.first_longitude_degrees / 360 : 0.2) {
+        if (!options.axial_tilt_degrees) return;
+        // In the direction in which the planet's pole leans, 0.36 to the right and 0.25 toward the camera.
+        const double lean = *options.axial_tilt_degrees * pi / 180;
+        const glm::dvec3 way = glm::normalize(glm::dvec3(0.36, 0, 0.25));
+        pole_ = sine(lean) * way + glm::dvec3(0, cosine(lean), 0);
+    }
+    GlobeAxes axes(double t) const {
+        const double turns = first_turn_ + t / seconds_per_turn_;
+        return {pole_, 2 * pi * (turns - std::floor(turns))};
+    }
+
+private:
+    glm::dvec3 pole_ = glm::normalize(glm::dvec3(0.36, 0.90, 0.25));
+    double seconds_per_turn_, first_turn_;
+};
+
+/// What a globe feels like: land is stiffer and rougher than the sea; a coast leads from one to the other.
+constexpr HapticProperties sea_feel{400, 0.15, 0.10}, land_feel{1200, 0.60, 0.45},
+    beyond_feel{800, 0.30, 0.20};
+constexpr HapticRanges globe_ranges{{0.1, 2}, {0, 1}, {0, 1}};
+
+/// `dry`: 0 at sea, 1 on land.
+HapticProperties globe_feel(double dry) {
+    return {sea_feel.stiffness + dry * (land_feel.stiffness - sea_feel.stiffness),
+            sea_feel.static_friction + dry * (land_feel.static_friction - sea_feel.static_friction),
+            sea_feel.dynamic_friction + dry * (land_feel.dynamic_friction - sea_feel.dynamic_friction)};
+}
+
+/// Code of a property value in its range (Eq. 1 turned round).
+std::uint8_t property_code(const PropertyRange& range, double value) {
+    return static_cast<std::uint8_t>(std::floor(255 * (value - range.min) / (range.max - range.min) + 0.5));
+}
+
+/// The three codes of a haptic pixel of `globe_ranges`.
+void put_feel(const HapticProperties& felt, std::uint8_t* pixel) {
+    pixel[0] = property_code(globe_ranges.stiffness, felt.stiffness / 1000);
+    pixel[1] = property_code(globe_ranges.static_friction, felt.static_friction);
+    pixel[2] = property_code(globe_ranges.dynamic_friction, felt.dynamic_friction);
+}
 
 /// The bare sphere before the far plane.
 class Globe : public AnalyticScene {
@@ -150,6 +223,220 @@ void PlanetGlobe::paint(double t, const std::vector<double>& depths, RowBands& r
             row = std::move(below);
         }
     });
+}
+
+/// A globe of maps: a sphere that rises where mountains are, before the far plane.
+class MapGlobe final : public AnalyticScene {
+public:
+    MapGlobe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options,
+             std::unique_ptr<const MappedGround> ground)
+        : AnalyticScene(std::move(scene)), sphere_(sphere), motion_(options), ground_(std::move(ground)) {}
+
+    double depth(double x, double y, double t) const override { return depth_from(view_at(t), x, y); }
+    void row_depths(int y, double t, double* depths) const override {
+        const View view = view_at(t);
+        for (int x = 0; x < scene().width; ++x) depths[x] = depth_from(view, x, y);
+    }
+    std::optional<SurfaceTruth> closest(const glm::dvec3&, const glm::dvec3&, double) const override {
+        return {};
+    }
+
+private:
+    /// The globe's axes at a time, and the camera in its frame, in radii.
+    struct View {
+        GlobeAxes axes;
+        glm::dvec3 camera;
+    };
+    /// What a line of sight meets.
+    struct Sight {
+        glm::dvec3 normal, to_eye;  ///< of the bare sphere there; unit vectors in the world
+        glm::dvec3 place;           ///< the normal in the globe's own frame
+        double facing;              ///< cosine between both
+        double width;               ///< radians that a pixel would cover if it faced the camera
+    };
+    using Look = CubePyramid<5>::Values;
+
+    bool moves() const override { return true; }
+    void paint(double t, const std::vector<double>& depths, RowBands& rows,
+               FramePlanes& planes) const override;
+    void paint_row(const View& view, int y, const std::vector<double>& depths, FramePlanes& planes) const;
+
+    View view_at(double t) const {
+        const GlobeAxes axes = motion_.axes(t);
+        return {axes, axes.place(-sphere_.centre / sphere_.radius)};
+    }
+    glm::dvec3 ray(double x, double y) const {
+        const Camera& camera = scene().camera;
+        return glm::dvec3(camera.u(x), camera.v(y), -1) / camera.ray_length(x, y);
+    }
+    double depth_from(const View& view, double x, double y) const {
+        const auto hit = ground_->shape.first_hit(view.camera, view.axes.place(ray(x, y)));
+        return hit ? sphere_.radius * *hit : scene().depth.far;
+    }
+    bool is_beside(double depth) const { return depth >= scene().depth.far; }
+    Sight sight(const View& view, double x, double y, double depth) const;
+    template <class Mean>
+    auto mean_of_pixel(const View& view, const Sight& sight, Mean&& mean) const;
+    double relief_light(const View& view, const Sight& sight) const;
+    glm::dvec3 ground_colour(const View& view, const Sight& sight, const Look& look) const;
+    glm::dvec3 sky(int column, int row, double x, double y) const;
+    glm::dvec3 limb_colour(const View& view, int column, int row) const;
+    void touch(const View& view, const Sight& sight, const Look& look, std::size_t pixel,
+               FramePlanes& planes) const;
+
+    GlobeSphere sphere_;
+    GlobeMotion motion_;
+    std::unique_ptr<const MappedGround> ground_;
+};
+
+MapGlobe::Sight MapGlobe::sight(const View& view, double x, double y, double depth) const {
+    const glm::dvec3 along = ray(x, y), outward = depth * along - sphere_.centre;
+    Sight sight{};
+    sight.normal = outward / std::sqrt(glm::dot(outward, outward));
+    sight.to_eye = -along;
+    sight.place = view.axes.place(sight.normal);
+    sight.facing = std::max(0.0, glm::dot(sight.normal, sight.to_eye));
+    sight.width = depth / (scene().camera.fx * scene().camera.ray_length(x, y) * sphere_.radius);
+    return sight;
+}
+
+/// Over all that a pixel covers, which is drawn out where the ground is seen at a slant: means side by side.
+template <class Mean>
+auto MapGlobe::mean_of_pixel(const View& view, const Sight& sight, Mean&& mean) const {
+    constexpr double most = 8;
+    const double stretch = std::min(1 / std::max(sight.facing, 1e-3), most);
+    const int count = static_cast<int>(stretch + 0.5);
+    if (count == 1) return mean(sight.place);
+    const glm::dvec3 away = sight.facing * sight.normal - sight.to_eye;
+    const glm::dvec3 way = view.axes.place(away / std::sqrt(glm::dot(away, away)));
+    auto sum = mean(sight.place);
+    for (double& value : sum) value = 0;
+    for (int k = 0; k < count; ++k) {
+        const auto values = mean(sight.place + sight.width * stretch * ((k + 0.5) / count - 0.5) * way);
+        for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += values[c] / count;
+    }
+    return sum;
+}
+
+/// Of the slope of all relief, as if it were as high as it is felt.
+double MapGlobe::relief_light(const View& view, const Sight& sight) const {
+    const auto height = [&](const glm::dvec3& place) {
+        return ground_->relief * ground_->look.mean(place, sight.width, MappedGround::elevation);
+    };
+    const auto [across, down] = tangents(sight.place);
+    const double reach = sight.width;
+    const double slope_across =
+        (height(sight.place + reach * across) - height(sight.place - reach * across)) / (2 * reach);
+    const double slope_down =
+        (height(sight.place + reach * down) - height(sight.place - reach * down)) / (2 * reach);
+    const glm::dvec3 upward = view.axes.world(sight.place - slope_across * across - slope_down * down);
+    const auto light = [](double facing) { return 0.18 + 0.82 * std::max(0.0, facing); };
+    const double on_relief = light(glm::dot(upward, sunward) / std::sqrt(glm::dot(upward, upward)));
+    return std::clamp(on_relief / light(glm::dot(sight.normal, sunward)), 0.35, 1.9);
+}
+
+glm::dvec3 MapGlobe::ground_colour(const View& view, const Sight& sight, const Look& look) const {
+    return in_daylight({look[MappedGround::red], look[MappedGround::green], look[MappedGround::blue]},
+                       sight.normal, sight.to_eye, relief_light(view, sight));
+}
+
+glm::dvec3 MapGlobe::sky(int column, int row, double x, double y) const {
+    const glm::dvec3 along = ray(x, y), nearest = glm::dot(sphere_.centre, along) * along - sphere_.centre;
+    const double passing = std::sqrt(glm::dot(nearest, nearest));
+    return sky_colour(column, row, scene().width, nearest / passing,
+                      std::max(0.0, passing / sphere_.radius - 1));
+}
+
+/// A pixel that the globe covers in part: the mean of many lines of sight.
+glm::dvec3 MapGlobe::limb_colour(const View& view, int column, int row) const {
+    constexpr int side = 4;
+    glm::dvec3 sum{0};
+    for (int n = 0; n < side * side; ++n) {
+        const double x = column + (n % side + 0.5) / side - 0.5, y = row + (n / side + 0.5) / side - 0.5;
+        const double depth = depth_from(view, x, y);
+        if (is_beside(depth)) {
+            sum += sky(column, row, x, y);
+            continue;
+        }
+        const Sight seen = sight(view, x, y, depth);
+        sum += ground_colour(view, seen, ground_->look.mean(seen.place, seen.width));
+    }
+    return sum / static_cast<double>(side * side);
+}
+
+void MapGlobe::touch(const View& view, const Sight& sight, const Look& look, std::size_t pixel,
+                     FramePlanes& planes) const {
+    if (ground_->touch) {
+        const auto codes = mean_of_pixel(
+            view, sight, [&](const glm::dvec3& at) { return ground_->touch->mean(at, sight.width); });
+        for (std::size_t c = 0; c < 3; ++c)
+            planes.haptic[3 * pixel + c] = static_cast<std::uint8_t>(255 * codes[c] + 0.5);
+    } else {
+        put_feel(globe_feel(look[MappedGround::land]), &planes.haptic[3 * pixel]);
+    }
+    if (ground_->largest_height == 0) return;
+    const double height = ground_->relief * look[MappedGround::elevation] - ground_->shape.rise(sight.place);
+    planes.height[pixel] =
+        static_cast<std::uint8_t>(255 * std::clamp(height / ground_->largest_height, 0.0, 1.0) + 0.5);
+}
+
+void MapGlobe::paint_row(const View& view, int y, const std::vector<double>& depths,
+                         FramePlanes& planes) const {
+    const int width = scene().width, height = scene().height;
+    const auto beside = [&](int column, int row) {
+        const int i = std::clamp(column, 0, width - 1), j = std::clamp(row, 0, height - 1);
+        return is_beside(depths[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
+                                static_cast<std::size_t>(i)]);
+    };
+    const auto is_limb = [&](int x, bool outside) {
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i)
+                if (beside(x + i, y + j) != outside) return true;
+        return false;
+    };
+    for (int x = 0; x < width; ++x) {
+        const std::size_t pixel =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+        const bool outside = is_beside(depths[pixel]), limb = is_limb(x, outside);
+        glm::dvec3 colour{0};
+        if (outside) {
+            put_feel(beyond_feel, &planes.haptic[3 * pixel]);
+            if (!limb) colour = sky(x, y, x, y);
+        } else {
+            const Sight seen = sight(view, x, y, depths[pixel]);
+            const Look look = mean_of_pixel(
+                view, seen, [&](const glm::dvec3& at) { return ground_->look.mean(at, seen.width); });
+            touch(view, seen, look, pixel, planes);
+            if (!limb) colour = ground_colour(view, seen, look);
+        }
+        if (limb) colour = limb_colour(view, x, y);
+        const auto bytes = to_bytes(colour);
+        std::copy(bytes.begin(), bytes.end(), &planes.colour[3 * pixel]);
+    }
+}
+
+void MapGlobe::paint(double t, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes) const {
+    const View view = view_at(t);
+    planes.colour.resize(3 * depths.size());
+    planes.haptic.resize(3 * depths.size());
+    if (ground_->largest_height > 0) planes.height.resize(depths.size());
+    rows.for_each_band(scene().height, 1, [&](const RowBand& band) {
+        for (int y = band.first; y < band.last; ++y) paint_row(view, y, depths, planes);
+    });
+}
+
+/// A globe of `options.maps`, which are there; `scene` has the camera and coding of a globe.
+MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options) {
+    const double distance = -sphere.centre.z, nearest = distance - sphere.radius * (1 + options.maps->relief);
+    if (nearest < scene.depth.near)
+        return usage_error("scene 'globe': mountains of " + std::to_string(options.maps->relief) +
+                           " radii would reach before the near plane");
+    RowBands rows(threads_for_pixels(options.threads, 1 << 20));  // maps are large
+    TRY_ASSIGN(auto ground, map_ground(*options.maps, nearest / (scene.camera.fx * sphere.radius), rows));
+    if (ground->largest_height > 0)
+        scene.height_coding = {ground->largest_height * sphere.radius, HeightUnits::world, 255};
+    return std::unique_ptr<AnalyticScene>(
+        std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(ground)));
 }
 
 }  // namespace

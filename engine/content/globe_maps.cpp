@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {

@@ -1,16 +1,24 @@
 #pragma once
 
+// Pictures of a real globe that make_scene makes a touchable one of (SceneOptions::maps): colour, elevation,
+// a mask of land and ocean, and, if there is one, a haptic map. All are equirectangular; a caller owns their
+// pixels, which have to outlive the scene's making.
+//
+// check_globe_maps refuses what no globe can be made of, find_shore finds the sea level and which side of the
+// mask is land. between_pixels reads a map between its pixels, over the date line and the poles. Pure
+// functions, for any thread.
+
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/plane_view.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 
 /// A map of a whole globe in equirectangular projection: longitude -180 to 180 degrees from left to right,
-/// north up. Its pixels are somebody else's.
+/// north up. The caller owns its pixels.
 struct GlobeMap {
     PlaneView samples{};              ///< codes of 1 or 3 channels
     std::span<const float> values{};  ///< or numbers of one channel, row by row

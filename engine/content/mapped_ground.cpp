@@ -1,19 +1,134 @@
 #include "engine/content/mapped_ground.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
-#include "engine/base/stop_request.hpp"
-#include "engine/base/trigonometry.hpp"
 #include "engine/base/try.hpp"
-#include "engine/content/valley_floor.hpp"
 
 namespace touchable {
+
 namespace {
+
+/// The tangent of an evened one, 0 to 1, by Newton; `evened` rises everywhere there.
+double tangent_of(double even) {
+    using namespace cube_grid;
+    double tangent = even;
+    for (int round = 0; round < 30; ++round) {
+        const double square = tangent * tangent;
+        tangent -= (evened(tangent) - even) / (even_1 + square * (3 * even_3 + square * 5 * even_5));
+    }
+    return tangent;
+}
+
+/// The root of `gap` in [outside, inside], where it is above 0 outside and at most 0 inside, by false
+/// position; an end that stays twice counts half (Illinois).
+template <class Gap>
+double crossing(double outside, double gap_outside, double inside, double gap_inside, Gap&& gap) {
+    int stayed = 0;  // +: the inside, -: the outside
+    for (int round = 0; round < 100 && gap_inside < 0 && inside - outside > 1e-15; ++round) {
+        const double share = round < 30 ? gap_outside / (gap_outside - gap_inside) : 0.5;
+        const double middle = outside + (inside - outside) * share;
+        if (middle == outside || middle == inside) return middle;
+        const double gap_middle = gap(middle);
+        if (gap_middle > 0) {
+            outside = middle;
+            gap_outside = gap_middle;
+            if (stayed > 0) gap_inside *= 0.5;
+            stayed = 1;
+        } else {
+            inside = middle;
+            gap_inside = gap_middle;
+            if (stayed < 0) gap_outside *= 0.5;
+            stayed = -1;
+        }
+    }
+    return inside;
+}
+
+/// A row that a disc reaches, how far it goes there to both sides, in cells (round a pole all of the row),
+/// and what a cell there has of the sphere's area.
+struct Reach {
+    int row, half_width;
+    double cell_area;
+};
+
+/// Of a disc around any cell of a row: the great circle from latitude a to b, c apart in longitude, has the
+/// cosine sin a sin b + cos a cos b cos c.
+std::vector<Reach> disc(const HeightGrid& grid, int row, double radius) {
+    const double step = pi / grid.height;
+    const auto latitude = [&](int r) { return 0.5 * pi - (r + 0.5) * step; };
+    const int rows = static_cast<int>(radius / step);
+    std::vector<Reach> reaches;
+    for (int other = std::max(0, row - rows); other <= std::min(grid.height - 1, row + rows); ++other) {
+        const double a = latitude(row), b = latitude(other);
+        const double cosine_of_width = (cosine(radius) - sine(a) * sine(b)) / (cosine(a) * cosine(b));
+        if (cosine_of_width > 1) continue;
+        const double half = cosine_of_width < -1 ? pi : 0.5 * pi - arcsine(cosine_of_width);
+        const int cells = static_cast<int>(half / (2 * pi) * grid.width);
+        reaches.push_back({other, cells, cosine(b)});
+    }
+    return reaches;
+}
+
+/// The lowest within `half_width` of each cell of a row, round the globe: of blocks as long as the window the
+/// lowest so far from both sides (van Herk), so that its length does not matter.
+void lower_to_lowest_within(const float* row, int width, int half_width, float* lowest,
+                            std::vector<float>& room) {
+    const int window = 2 * half_width + 1, length = width + 2 * half_width;
+    room.resize(2 * static_cast<std::size_t>(length));
+    float *ahead = room.data(), *behind = room.data() + length;
+    const auto at = [&](int k) { return row[(k - half_width + width) % width]; };
+    for (int k = 0; k < length; ++k) ahead[k] = k % window == 0 ? at(k) : std::min(ahead[k - 1], at(k));
+    for (int k = length - 1; k >= 0; --k)
+        behind[k] = k == length - 1 || (k + 1) % window == 0 ? at(k) : std::min(behind[k + 1], at(k));
+    for (int x = 0; x < width; ++x)
+        lowest[x] = std::min(lowest[x], std::min(behind[x], ahead[x + window - 1]));
+}
+
+HeightGrid lowest_within(const HeightGrid& heights, double radius, RowBands& rows) {
+    HeightGrid lowest = heights;
+    const auto width = static_cast<std::size_t>(heights.width);
+    rows.for_each_band(heights.height, 1, [&](const RowBand& band) {
+        std::vector<float> room;
+        for (int y = band.first; y < band.last; ++y)
+            for (const Reach& reach : disc(heights, y, radius))
+                lower_to_lowest_within(&heights.values[static_cast<std::size_t>(reach.row) * width],
+                                       heights.width, reach.half_width,
+                                       &lowest.values[static_cast<std::size_t>(y) * width], room);
+    });
+    return lowest;
+}
+
+/// Weights fall evenly from the middle: the mean of the means over discs of a third, two thirds and all of
+/// the radius.
+HeightGrid mean_within(const HeightGrid& heights, double radius, RowBands& rows) {
+    HeightGrid mean = heights;
+    const auto width = static_cast<std::size_t>(heights.width);
+    constexpr int discs = 3;
+    rows.for_each_band(heights.height, 1, [&](const RowBand& band) {
+        std::vector<double> sums(3 * width + 1), total(width);
+        for (int y = band.first; y < band.last; ++y) {
+            std::vector<double> means(width);
+            for (int k = 1; k <= discs; ++k) {
+                std::fill(total.begin(), total.end(), 0.0);
+                double area = 0;
+                for (const Reach& reach : disc(heights, y, radius * k / discs)) {
+                    const float* row = &heights.values[static_cast<std::size_t>(reach.row) * width];
+                    for (std::size_t x = 0; x < 3 * width; ++x)
+                        sums[x + 1] = sums[x] + double{row[x % width]};
+                    const auto half = static_cast<std::size_t>(reach.half_width),
+                               cells = std::min(2 * half + 1, width);  // each of the row once
+                    for (std::size_t x = 0; x < width; ++x) {
+                        const std::size_t first = width + x - half;
+                        total[x] += reach.cell_area * (sums[first + cells] - sums[first]);
+                    }
+                    area += reach.cell_area * static_cast<double>(cells);
+                }
+                for (std::size_t x = 0; x < width; ++x) means[x] += total[x] / area;
+            }
+            float* out = &mean.values[static_cast<std::size_t>(y) * width];
+            for (std::size_t x = 0; x < width; ++x) out[x] = static_cast<float>(means[x] / discs);
+        }
+    });
+    return mean;
+}
 
 /// Water side by side in a row, and what of connected water is counted at its root.
 struct Run {
@@ -238,6 +353,180 @@ double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, in
 }
 
 }  // namespace
+
+CubeGrid::CubeGrid(int cells)
+    : cells_(cells),
+      row_(static_cast<std::size_t>(cells) + 1),
+      tangent_(static_cast<std::size_t>(cells) + 1) {
+    const int half = cells / 2;
+    for (int k = 0; k <= half; ++k) {
+        const double tangent = k == half ? 1.0 : tangent_of(static_cast<double>(k) / half);
+        tangent_[static_cast<std::size_t>(half + k)] = tangent;
+        tangent_[static_cast<std::size_t>(half - k)] = -tangent;
+    }
+}
+
+glm::dvec3 CubeGrid::direction(int face, int i, int j) const {
+    const int axis = face / 2;
+    glm::dvec3 at;
+    at[axis] = face % 2 == 0 ? 1 : -1;
+    at[(axis + 1) % 3] = tangent_[static_cast<std::size_t>(i)];
+    at[(axis + 2) % 3] = tangent_[static_cast<std::size_t>(j)];
+    return at / std::sqrt(glm::dot(at, at));
+}
+
+DisplacedSphere::DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBands& rows)
+    : grid_(std::move(grid)), rise_(std::move(rise)) {
+    for (const float value : rise_) highest_ = std::max<double>(highest_, value);
+    const int coarse_side = grid_.cells() / 16;
+    coarse_ = tiles_of(coarse_side, rows);
+    fine_ = tiles_of(coarse_side / 8, rows);
+    const Tiles unwidened = coarse_;
+    widen(fine_, unwidened, rows);
+    widen(coarse_, unwidened, rows);
+}
+
+double DisplacedSphere::rise(const glm::dvec3& direction) const {
+    return rise_at(grid_.place(direction));
+}
+
+DisplacedSphere::Bound DisplacedSphere::bound_of_cells(int face, int column, int row, int side) const {
+    const auto at = [&](int i, int j) { return rise_[grid_.index(face, i, j)]; };
+    Bound bound{};
+    for (int j = row * side; j < (row + 1) * side; ++j)
+        for (int i = column * side; i < (column + 1) * side; ++i) {
+            const float a = at(i, j), b = at(i + 1, j), c = at(i, j + 1), d = at(i + 1, j + 1);
+            const double across = std::max(std::fabs(b - a), std::fabs(d - c)),
+                         down = std::max(std::fabs(c - a), std::fabs(d - b));
+            const double steepness = std::sqrt(across * across + down * down) / grid_.least_spacing();
+            bound.highest = std::max({bound.highest, a, b, c, d});
+            bound.steepest = std::max(bound.steepest, static_cast<float>(1.000001 * steepness));
+        }
+    return bound;
+}
+
+DisplacedSphere::Tiles DisplacedSphere::tiles_of(int side, RowBands& rows) const {
+    const int count = grid_.cells() / side;
+    Tiles tiles{side, count, side * grid_.least_spacing()};
+    const std::size_t all = tiles.index(6, 0, 0);
+    tiles.middles.resize(all);
+    tiles.radii.resize(all);
+    tiles.bounds.resize(all);
+    rows.for_each_band(6 * count, 1, [&](const RowBand& band) {
+        for (int line = band.first; line < band.last; ++line)
+            for (int column = 0; column < count; ++column) {
+                const int face = line / count, row = line % count;
+                const std::size_t tile = tiles.index(face, column, row);
+                tiles.bounds[tile] = bound_of_cells(face, column, row, side);
+                const int left = column * side, top = row * side;
+                const glm::dvec3 middle = grid_.direction(face, left + side / 2, top + side / 2);
+                double least = 1;
+                for (const int i : {left, left + side})
+                    for (const int j : {top, top + side})
+                        least = std::min(least, glm::dot(middle, grid_.direction(face, i, j)));
+                tiles.middles[tile] = middle;
+                tiles.radii[tile] = 0.5 * pi - arcsine(least);
+            }
+    });
+    return tiles;
+}
+
+/// Each bound becomes that of all tiles that something within the window of its tile may lie in. Only those
+/// in coarse tiles that are near enough are looked at.
+void DisplacedSphere::widen(Tiles& tiles, const Tiles& coarse, RowBands& rows) const {
+    const std::vector<Bound> own = tiles.bounds;
+    const double widest = *std::max_element(tiles.radii.begin(), tiles.radii.end()),
+                 widest_coarse = *std::max_element(coarse.radii.begin(), coarse.radii.end());
+    const auto cosine_within = [](double angle) { return angle < pi ? cosine(1.01 * angle) : -1.0; };
+    const int inside = coarse.side / tiles.side;  // tiles along a coarse one
+    const auto each_in = [&](std::size_t coarse_tile, auto&& visit) {
+        const int n = static_cast<int>(coarse_tile), face = n / (coarse.count * coarse.count),
+                  row = n / coarse.count % coarse.count, column = n % coarse.count;
+        for (int j = 0; j < inside; ++j)
+            for (int i = 0; i < inside; ++i) visit(tiles.index(face, column * inside + i, row * inside + j));
+    };
+    rows.for_each_band(static_cast<int>(coarse.middles.size()), 1, [&](const RowBand& band) {
+        for (int n = band.first; n < band.last; ++n) {
+            const auto here = static_cast<std::size_t>(n);
+            const double near = cosine_within(coarse.radii[here] + tiles.window + widest_coarse);
+            for (std::size_t there = 0; there < coarse.middles.size(); ++there) {
+                if (glm::dot(coarse.middles[here], coarse.middles[there]) < near) continue;
+                each_in(here, [&](std::size_t tile) {
+                    const double nearest = cosine_within(tiles.radii[tile] + tiles.window + widest);
+                    each_in(there, [&](std::size_t other) {
+                        if (glm::dot(tiles.middles[tile], tiles.middles[other]) < nearest) return;
+                        Bound& bound = tiles.bounds[tile];
+                        bound.highest = std::max(bound.highest, own[other].highest);
+                        bound.steepest = std::max(bound.steepest, own[other].steepest);
+                    });
+                });
+            }
+        }
+    });
+}
+
+/// Along the ray, s from where it is nearest to the middle (at distance q): its own distance is sqrt(q^2 +
+/// s^2), which is convex, and the angle that it turns is at most q ds, as long as it is outside of the unit
+/// sphere. So the bounds say how far it may go without passing the surface.
+std::optional<double> DisplacedSphere::first_hit(const glm::dvec3& from, const glm::dvec3& ray) const {
+    const double to_nearest = -glm::dot(from, ray);
+    const glm::dvec3 nearest = from + to_nearest * ray;
+    const double q_square = glm::dot(nearest, nearest), q = std::sqrt(q_square);
+    const double outermost = 1 + highest_;
+    if (q >= outermost) return std::nullopt;
+    // Where it enters the sphere of this radius, which it meets.
+    const auto entry = [&](double radius) { return -std::sqrt(radius * radius - q_square); };
+    const auto distance_at = [&](double s) { return std::sqrt(q_square + s * s); };
+    const auto gap_at = [&](double s) { return distance_at(s) - 1 - rise(nearest + s * ray); };
+    const bool meets_inner = q < 1;
+    const double end = meets_inner ? entry(1) : -entry(outermost);
+
+    constexpr double unknown = -1;
+    double s = entry(outermost), before = s, gap_before = unknown;
+    const auto root_up_to = [&](double inside, double gap) {
+        if (gap_before == unknown) gap_before = gap_at(before);
+        return to_nearest + (gap_before > 0 ? crossing(before, gap_before, inside, gap, gap_at) : before);
+    };
+    while (s < end) {
+        const double distance = distance_at(s);
+        const CubePlace place = grid_.place(nearest + s * ray);
+        const Bound& far_bound = coarse_.at(place);
+        const bool is_far = distance > 1.0 + far_bound.highest;
+        const Bound& bound = is_far ? far_bound : fine_.at(place);
+        const double top = 1.0 + bound.highest;
+        double next = s + (is_far ? coarse_ : fine_).window / std::max(q, 1e-9);
+        double gap = unknown;
+        if (const double enters = s < 0 && q < top ? entry(top) : end; distance > top && enters > s) {
+            next = std::min(next, enters);
+        } else {
+            gap = distance - 1 - rise_at(place);
+            if (gap <= 0) return s == before ? to_nearest + s : root_up_to(s, gap);
+            const double climbing = bound.steepest * q, falling = -s / distance;
+            // Over level ground it would meet the surface there; a little beyond may be inside.
+            const double beyond = falling > 0 ? s + 1.25 * gap / falling : end;
+            if (beyond < std::min(next, end) && -beyond / distance_at(beyond) > climbing)
+                if (const double inside = gap_at(beyond); inside <= 0)  // there is one crossing at most
+                    return to_nearest + crossing(s, gap, beyond, inside, gap_at);
+            if (climbing + falling > 0) next = std::min(next, s + gap / (climbing + falling));
+        }
+        before = s;
+        gap_before = gap;
+        s = std::max(next, s + least_step);
+    }
+    if (!meets_inner) return std::nullopt;
+    const double inside = -rise(nearest + end * ray);
+    return inside == 0 ? to_nearest + end : root_up_to(end, inside);
+}
+
+HeightGrid valley_floor(const HeightGrid& heights, double radius, RowBands& rows) {
+    // A little more than the mean reaches, so that it is bilinearly between cells, too.
+    const double margin = 1.5 * pi / heights.height;
+    HeightGrid floor = mean_within(lowest_within(heights, radius + margin, rows), radius, rows);
+    // What rounding and the last cell of a disc leave.
+    for (std::size_t n = 0; n < floor.values.size(); ++n)
+        floor.values[n] = std::clamp(floor.values[n], 0.0F, heights.values[n]);
+    return floor;
+}
 
 Result<std::unique_ptr<const MappedGround>> map_ground(const GlobeMaps& maps, double finest, RowBands& rows) {
     TRY(check_globe_maps(maps));

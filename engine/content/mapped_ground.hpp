@@ -1,13 +1,263 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
-#include "engine/content/cube_pyramid.hpp"
-#include "engine/content/displaced_sphere.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/content/globe_maps.hpp"
 
 namespace touchable {
+
+namespace cube_grid {
+
+/// Nearly 4/pi times the arctangent of a tangent from -1 to 1, so that even steps of it are even angles to a
+/// hundredth, without an arctangent.
+inline constexpr double even_1 = 1.2732, even_3 = -0.3647, even_5 = 1 - even_1 - even_3;
+inline double evened(double tangent) {
+    const double square = tangent * tangent;
+    return tangent * (even_1 + square * (even_3 + square * even_5));
+}
+
+}  // namespace cube_grid
+
+/// A place on a face of a cube, in cells of its grid: 0 to `cells()` each way.
+struct CubePlace {
+    int face;
+    double x, y;
+};
+
+/// Points all over a sphere: a square grid on each face of the cube around it, whose cells are nearly equal
+/// as seen from the middle. No place is special, as the poles are of a map. A point on an edge of the cube is
+/// a point of each face there, with the same direction to the bit, so what is bilinear between the points has
+/// no seam.
+class CubeGrid {
+public:
+    explicit CubeGrid(int cells);  ///< along each side of a face; even
+
+    int cells() const { return cells_; }
+    std::size_t points() const { return 6 * row_ * row_; }
+    std::size_t index(int face, int i, int j) const {
+        return (static_cast<std::size_t>(face) * row_ + static_cast<std::size_t>(j)) * row_ +
+               static_cast<std::size_t>(i);
+    }
+    /// Unit vector to a point; i and j from 0 to `cells()`.
+    glm::dvec3 direction(int face, int i, int j) const;
+    /// Of a direction of any length but 0.
+    CubePlace place(const glm::dvec3& direction) const;
+
+    /// The mean angle from a point to the next one, radians.
+    double spacing() const { return pi / (2 * cells_); }
+    /// No two points are nearer to each other in angle than this many times their distance in cells.
+    double least_spacing() const { return 1.0 / cells_; }
+
+    /// Bilinear: `at(index)` of the four points around a place.
+    template <class At>
+    double between(const CubePlace& place, At&& at) const {
+        const int i = column(place.x), j = column(place.y);
+        const double right = place.x - i, below = place.y - j;
+        const std::size_t first = index(place.face, i, j), next = first + row_;
+        return (1 - below) * ((1 - right) * at(first) + right * at(first + 1)) +
+               below * ((1 - right) * at(next) + right * at(next + 1));
+    }
+
+private:
+    int column(double x) const { return x >= cells_ ? cells_ - 1 : static_cast<int>(x); }
+
+    int cells_;
+    std::size_t row_;              // points in a row
+    std::vector<double> tangent_;  // of each column, -1 to 1 on the cube
+};
+
+inline CubePlace CubeGrid::place(const glm::dvec3& direction) const {
+    const double x = std::fabs(direction.x), y = std::fabs(direction.y), z = std::fabs(direction.z);
+    const double half = 0.5 * cells_;
+    const auto on = [half](int axis, double major, double a, double b) {
+        const double inverse = 1 / std::fabs(major);
+        return CubePlace{2 * axis + (major < 0), half * (1 + cube_grid::evened(a * inverse)),
+                         half * (1 + cube_grid::evened(b * inverse))};
+    };
+    if (x >= y && x >= z) return on(0, direction.x, direction.y, direction.z);
+    if (y >= z) return on(1, direction.y, direction.z, direction.x);
+    return on(2, direction.z, direction.x, direction.y);
+}
+
+/// Two unit vectors that are square to a unit vector and to each other, without a pole where they are not
+/// there (Duff et al., Building an Orthonormal Basis, Revisited).
+inline std::pair<glm::dvec3, glm::dvec3> tangents(const glm::dvec3& n) {
+    const double sign = n.z < 0 ? -1.0 : 1.0, a = -1 / (sign + n.z), b = n.x * n.y * a;
+    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
+/// Values on a globe, 0 to 1, in several channels, and the same ever coarser: what is seen from afar is a
+/// mean, so that it does not shimmer. Directions are in the globe's own frame, of any length but 0.
+template <std::size_t channels>
+class CubePyramid {
+public:
+    using Values = std::array<double, channels>;
+
+    /// `values(direction)` for unit vectors is the mean of what lies within about a cell, by threads that
+    /// share the rows.
+    template <class Of>
+    CubePyramid(int cells, RowBands& rows, Of&& values) {
+        levels_.push_back(filled(cells, rows, values));
+        while (static_cast<int>(levels_.size()) < most_levels && levels_.back().grid.cells() % 4 == 0) {
+            const Level& finer = levels_.back();
+            const double step = finer.grid.spacing();
+            Level coarser = filled(finer.grid.cells() / 2, rows,
+                                   [&](const glm::dvec3& at) { return mean_around(finer, at, step); });
+            levels_.push_back(std::move(coarser));
+        }
+    }
+
+    /// The mean over about `width` radians.
+    Values mean(const glm::dvec3& direction, double width) const {
+        const Detail detail = detail_of(width);
+        Values values = between(levels_[detail.finer], direction);
+        if (detail.coarser_share > 0) {
+            const Values coarse = between(levels_[detail.finer + 1], direction);
+            for (std::size_t c = 0; c < channels; ++c)
+                values[c] += detail.coarser_share * (coarse[c] - values[c]);
+        }
+        return values;
+    }
+    /// The same of one channel.
+    double mean(const glm::dvec3& direction, double width, std::size_t channel) const {
+        const Detail detail = detail_of(width);
+        const double fine = between(levels_[detail.finer], direction, channel);
+        if (detail.coarser_share == 0) return fine;
+        const double coarse = between(levels_[detail.finer + 1], direction, channel);
+        return fine + detail.coarser_share * (coarse - fine);
+    }
+
+private:
+    static constexpr int most_levels = 5;
+    static constexpr double unit = 65535;
+    using Stored = std::array<std::uint16_t, channels>;
+    struct Level {
+        CubeGrid grid;
+        std::vector<Stored> points;
+    };
+    struct Detail {
+        std::size_t finer;
+        double coarser_share;  ///< 0 to 1 of the next level
+    };
+
+    template <class Of>
+    static Level filled(int cells, RowBands& rows, Of&& values) {
+        Level level{CubeGrid(cells), {}};
+        level.points.resize(level.grid.points());
+        rows.for_each_band(6 * (cells + 1), 1, [&](const RowBand& band) {
+            for (int row = band.first; row < band.last; ++row)
+                for (int i = 0; i <= cells; ++i) {
+                    const int face = row / (cells + 1), j = row % (cells + 1);
+                    const Values at = values(level.grid.direction(face, i, j));
+                    Stored& stored = level.points[level.grid.index(face, i, j)];
+                    for (std::size_t c = 0; c < channels; ++c)
+                        stored[c] = static_cast<std::uint16_t>(unit * std::clamp(at[c], 0.0, 1.0) + 0.5);
+                }
+        });
+        return level;
+    }
+
+    static Values between(const Level& level, const glm::dvec3& direction) {
+        const CubePlace place = level.grid.place(direction);
+        Values values;
+        for (std::size_t c = 0; c < channels; ++c)
+            values[c] = level.grid.between(place, [&](std::size_t n) {
+                return static_cast<double>(level.points[n][c]);
+            }) / unit;
+        return values;
+    }
+    static double between(const Level& level, const glm::dvec3& direction, std::size_t channel) {
+        return level.grid.between(level.grid.place(direction), [&](std::size_t n) {
+            return static_cast<double>(level.points[n][channel]);
+        }) / unit;
+    }
+
+    /// Weights 1 2 1, across and down.
+    static Values mean_around(const Level& finer, const glm::dvec3& at, double step) {
+        const auto [across, down] = tangents(at);
+        Values sum{};
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i) {
+                const double weight = (2 - std::abs(i)) * (2 - std::abs(j)) / 16.0;
+                const Values values = between(finer, at + (step * i) * across + (step * j) * down);
+                for (std::size_t c = 0; c < channels; ++c) sum[c] += weight * values[c];
+            }
+        return sum;
+    }
+
+    /// Level n is the mean over 2^n cells of level 0; between them linear in the width.
+    Detail detail_of(double width) const {
+        double cells = width / levels_.front().grid.spacing();
+        std::size_t finer = 0;
+        for (; cells >= 2 && finer + 1 < levels_.size(); ++finer) cells *= 0.5;
+        if (finer + 1 == levels_.size()) return {finer, 0};
+        return {finer, std::clamp(cells - 1, 0.0, 1.0)};
+    }
+
+    std::vector<Level> levels_;
+};
+
+/// A sphere of radius 1 around the origin that rises here and there: in direction d its surface is at 1 +
+/// rise(d), the rise being bilinear between the points of a CubeGrid, at least 0.
+class DisplacedSphere {
+public:
+    /// `rise`: of each point, at least 0. The grid has a multiple of 128 cells.
+    DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBands& rows);
+
+    double rise(const glm::dvec3& direction) const;  ///< of any length but 0
+    double highest() const { return highest_; }
+
+    /// The distance to where a ray first meets the surface, to double precision. `from` is outside of all of
+    /// it, `ray` of length 1. (Of two crossings that lie within `least_step` the first may be missed.)
+    std::optional<double> first_hit(const glm::dvec3& from, const glm::dvec3& ray) const;
+
+    static constexpr double least_step = 1e-6;
+
+private:
+    /// What the rise, and its change per radian, are at most in a part of the surface.
+    struct Bound {
+        float highest, steepest;
+    };
+    /// Square tiles of cells, 0 to `count` - 1 along a face.
+    struct Tiles {
+        int side, count;
+        double window;  ///< radians: a bound is that of a tile and of all that is so near to it
+        std::vector<glm::dvec3> middles{};
+        std::vector<double> radii{};  ///< radians from the middle, of the part of the sphere that it lies in
+        std::vector<Bound> bounds{};
+
+        std::size_t index(int face, int column, int row) const {
+            return static_cast<std::size_t>((face * count + row) * count + column);
+        }
+        const Bound& at(const CubePlace& place) const {
+            return bounds[index(place.face, std::min(static_cast<int>(place.x) / side, count - 1),
+                                std::min(static_cast<int>(place.y) / side, count - 1))];
+        }
+    };
+    Bound bound_of_cells(int face, int column, int row, int side) const;
+    Tiles tiles_of(int side, RowBands& rows) const;
+    void widen(Tiles& tiles, const Tiles& coarse, RowBands& rows) const;
+    double rise_at(const CubePlace& place) const {
+        return grid_.between(place, [this](std::size_t point) { return double{rise_[point]}; });
+    }
+
+    CubeGrid grid_;
+    std::vector<float> rise_;
+    double highest_ = 0;
+    Tiles coarse_, fine_;
+};
 
 /// Maps of a globe, made into what its pictures are made of. Lengths are in radii, directions in the globe's
 /// own frame.
@@ -26,5 +276,18 @@ struct MappedGround {
 /// maps that make no globe (check_globe_maps). Takes seconds for large pictures,
 /// and looks at stop_requested.
 Result<std::unique_ptr<const MappedGround>> map_ground(const GlobeMaps& maps, double finest, RowBands& rows);
+
+/// Heights all over a globe, in rows from north to south, each from west to east; at the middles of their
+/// cells.
+struct HeightGrid {
+    int width = 0, height = 0;
+    std::vector<float> values{};
+};
+
+/// The smooth ground under mountains: nowhere above the heights, also between the middles of cells, level
+/// with the sea wherever that is, and without anything narrower than `radius` (radians, on the sphere). At
+/// each place the lowest height within a little more than that, then a mean of these within it: as each of
+/// those is at most the height here, so is their mean.
+HeightGrid valley_floor(const HeightGrid& heights, double radius, RowBands& rows);
 
 }  // namespace touchable

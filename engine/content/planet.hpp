@@ -1,9 +1,13 @@
 #pragma once
 
+/// How the planet looks. Colours are linear light, 0 to 1; only the picture, never the touch, depends on
+/// them.
+
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "engine/content/gradient_noise.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 
@@ -29,5 +33,26 @@ private:
     GradientNoise noise_;
     double sea_level_;
 };
+
+/// Towards the sun: a unit vector in the world.
+inline constexpr glm::dvec3 sunward{-0.56, 0.42, 0.7141428428542850};
+
+/// Colour of a place in the day, of the ground's own colour. `normal` is the unit vector up, `to_eye` one
+/// toward the eye; `relief_light` is how much brighter the ground is than level ground, 1: as bright.
+glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                       double relief_light);
+
+/// Colour of a place of the procedural planet. `normal` and `to_eye` are unit vectors; `slope` is how much
+/// the ground rises toward the sun (relief per radius of the planet; 0: level).
+glm::dvec3 planet_colour(const Ground& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                         double slope);
+
+/// Colour beside the planet: night, faint stars, and a glow on the lit side of the limb. `outward` is the
+/// unit vector from the planet's centre to the nearest point of the line of sight, `altitude` that point's
+/// distance from the limb in radii, at least 0.
+glm::dvec3 sky_colour(int column, int row, int picture_width, const glm::dvec3& outward, double altitude);
+
+/// Linear light as the bytes of a picture, gamma 2.
+std::array<std::uint8_t, 3> to_bytes(const glm::dvec3& colour);
 
 }  // namespace touchable

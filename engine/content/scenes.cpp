@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 #include "engine/base/try.hpp"
 #include "engine/content/families.hpp"
-#include "engine/content/quantise.hpp"
 
 namespace touchable {
+
 namespace {
 
 struct Family {
@@ -47,6 +49,40 @@ Result<void> check(std::string_view name, const SceneOptions& options) {
     const double tilt = options.axial_tilt_degrees.value_or(0);
     if (!(tilt >= -90 && tilt <= 90)) return refuse("the axis can tilt by -90 to 90 degrees");
     return {};
+}
+
+struct Preset {
+    double focal_length, pixel_width;  // at 720 pixels
+    double near, far;
+    double globe_distance;
+};
+
+constexpr Preset numbers(CameraPreset preset) {
+    switch (preset) {
+        case CameraPreset::a:
+            return {6.983, 0.00123, 10, 200, 105};
+        case CameraPreset::a_prime:
+            return {6.983, 0.0123, 10, 200, 105};
+        case CameraPreset::b:
+            break;
+    }
+    return {4.7, 0.0112, 40, 180, 110};
+}
+
+double pixel_width(const Preset& preset, int width) {
+    return preset.pixel_width * 720.0 / width;
+}
+
+PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_per_sample, int channels) {
+    if (!present) return {};
+    PlaneView view;
+    view.data = static_cast<const std::uint8_t*>(data);
+    view.width = scene.width;
+    view.height = scene.height;
+    view.bytes_per_sample = bytes_per_sample;
+    view.channels = channels;
+    view.stride = static_cast<std::ptrdiff_t>(scene.width) * bytes_per_sample * channels;
+    return view;
 }
 
 }  // namespace
@@ -145,6 +181,66 @@ Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const S
     TRY(validate((*made)->scene()));
     (*made)->threads_ = options.threads;
     return made;
+}
+
+void apply_preset(CameraPreset preset, Scene& scene) {
+    const Preset p = numbers(preset);
+    scene.camera =
+        camera_from_focal_length(p.focal_length, pixel_width(p, scene.width), scene.width, scene.height);
+    scene.depth.kind = DepthCodingKind::linear;
+    scene.depth.semantics = DepthSemantics::range;
+    scene.depth.near_is_high = true;
+    scene.depth.near = p.near;
+    scene.depth.far = p.far;
+    derive_valid_range(scene.depth);
+}
+
+GlobeSphere globe_sphere(CameraPreset preset, int width, int height) {
+    const Preset p = numbers(preset);
+    // R = D sin(atan(h)), h = 0.8 tan(VFOV/2) = 0.8 (H/2) / fy; sin(atan(h)) = h / sqrt(1 + h^2).
+    const double h = 0.8 * (0.5 * height) * pixel_width(p, width) / p.focal_length;
+    return {{0, 0, -p.globe_distance}, p.globe_distance * (h / std::sqrt(1.0 + h * h))};
+}
+
+std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows) {
+    const int width = scene.scene().width, height = scene.scene().height;
+    std::vector<double> depths(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    rows.for_each_band(height, 1, [&](const RowBand& band) {
+        double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
+        for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);
+    });
+    return depths;
+}
+
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes) {
+    const auto fill = [&](auto& codes) {
+        codes.resize(depths.size());
+        const auto width = static_cast<std::size_t>(scene.width);
+        rows.for_each_band(scene.height, 1, [&](const RowBand& band) {
+            const std::size_t end = static_cast<std::size_t>(band.last) * width;
+            for (std::size_t n = static_cast<std::size_t>(band.first) * width; n < end; ++n)
+                codes[n] =
+                    static_cast<std::remove_reference_t<decltype(codes[n])>>(scene.depth.code(depths[n]));
+        });
+    };
+    if (scene.depth_bits == 8)
+        fill(planes.depth8);
+    else
+        fill(planes.depth16);
+}
+
+RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number) {
+    RawFrame frame;
+    frame.number = number;
+    frame.time_ns = scene.rate.time_ns(number);
+    frame.depth = planes->depth8.empty()
+                      ? plane(planes->depth16.data(), !planes->depth16.empty(), scene, 2, 1)
+                      : plane(planes->depth8.data(), true, scene, 1, 1);
+    frame.colour = plane(planes->colour.data(), !planes->colour.empty(), scene, 1, 3);
+    frame.haptic = plane(planes->haptic.data(), !planes->haptic.empty(), scene, 1, 3);
+    frame.height = plane(planes->height.data(), !planes->height.empty(), scene, 1, 1);
+    frame.storage = std::move(planes);
+    return frame;
 }
 
 }  // namespace touchable

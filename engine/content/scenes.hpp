@@ -1,5 +1,17 @@
 #pragma once
 
+// Generated scenes whose surface is known in closed form: globes, height fields, primitives, noise
+// (docs/scenes.md).
+//
+// make_scene makes one by its name and SceneOptions; scene_names lists the names. An AnalyticScene gives two
+// things: frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
+// height planes, colour), and the truth that tests and benchmarks measure against (depth, closest,
+// exact_frame). The same options give the same bits on every machine: what is drawn by lot comes from a seed
+// (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
+//
+// A frame of a large picture is made by several threads (SceneOptions::threads); one thread at a time may ask
+// a scene for frames.
+
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -10,10 +22,9 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/base/row_bands.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 

@@ -1,39 +1,451 @@
-#include "engine/formats/bag_clip.hpp"
+#include "engine/formats/formats_read.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/formats/bag_recording.hpp"
-#include "engine/formats/known_camera.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/formats/bag_file.hpp"
+#include "engine/formats/guessed_scene.hpp"
 #include "engine/formats/picture_files.hpp"
-#include "engine/formats/presets.hpp"
+#include "engine/formats/ros_messages.hpp"
+#include "engine/formats/source_description.hpp"
 #include "engine/formats/stored_clip.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
 
-class BagFrames final : public FrameSource {
+namespace fs = std::filesystem;
+
+// A recording's topics are messages of connections (BagFile). One topic of pictures is depth, another one of
+// them may be its colour; cameras, poses and units are in topics beside them.
+
+/// A topic of pictures.
+struct BagPictures {
+    std::string topic;
+    bool is_compressed = false;  ///< sensor_msgs/CompressedImage
+    RosPictureKind kind = RosPictureKind::none;
+    std::string encoding;              ///< or format, of the first
+    std::vector<BagMessage> messages;  ///< in the order in which they were recorded
+};
+
+/// Which of a recording's topics make a clip.
+struct BagStreams {
+    BagPictures depth;
+    std::optional<BagPictures> colour;
+    std::vector<std::string> others;  ///< that could be depth as well
+};
+
+constexpr std::size_t most_topics = 200;  // of pictures, of which the first is looked at
+
+bool is_of(const BagConnection& connection, const RosType& type) {
+    return connection.type == type.name && connection.md5 == type.md5;
+}
+
+/// The first message of a topic; nothing where it has none of that type.
+Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
+                                                 const RosType& type) {
+    std::vector<std::uint32_t> ids;
+    for (const BagConnection& connection : bag.connections())
+        if (connection.topic == topic && is_of(connection, type)) ids.push_back(connection.id);
+    if (ids.empty()) return std::optional<std::string>();
+    TRY_ASSIGN(const auto messages, bag.messages(ids));
+    if (messages.empty()) return std::optional<std::string>();
+    auto bytes = bag.read_first(messages);
+    if (!bytes && bag.is_given_up(messages.front())) return std::optional<std::string>();
+    if (!bytes) return bytes.error();
+    return std::optional(std::move(*bytes));
+}
+
+/// All topics of pictures that have any.
+Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
+    std::vector<BagPictures> topics;
+    std::size_t looked_at = 0;
+    // Reading messages may find further connections, behind these.
+    for (std::size_t n = 0; n < bag.connections().size(); ++n) {
+        const BagConnection connection = bag.connections()[n];
+        const bool is_compressed = is_of(connection, ros_compressed_image);
+        if (!is_compressed && !is_of(connection, ros_image)) continue;
+        if (std::any_of(topics.begin(), topics.end(), [&](const BagPictures& other) {
+                return other.topic == connection.topic && other.is_compressed == is_compressed;
+            }))
+            continue;
+        if (++looked_at > most_topics) break;
+        topics.push_back({connection.topic, is_compressed, RosPictureKind::none, "", {}});
+        BagPictures& pictures = topics.back();
+        std::vector<std::uint32_t> ids;  // who writes it may have been started twice
+        for (const BagConnection& other : bag.connections())
+            if (other.topic == pictures.topic && other.type == connection.type && other.md5 == connection.md5)
+                ids.push_back(other.id);
+        TRY_ASSIGN(auto messages, bag.messages(ids));
+        pictures.messages = std::move(messages);
+        if (pictures.messages.empty()) {
+            topics.pop_back();
+            continue;
+        }
+        const auto bytes = bag.read_first(pictures.messages);
+        if (!bytes && bag.is_given_up(pictures.messages.front())) {
+            topics.pop_back();
+            continue;
+        }
+        if (!bytes) return bytes.error();
+        if (is_compressed) {
+            const auto image = parse_ros_compressed_image(*bytes);
+            if (!image) continue;
+            pictures.encoding = image->format;
+            pictures.kind = ros_compressed_kind(image->format);
+            if (pictures.kind == RosPictureKind::colour && has_word(pictures.topic, {"depth"}) &&
+                image->format.find("png") != std::string_view::npos)
+                pictures.kind = RosPictureKind::depth16;
+        } else if (const auto image = parse_ros_image(*bytes)) {
+            pictures.encoding = image->encoding;
+            pictures.kind = ros_picture_kind(image->encoding);
+        }
+    }
+    return topics;
+}
+
+/// Whether a topic's name says that its depth has colour's pixels.
+bool is_registered_topic(const std::string& pictures) {
+    return has_word(pictures, {"aligned", "registered"});
+}
+
+/// How well a topic goes as depth; 0: not at all.
+int depth_mark(const BagPictures& pictures) {
+    if (pictures.kind != RosPictureKind::depth16 && pictures.kind != RosPictureKind::depth_floats) return 0;
+    const std::string& name = pictures.topic;
+    if (has_word(name, {"infra", "/ir", "confidence", "fisheye", "thermal", "dispar"})) return 0;
+    const bool is_named = has_word(name, {"depth"});
+    if (!is_named && pictures.encoding != "16UC1" && pictures.encoding != "32FC1") return 0;
+    return 1 + (is_named ? 16 : 0) + (is_registered_topic(name) ? 8 : 0) +
+           (has_word(name, {"rect"}) ? 4 : 0) + (pictures.is_compressed ? 0 : 2);
+}
+
+/// How much of their beginnings two topics have in common, in names between slashes.
+int common_names(const std::string& a, const std::string& b) {
+    const auto end = std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first;
+    return static_cast<int>(std::count(a.begin(), end, '/'));
+}
+
+int colour_mark(const BagPictures& pictures, const BagPictures& depth) {
+    if (pictures.kind != RosPictureKind::colour && pictures.kind != RosPictureKind::grey8) return 0;
+    const std::string& name = pictures.topic;
+    if (has_word(name, {"depth", "confidence", "mask", "label", "fisheye", "segment", "theora"})) return 0;
+    const bool is_dim = has_word(name, {"infra", "/ir"});
+    return 1 + 16 * common_names(pictures.topic, depth.topic) +
+           (has_word(name, {"rgb", "color", "colour"}) ? 512 : 0) +
+           (pictures.kind == RosPictureKind::colour ? 256 : 0) + (is_dim ? 0 : 128) +
+           (has_word(name, {"rect"}) ? 4 : 0) + (pictures.is_compressed ? 0 : 2);
+}
+
+std::string found_there(const std::vector<BagPictures>& topics) {
+    std::string words;
+    for (std::size_t n = 0; n < std::min<std::size_t>(topics.size(), 4); ++n)
+        words += (n == 0 ? "" : ", ") + printable(topics[n].topic) + " of " + printable(topics[n].encoding);
+    return words.empty() ? "no pictures" : words + (topics.size() > 4 ? ", ..." : "");
+}
+
+/// The pinhole camera of a topic of pictures by the sensor_msgs/CameraInfo beside it; nothing where it has
+/// none. Of pictures that are rectified, the camera that they are rectified to.
+struct BagCamera {
+    Intrinsics intrinsics;
+    std::string topic;  ///< of the CameraInfo
+    std::string frame;  ///< of coordinates, as header.frame_id names it
+    /// None of a picture that is rectified, and of a kind that is not known.
+    LensDistortion lens;
+    std::string unknown_lens;  ///< what such a kind is called
+};
+
+/// Of the kinds whose terms are those of LensDistortion.
+void find_lens(const RosCameraInfo& info, BagCamera& camera) {
+    const auto& terms = info.distortion;
+    if (std::all_of(terms.begin(), terms.end(), [](double term) { return term == 0; })) return;
+    constexpr std::string_view known[] = {"plumb_bob", "rational_polynomial", "Brown Conrady",
+                                          "brown_conrady"};
+    const bool is_known =
+        std::find(std::begin(known), std::end(known), info.distortion_model) != std::end(known) &&
+        terms.size() <= camera.lens.terms.size() &&
+        std::all_of(terms.begin(), terms.end(), [](double term) { return std::isfinite(term); });
+    if (is_known)
+        std::copy(terms.begin(), terms.end(), camera.lens.terms.begin());
+    else
+        camera.unknown_lens = info.distortion_model;
+}
+
+/// Without what ROS adds for the way in which pictures are packed.
+std::string without_transport(std::string pictures) {
+    for (const std::string transport : {"/compressedDepth", "/compressed"})
+        if (pictures.ends_with(transport)) pictures.resize(pictures.size() - transport.size());
+    return pictures;
+}
+
+/// Of /device_0/sensor_0/Depth_0/image/data what is before /image/data; empty for others.
+std::string realsense_stream(const std::string& pictures) {
+    constexpr std::string_view end = "/image/data";
+    return pictures.ends_with(end) ? pictures.substr(0, pictures.size() - end.size()) : "";
+}
+
+/// Where the CameraInfo of pictures may be, the likeliest first.
+std::vector<std::string> camera_topics(const std::string& pictures) {
+    std::vector<std::string> topics;
+    if (const std::string stream = realsense_stream(pictures); !stream.empty())
+        topics.push_back(stream + "/info/camera_info");
+    const std::string plain = without_transport(pictures);
+    if (const auto slash = plain.rfind('/'); slash != std::string::npos)
+        topics.push_back(plain.substr(0, slash) + "/camera_info");
+    topics.push_back(plain + "/camera_info");
+    return topics;
+}
+
+/// By names and encodings: depth that is registered to colour before other depth, raw before compressed;
+/// colour of the same camera; an infrared picture only where there is no colour. An error says which topics
+/// there are.
+Result<BagStreams> choose_bag_streams(BagFile& bag) {
+    TRY_ASSIGN(auto topics, topics_of_pictures(bag));
+    const auto best = [&](auto&& mark) {
+        BagPictures* chosen = nullptr;
+        int most = 0;
+        for (BagPictures& each : topics)
+            if (const int its = mark(each); its > most) {
+                most = its;
+                chosen = &each;
+            }
+        return chosen;
+    };
+    BagPictures* const depth = best(depth_mark);
+    if (depth == nullptr)
+        return input_error(bag.name() + ": has no topic of depth (there are " + found_there(topics) +
+                           "): must have sensor_msgs/Image of encoding 16UC1, mono16 or 32FC1, or a "
+                           "CompressedImage of such" +
+                           (bag.left_out().empty() ? "" : "; " + bag.left_out()));
+    BagStreams streams;
+    for (const BagPictures& each : topics)
+        if (&each != depth && depth_mark(each) > 0) streams.others.push_back(each.topic);
+    BagPictures* const colour = best([&](const BagPictures& each) { return colour_mark(each, *depth); });
+    if (colour != nullptr) streams.colour = std::move(*colour);
+    streams.depth = std::move(*depth);
+    return streams;
+}
+
+/// Nothing where no CameraInfo is beside the pictures.
+Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pictures) {
+    for (const std::string& topic : camera_topics(pictures)) {
+        TRY_ASSIGN(const auto bytes, first_message(bag, topic, ros_camera_info));
+        if (!bytes) continue;
+        const auto info = parse_ros_camera_info(*bytes);
+        if (!info)
+            return input_error(bag.name() + ": is damaged: " + printable(topic) + " has a wrong length");
+        const bool is_rectified = has_word(pictures, {"rect"}) && info->projection[0] > 0;
+        const auto& k = info->matrix;
+        const auto& p = info->projection;
+        BagCamera camera;
+        camera.intrinsics =
+            is_rectified ? Intrinsics{p[0], p[5], p[2], p[6]} : Intrinsics{k[0], k[4], k[2], k[5]};
+        if (!(camera.intrinsics.fx > 0) || !(camera.intrinsics.fy > 0)) continue;  // it was not calibrated
+        const auto& region = info->region;
+        camera.intrinsics.width = static_cast<int>(
+            std::min<std::uint32_t>(region.width > 0 ? region.width : info->width, largest_picture_side));
+        camera.intrinsics.height = static_cast<int>(
+            std::min<std::uint32_t>(region.height > 0 ? region.height : info->height, largest_picture_side));
+        *camera.intrinsics.cx -= region.x;
+        *camera.intrinsics.cy -= region.y;
+        camera.topic = topic;
+        camera.frame = info->header.frame;
+        if (!is_rectified) find_lens(*info, camera);
+        return std::optional(std::move(camera));
+    }
+    return std::optional<BagCamera>();
+}
+
+/// How the camera of a RealSense's pictures stands: from the recording's reference, metres; nothing where it
+/// does not say.
+Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pictures) {
+    const std::string stream = realsense_stream(pictures);
+    if (stream.empty()) return std::optional<CameraPose>();
+    TRY_ASSIGN(const auto bytes, first_message(bag, stream + "/tf/0", ros_transform));
+    if (!bytes) return std::optional<CameraPose>();
+    const auto transform = parse_ros_transform(*bytes);
+    if (!transform) return input_error(bag.name() + ": is damaged: " + printable(stream) + "/tf/0 is cut");
+    auto [x, y, z, w] = transform->rotation;
+    const double length = std::sqrt(x * x + y * y + z * z + w * w);
+    if (!(length > 0.5 && length < 2)) return std::optional<CameraPose>();  // it was not measured
+    for (double* term : {&x, &y, &z, &w}) *term /= length;
+    CameraPose pose;
+    pose.translation = transform->translation;
+    pose.rotation = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                     2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                     2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+    return std::optional(pose);
+}
+
+/// Metres that a stored 1 stands for, where a RealSense says it: /device_0/sensor_0/option/Depth Units/value.
+Result<std::optional<double>> bag_depth_unit(BagFile& bag, const std::string& pictures) {
+    const auto device = pictures.find('/', 1), sensor = pictures.find('/', device + 1);
+    if (!pictures.starts_with("/device_") || device == std::string::npos || sensor == std::string::npos)
+        return std::optional<double>();
+    for (const char* option : {"/option/Depth Units/value", "/option/Depth_Units/value"}) {
+        TRY_ASSIGN(const auto bytes, first_message(bag, pictures.substr(0, sensor) + option, ros_float));
+        if (!bytes) continue;
+        const auto unit = parse_ros_float(*bytes);
+        if (unit && *unit > 0 && std::isfinite(*unit)) return std::optional(decimal_of(*unit));
+    }
+    return std::optional<double>();
+}
+
+struct Stamped {
+    std::int64_t taken_ns;
+    BagMessage message;
+};
+
+/// Of all messages, read in the order in which they lie in the file, so that each chunk is unpacked once.
+/// Those in chunks that were given up are left out.
+Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> messages) {
+    std::sort(messages.begin(), messages.end(), [](const BagMessage& a, const BagMessage& b) {
+        return std::tie(a.chunk, a.offset) < std::tie(b.chunk, b.offset);
+    });
+    std::vector<Stamped> stamped;
+    for (const BagMessage& message : messages) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while " + bag.name() + " was looked through"};
+        const auto begin = bag.read(message, ros_stamp_bytes);
+        if (!begin && bag.is_given_up(message)) continue;
+        if (!begin) return begin.error();
+        stamped.push_back({ros_stamp(*begin).value_or(0), message});
+    }
+    return stamped;
+}
+
+/// Whether both have stamps, by one clock.
+bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& colour) {
+    const auto ends = [](const std::vector<Stamped>& all) {
+        const auto [first, last] =
+            std::minmax_element(all.begin(), all.end(),
+                                [](const Stamped& a, const Stamped& b) { return a.taken_ns < b.taken_ns; });
+        return std::pair(first->taken_ns, last->taken_ns);
+    };
+    const auto [first, last] = ends(depth);
+    if (first <= 0 || (depth.size() > 1 && first == last)) return false;
+    if (colour.empty()) return true;
+    constexpr std::int64_t second = 1'000'000'000;
+    const auto [begin, end] = ends(colour);
+    return begin > 0 && begin <= last + second && first <= end + second;
+}
+
+/// The depth of a recording, and the colour that goes with it, picture by picture.
+class BagRecording final : public FrameSource {
 public:
-    explicit BagFrames(BagRecording recording) : recording_(std::move(recording)) {}
+    static Result<BagRecording> open(const SourceFile& file);
+
+    BagFile& bag() { return *bag_; }
+    const BagStreams& streams() const { return streams_; }
+    std::int64_t count() const { return static_cast<std::int64_t>(streams_.depth.messages.size()); }
+    bool has_colour() const { return streams_.colour.has_value(); }
+    /// When each picture of depth was taken, seconds, in order: as its header says, or where headers of depth
+    /// and colour do not tell, when it was recorded.
+    const std::vector<double>& times() const { return times_; }
+    /// Of colour the one that is nearest in time.
+    Result<StoredImage> stored(PlaneRole role, std::int64_t frame);
+
+    /// "my.bag: /camera/depth/image_raw, frame 7".
     std::string where(PlaneRole role, std::int64_t frame) const override {
-        const BagStreams& streams = recording_.streams();
-        return recording_.where(role == PlaneRole::depth ? streams.depth : *streams.colour, frame);
+        return bag_->name() + ": " + printable(pictures(role).topic) + ", frame " + std::to_string(frame);
     }
     Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
-        TRY_ASSIGN(auto image, role == PlaneRole::depth ? recording_.depth(frame) : recording_.colour(frame));
+        TRY_ASSIGN(auto image, stored(role, frame));
         return TrackPicture{std::move(image)};
     }
+    /// Of colour its place among the pictures of colour.
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
-        return role == PlaneRole::depth ? frame : recording_.colour_beside(frame);
+        return role == PlaneRole::depth
+                   ? frame
+                   : static_cast<std::int64_t>(colours_[static_cast<std::size_t>(frame)]);
     }
 
 private:
-    BagRecording recording_;
+    Result<void> put_in_order();
+    const BagPictures& pictures(PlaneRole role) const {
+        return role == PlaneRole::depth ? streams_.depth : *streams_.colour;
+    }
+
+    std::unique_ptr<BagFile> bag_;
+    BagStreams streams_;
+    std::vector<double> times_;
+    std::vector<std::size_t> colours_;  // of each depth, its colour's place
 };
+
+Result<BagRecording> BagRecording::open(const SourceFile& file) {
+    BagRecording recording;
+    TRY_ASSIGN(auto bag, BagFile::open(file));
+    recording.bag_ = std::move(bag);
+    TRY_ASSIGN(auto streams, choose_bag_streams(*recording.bag_));
+    recording.streams_ = std::move(streams);
+    TRY(recording.put_in_order());
+    return recording;
+}
+
+Result<void> BagRecording::put_in_order() {
+    const std::size_t depths = streams_.depth.messages.size();
+    std::vector<BagMessage> all = streams_.depth.messages;
+    if (has_colour())
+        all.insert(all.end(), streams_.colour->messages.begin(), streams_.colour->messages.end());
+    TRY_ASSIGN(auto stamped, with_stamps(*bag_, std::move(all)));
+    std::vector<std::uint32_t> depth_ids;
+    for (const BagMessage& message : streams_.depth.messages) depth_ids.push_back(message.connection);
+    std::sort(depth_ids.begin(), depth_ids.end());
+    std::vector<Stamped> depth, colour;
+    depth.reserve(depths);
+    for (const Stamped& each : stamped)
+        (std::binary_search(depth_ids.begin(), depth_ids.end(), each.message.connection) ? depth : colour)
+            .push_back(each);
+    if (depth.empty()) return input_error(bag_->name() + ": " + bag_->left_out());
+    if (colour.empty()) streams_.colour.reset();
+    const bool by_stamp = tell_times(depth, colour);
+    const auto order = [&](std::vector<Stamped>& pictures, std::vector<BagMessage>& messages) {
+        const auto time = [&](const Stamped& each) {
+            return by_stamp ? each.taken_ns : each.message.time_ns;
+        };
+        std::stable_sort(pictures.begin(), pictures.end(),
+                         [&](const Stamped& a, const Stamped& b) { return time(a) < time(b); });
+        std::vector<double> times;
+        messages.clear();
+        for (const Stamped& each : pictures) {
+            times.push_back(1e-9 * static_cast<double>(time(each)));
+            messages.push_back(each.message);
+        }
+        return times;
+    };
+    times_ = order(depth, streams_.depth.messages);
+    if (!has_colour()) return {};
+    const std::vector<double> colour_times = order(colour, streams_.colour->messages);
+    for (const double time : times_) colours_.push_back(nearest_key(colour_times, time));
+    return {};
+}
+
+Result<StoredImage> BagRecording::stored(PlaneRole role, std::int64_t frame) {
+    const BagPictures& from = pictures(role);
+    TRY_ASSIGN(const auto bytes,
+               bag_->read(from.messages[static_cast<std::size_t>(picture_number(role, frame))]));
+    const std::string at = where(role, frame);
+    if (from.is_compressed) {
+        const auto image = parse_ros_compressed_image(bytes);
+        return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
+    }
+    const auto image = parse_ros_image(bytes);
+    return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
+}
 
 /// What a person says stands; the rest is what the recording says.
 Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,
@@ -71,11 +483,9 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Rema
     if (!streams.colour || is_registered_topic(streams.depth.topic)) return {};
     TRY_ASSIGN(const auto colour, bag_camera(recording.bag(), streams.colour->topic));
     if (!depth || !colour) return {};
-    const auto depth_pose = bag_pose(recording.bag(), streams.depth.topic),
-               colour_pose = bag_pose(recording.bag(), streams.colour->topic);
-    if (!depth_pose) return depth_pose.error();
-    if (!colour_pose) return colour_pose.error();
-    if (!*depth_pose || !*colour_pose) {
+    TRY_ASSIGN(const auto depth_pose, bag_pose(recording.bag(), streams.depth.topic));
+    TRY_ASSIGN(const auto colour_pose, bag_pose(recording.bag(), streams.colour->topic));
+    if (!depth_pose || !colour_pose) {
         const bool same_frame = !depth->frame.empty() && depth->frame == colour->frame;
         if (!same_frame && !(depth->intrinsics == colour->intrinsics))
             add_remark(remarks,
@@ -83,13 +493,13 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Rema
                         "cameras stand (a scene file's colour_camera says it)"});
         return {};
     }
-    TRY_ASSIGN(const auto first, recording.colour(0));
+    TRY_ASSIGN(const auto first, recording.stored(PlaneRole::colour, 0));
     ColourCamera& camera = scene.colour_camera.emplace();
     camera.width = first.image.width;
     camera.height = first.image.height;
     camera.camera = scaled_camera(colour->intrinsics, camera.width, camera.height);
     camera.lens = colour->lens;
-    camera.from_depth = (*colour_pose)->after((*depth_pose)->inverse());
+    camera.from_depth = colour_pose->after(depth_pose->inverse());
     return {};
 }
 
@@ -104,12 +514,12 @@ void say_streams(BagRecording& recording, std::vector<Remark>& remarks) {
         add_remark(remarks, {left_out});
 }
 
-Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path& file,
-                           const SourceDescription& known) {
+Result<GuessedScene> guessed_scene(BagRecording& recording, const fs::path& file,
+                                   const SourceDescription& known) {
     std::vector<Remark> remarks;
     say_streams(recording, remarks);
     TRY_ASSIGN(const auto said, completed(recording, known, remarks));
-    TRY_ASSIGN(const auto first, recording.depth(0));
+    TRY_ASSIGN(const auto first, recording.stored(PlaneRole::depth, 0));
     auto guessed = guess_scene(file.parent_path(), first, said);
     if (!guessed) return error_at(file.string(), guessed.error());
     Scene& scene = guessed->scene;
@@ -133,15 +543,14 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
 
 Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known) {
     TRY_ASSIGN(auto recording, BagRecording::open(file));
-    return guess(recording, file.path(), known);
+    return guessed_scene(recording, file.path(), known);
 }
 
-Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
-                                                  const std::optional<SceneDescription>& described,
-                                                  const SourceDescription& known, Colour colour) {
+Opened open_bag_clip(const SourceFile& file, const std::optional<SceneDescription>& described,
+                     const SourceDescription& known, Colour colour) {
     TRY_ASSIGN(auto recording, BagRecording::open(file));
     TRY_ASSIGN(auto made, described ? Result<GuessedScene>(GuessedScene{*described, {}, {}, {}})
-                                    : guess(recording, file.path(), known));
+                                    : guessed_scene(recording, file.path(), known));
     if (described) say_streams(recording, made.scene.remarks);
     StoredClip clip{recording.bag().name(), made};
     clip.count = recording.count();
@@ -150,8 +559,40 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
     clip.found.rate = rate_of_seconds(recording.times());
     clip.inputs = made.inputs;
     clip.inputs.insert(clip.inputs.begin(), file.path());
-    clip.pictures = std::make_unique<BagFrames>(std::move(recording));
+    clip.pictures = std::make_unique<BagRecording>(std::move(recording));
     return open_stored_clip(std::move(clip), colour);
+}
+
+Result<std::optional<fs::path>> ros2_recording_in(const fs::path& folder) {
+    std::error_code failure;
+    const fs::path metadata = folder / "metadata.yaml";
+    constexpr std::size_t beginning = 4096;
+    if (!fs::is_regular_file(metadata, failure) ||
+        first_bytes(metadata, beginning).find("rosbag2_bagfile_information") == std::string::npos)
+        return std::optional<fs::path>();
+    constexpr std::size_t most_entries = 10'000;
+    std::vector<fs::path> files, packed;
+    std::size_t entries = 0;
+    for (auto each = fs::directory_iterator(folder, failure);
+         !failure && each != fs::end(each) && entries < most_entries; each.increment(failure), ++entries) {
+        const fs::path& file = each->path();
+        const fs::path plain = file.extension() == ".zstd" ? file.stem() : file;
+        if (plain.extension() == ".db3" || plain.extension() == ".mcap")
+            (file.extension() == ".zstd" ? packed : files).push_back(file);
+    }
+    std::sort(files.begin(), files.end());
+    if (files.size() == 1) return std::optional(files.front());
+    if (!files.empty())
+        return input_error(folder.string() + ": is a recording of ROS 2 in " + std::to_string(files.size()) +
+                           " files, each a clip of its own: touchable play " +
+                           shell_word(files.front().string()));
+    if (!packed.empty())
+        return input_error(folder.string() +
+                           ": is a recording of ROS 2 that is packed as a whole: unpack it first: zstd -d " +
+                           shell_word(packed.front().string()));
+    return input_error(folder.string() +
+                       ": has the metadata.yaml of a recording of ROS 2, but neither a .db3 nor "
+                       "an .mcap beside it");
 }
 
 }  // namespace touchable

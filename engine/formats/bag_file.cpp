@@ -1,31 +1,236 @@
 #include "engine/formats/bag_file.hpp"
 
+#include <bzlib.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
 #include <algorithm>
 #include <cstring>
-#include <deque>
-#include <utility>
+#include <optional>
 
-#include "engine/base/byte_source.hpp"
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
-#include "engine/formats/bag_chunk.hpp"
-#include "engine/formats/bag_record.hpp"
-#include "engine/formats/db3_file.hpp"
-#include "engine/formats/mcap_file.hpp"
-#include "engine/formats/sqlite_bytes.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::string_view magic = "#ROSBAG V";
-constexpr std::string_view version = "2.0\n";
+// How chunks are unpacked, and recordings of ROS 1: records of fields and data, which an index at the end
+// lists.
+
+constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders begin another one after each MiB or ten
+constexpr std::size_t piece_bytes = 64 << 10;
+
+/// Packed bytes of a file, piece by piece.
+class PackedPieces {
+public:
+    PackedPieces(ByteSource& file, std::uint64_t at, std::uint32_t size)
+        : file_(file), at_(at), left_(size) {}
+    /// Empty after the last.
+    Result<std::string_view> next() {
+        const std::size_t count = std::min<std::size_t>(left_, piece_bytes);
+        TRY(file_.read(at_, piece_.data(), count));
+        at_ += count;
+        left_ -= static_cast<std::uint32_t>(count);
+        return std::string_view(piece_.data(), count);
+    }
+
+private:
+    ByteSource& file_;
+    std::uint64_t at_;
+    std::uint32_t left_;
+    std::vector<char> piece_ = std::vector<char>(piece_bytes);
+};
+
+Error not_unpacked(const char* compression) {
+    return input_error(std::string("is damaged: a chunk cannot be unpacked by ") + compression);
+}
+
+Result<void> unpack_bz2(PackedPieces& pieces, std::string& to) {
+    bz_stream stream{};
+    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return not_unpacked("bzip2");
+    const std::unique_ptr<bz_stream, int (*)(bz_stream*)> closer(&stream, BZ2_bzDecompressEnd);
+    stream.next_out = to.data();
+    stream.avail_out = static_cast<unsigned>(to.size());
+    for (int state = BZ_OK; state != BZ_STREAM_END;) {
+        TRY_ASSIGN(const auto piece, pieces.next());
+        stream.next_in = const_cast<char*>(piece.data());  // which bzip2 only reads
+        stream.avail_in = static_cast<unsigned>(piece.size());
+        do {
+            const unsigned before = stream.avail_in + stream.avail_out;
+            state = BZ2_bzDecompress(&stream);
+            if (state != BZ_OK && state != BZ_STREAM_END) return not_unpacked("bzip2");
+            if (state == BZ_OK && before == stream.avail_in + stream.avail_out) {
+                if (piece.empty() || stream.avail_in > 0) return not_unpacked("bzip2");
+                break;
+            }
+        } while (state == BZ_OK);
+    }
+    if (stream.avail_out > 0) return not_unpacked("bzip2");
+    return {};
+}
+
+Result<void> unpack_lz4(PackedPieces& pieces, std::string& to) {
+    LZ4F_dctx* context = nullptr;
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) return not_unpacked("LZ4");
+    const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> closer(
+        context, LZ4F_freeDecompressionContext);
+    std::size_t filled = 0, wanted = 1;
+    while (wanted != 0) {
+        TRY_ASSIGN(const auto piece, pieces.next());
+        if (piece.empty()) return not_unpacked("LZ4");
+        for (std::string_view left = piece; !left.empty() && wanted != 0;) {
+            std::size_t taken = left.size(), given = to.size() - filled;
+            wanted = LZ4F_decompress(context, to.data() + filled, &given, left.data(), &taken, nullptr);
+            if (LZ4F_isError(wanted) || (taken == 0 && given == 0)) return not_unpacked("LZ4");
+            filled += given;
+            left.remove_prefix(taken);
+        }
+    }
+    if (filled != to.size()) return not_unpacked("LZ4");
+    return {};
+}
+
+/// One frame or several, whose memory zstd does not take from what the frame says.
+Result<void> unpack_zstd(PackedPieces& pieces, std::string& to) {
+    const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
+                                                                            ZSTD_freeDStream);
+    if (!stream) return not_unpacked("zstd");
+    ZSTD_outBuffer out{to.data(), to.size(), 0};
+    for (std::size_t wanted = 1;;) {
+        TRY_ASSIGN(const auto piece, pieces.next());
+        if (piece.empty()) return wanted == 0 && out.pos == out.size ? Result<void>{} : not_unpacked("zstd");
+        ZSTD_inBuffer in{piece.data(), piece.size(), 0};
+        while (in.pos < in.size) {
+            const std::size_t before = in.pos + out.pos;
+            wanted = ZSTD_decompressStream(stream.get(), &out, &in);
+            if (ZSTD_isError(wanted) || in.pos + out.pos == before) return not_unpacked("zstd");
+        }
+    }
+}
+
+/// An error says what is wrong, but not in which file.
+Result<std::string> unpack(ByteSource& file, const PackedChunk& chunk) {
+    const auto& [compression, at, packed, size] = chunk;
+    if (size > largest_chunk)
+        return input_error("has a chunk of " + std::to_string(size >> 20) + " MiB: at most " +
+                           std::to_string(largest_chunk >> 20) + " are read");
+    // LZ4 cannot make more of a byte; bzip2 and zstd make of one, at most, what no recording has.
+    if (const std::uint32_t most = compression == "lz4" ? 255 : 4096; size / most > packed)
+        return input_error("is damaged: has a chunk of " + std::to_string(size) + " bytes in " +
+                           std::to_string(packed));
+    std::string bytes(size, '\0');
+    if (compression.empty()) {
+        TRY(file.read(at, bytes.data(), bytes.size()));
+        return bytes;
+    }
+    PackedPieces pieces(file, at, packed);
+    TRY(compression == "bz2"    ? unpack_bz2(pieces, bytes)
+        : compression == "zstd" ? unpack_zstd(pieces, bytes)
+                                : unpack_lz4(pieces, bytes));
+    return bytes;
+}
+
+/// What the records of a recording of ROS 1 are.
+enum class BagOp : std::uint8_t {
+    message = 2,
+    bag_header = 3,
+    index = 4,
+    chunk = 5,
+    chunk_info = 6,
+    connection = 7
+};
+
+/// Fields "name=value" of a record, whose values are bytes.
+class BagFields {
+public:
+    /// Nothing where they do not fill the bytes.
+    static std::optional<BagFields> of(std::string bytes);
+
+    std::optional<std::string_view> text(std::string_view name) const;
+    /// An unsigned number, low byte first, of exactly its type's size.
+    template <class Number>
+    std::optional<Number> number(std::string_view name) const {
+        const auto value = text(name);
+        if (!value || value->size() != sizeof(Number)) return {};
+        Number number;
+        std::memcpy(&number, value->data(), sizeof number);
+        return number;
+    }
+
+private:
+    std::string bytes_;
+};
+
+/// A record's fields, and where its data are.
+struct BagRecord {
+    BagFields fields;
+    std::uint64_t data_at = 0;
+    std::uint32_t size = 0;  ///< of its data
+
+    std::uint64_t end() const { return data_at + size; }
+    bool is(BagOp op) const { return fields.number<std::uint8_t>("op") == static_cast<std::uint8_t>(op); }
+};
+
+constexpr std::uint32_t longest_header = 1 << 20;  // topics are as long as people make them
+
+Error at_byte(std::uint64_t at, const std::string& what) {
+    return input_error("is damaged: the record at byte " + std::to_string(at) + " " + what);
+}
+
+std::optional<BagFields> BagFields::of(std::string bytes) {
+    for (std::size_t at = 0; at < bytes.size();) {
+        std::uint32_t length = 0;
+        if (bytes.size() - at < sizeof length) return {};
+        std::memcpy(&length, bytes.data() + at, sizeof length);
+        at += sizeof length;
+        if (length > bytes.size() - at) return {};
+        if (bytes.find('=', at) >= at + length) return {};
+        at += length;
+    }
+    BagFields fields;
+    fields.bytes_ = std::move(bytes);
+    return fields;
+}
+
+std::optional<std::string_view> BagFields::text(std::string_view name) const {
+    const std::string_view all = bytes_;
+    for (std::size_t at = 0; at < all.size();) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, all.data() + at, sizeof length);
+        const std::string_view field = all.substr(at + sizeof length, length);
+        if (field.size() > name.size() && field[name.size()] == '=' && field.starts_with(name))
+            return field.substr(name.size() + 1);
+        at += sizeof length + length;
+    }
+    return {};
+}
+
+/// The record that begins at `at` and ends by `end`. An error says what is wrong, but not in which file.
+Result<BagRecord> read_bag_record(ByteSource& bytes, std::uint64_t at, std::uint64_t end) {
+    const auto length_at = [&](std::uint64_t from) -> Result<std::uint32_t> {
+        std::uint32_t length = 0;
+        if (from > end || end - from < sizeof length) return at_byte(at, "is cut");
+        TRY(bytes.read(from, reinterpret_cast<char*>(&length), sizeof length));
+        return length;
+    };
+    TRY_ASSIGN(const auto header, length_at(at));
+    std::uint64_t next = at + sizeof header;
+    if (header > end - next || header > longest_header) return at_byte(at, "has a wrong length");
+    std::string text(header, '\0');
+    TRY(bytes.read(next, text.data(), text.size()));
+    next += header;
+    auto fields = BagFields::of(std::move(text));
+    if (!fields) return at_byte(at, "has fields of wrong lengths");
+    TRY_ASSIGN(const auto size, length_at(next));
+    next += sizeof size;
+    if (size > end - next) return at_byte(at, "is cut");
+    return BagRecord{std::move(*fields), next, size};
+}
+
+constexpr std::string_view bag_magic = "#ROSBAG V";
+constexpr std::string_view bag_version = "2.0\n";
 constexpr std::uint32_t largest_definition = 4 << 20;  // of a message type, bytes
 constexpr std::uint32_t index_entry = 12;              // bytes: seconds, nanoseconds, offset
-constexpr std::size_t kept_chunks = 2;                 // depth's and colour's
-
-std::int64_t nanoseconds(std::uint32_t seconds, std::uint32_t rest) {
-    return std::int64_t{seconds} * 1'000'000'000 + rest;
-}
 
 class RosBag final : public BagFile {
 public:
@@ -44,36 +249,40 @@ private:
         std::uint64_t data_at = 0;
         std::uint32_t packed = 0, size = 0;
     };
-    struct Unpacked {
-        std::uint32_t chunk;
-        std::string bytes;
-        std::unique_ptr<ByteSource> source;
-    };
+    Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const;
+    Result<BagRecord> record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const;
     Result<void> read_index();
     Result<void> read_chunk(Chunk& chunk);
     Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
                                std::vector<BagMessage>& found);
     Result<ByteSource*> unpacked(std::uint32_t number);
-    Error unread(const Error& why) const;
 
     std::unique_ptr<ByteSource> bytes_;
     std::vector<Chunk> chunks_;
-    std::deque<Unpacked> unpacked_;  // the newest is the last
 };
 
-Error RosBag::unread(const Error& why) const {
-    return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name(), why);
+Result<void> RosBag::read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
+    auto read = from.read(at, to, count);
+    if (read) return read;
+    return read.error().kind == ErrorKind::input ? damaged(read.error().message)
+                                                 : error_at(name(), read.error());
+}
+
+Result<BagRecord> RosBag::record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const {
+    auto record = read_bag_record(bytes, at, end);
+    if (!record) return error_at(name(), record.error());
+    return record;
 }
 
 Result<void> RosBag::open(const SourceFile& file) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
     bytes_ = std::move(bytes);
-    std::string begin(magic.size() + version.size(), '\0');
+    std::string begin(bag_magic.size() + bag_version.size(), '\0');
     if (bytes_->size() < begin.size()) return damaged("it ends in its first bytes");
-    if (auto read = bytes_->read(0, begin.data(), begin.size()); !read) return unread(read.error());
-    if (!begin.ends_with(version))
+    TRY(read_bytes(*bytes_, 0, begin.data(), begin.size()));
+    if (!begin.ends_with(bag_version))
         return input_error(name() + ": is a recording of ROS 1 of version " +
-                           printable(std::string_view(begin).substr(magic.size())) +
+                           printable(std::string_view(begin).substr(bag_magic.size())) +
                            ": must be of version 2.0 (rosbag fix makes one of an older one)");
     return read_index();
 }
@@ -81,12 +290,7 @@ Result<void> RosBag::open(const SourceFile& file) {
 /// Connections and chunks, as the end of the file lists them.
 Result<void> RosBag::read_index() {
     const std::uint64_t end = bytes_->size();
-    const auto next = [&, this](std::uint64_t at) -> Result<BagRecord> {
-        auto record = read_bag_record(*bytes_, at, end);
-        if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
-        return record;
-    };
-    TRY_ASSIGN(const auto header, next(magic.size() + version.size()));
+    TRY_ASSIGN(const auto header, record_at(*bytes_, bag_magic.size() + bag_version.size(), end));
     const auto index = header.fields.number<std::uint64_t>("index_pos");
     const auto connections = header.fields.number<std::uint32_t>("conn_count"),
                chunks = header.fields.number<std::uint32_t>("chunk_count");
@@ -101,14 +305,13 @@ Result<void> RosBag::read_index() {
                            "cut: rosbag reindex makes one");
     std::uint64_t at = *index;
     for (std::uint32_t n = 0; n < *connections; ++n) {
-        TRY_ASSIGN(const auto record, next(at));
+        TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
         const auto id = record.fields.number<std::uint32_t>("conn");
         const auto topic = record.fields.text("topic");
         if (!record.is(BagOp::connection) || !id || !topic || record.size > largest_definition)
             return damaged("connection " + std::to_string(n) + " of its index is none");
         std::string data(record.size, '\0');
-        if (auto read = bytes_->read(record.data_at, data.data(), data.size()); !read)
-            return unread(read.error());
+        TRY(read_bytes(*bytes_, record.data_at, data.data(), data.size()));
         const auto fields = BagFields::of(std::move(data));
         if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
         const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
@@ -119,15 +322,13 @@ Result<void> RosBag::read_index() {
         at = record.end();
     }
     for (std::uint32_t n = 0; n < *chunks; ++n) {
-        TRY_ASSIGN(const auto record, next(at));
+        TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
         const auto chunk_at = record.fields.number<std::uint64_t>("chunk_pos");
         const auto count = record.fields.number<std::uint32_t>("count");
         if (!record.is(BagOp::chunk_info) || !chunk_at || !count || record.size != 8ULL * *count)
             return damaged("chunk " + std::to_string(n) + " of its index is none");
         std::vector<std::uint32_t> counts(2ULL * *count);  // connection, messages
-        if (auto read = bytes_->read(record.data_at, reinterpret_cast<char*>(counts.data()), record.size);
-            !read)
-            return unread(read.error());
+        TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(counts.data()), record.size));
         Chunk chunk;
         chunk.at = *chunk_at;
         for (std::size_t k = 0; k < counts.size(); k += 2) chunk.connections.push_back(counts[k]);
@@ -139,20 +340,19 @@ Result<void> RosBag::read_index() {
 
 Result<void> RosBag::read_chunk(Chunk& chunk) {
     if (chunk.is_read) return {};
-    const auto record = read_bag_record(*bytes_, chunk.at, bytes_->size());
-    if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
-    const auto compression = record->fields.text("compression");
-    const auto size = record->fields.number<std::uint32_t>("size");
-    if (!record->is(BagOp::chunk) || !compression || !size)
+    TRY_ASSIGN(const auto record, record_at(*bytes_, chunk.at, bytes_->size()));
+    const auto compression = record.fields.text("compression");
+    const auto size = record.fields.number<std::uint32_t>("size");
+    if (!record.is(BagOp::chunk) || !compression || !size)
         return damaged("there is no chunk at byte " + std::to_string(chunk.at));
     if (*compression != "none" && *compression != "bz2" && *compression != "lz4")
         return input_error(name() + ": is packed by " + printable(*compression) +
                            ": must be plain, bz2 or lz4");
-    if (*compression == "none" && *size != record->size)
+    if (*compression == "none" && *size != record.size)
         return damaged("the chunk at byte " + std::to_string(chunk.at) + " has a wrong size");
     chunk.compression = *compression;
-    chunk.data_at = record->data_at;
-    chunk.packed = record->size;
+    chunk.data_at = record.data_at;
+    chunk.packed = record.size;
     chunk.size = *size;
     chunk.is_read = true;
     return {};
@@ -162,22 +362,20 @@ Result<void> RosBag::read_chunk(Chunk& chunk) {
 Result<void> RosBag::find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
                                    std::vector<BagMessage>& found) {
     Chunk& chunk = chunks_[number];
-    if (auto read = read_chunk(chunk); !read) return read;
+    TRY(read_chunk(chunk));
     std::uint64_t at = chunk.data_at + chunk.packed;
     for (std::size_t n = 0; n < chunk.connections.size(); ++n) {
-        const auto record = read_bag_record(*bytes_, at, bytes_->size());
-        if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
-        const auto id = record->fields.number<std::uint32_t>("conn");
-        if (!record->is(BagOp::index) || !id || record->size % index_entry != 0)
+        TRY_ASSIGN(const auto record, record_at(*bytes_, at, bytes_->size()));
+        const auto id = record.fields.number<std::uint32_t>("conn");
+        if (!record.is(BagOp::index) || !id || record.size % index_entry != 0)
             return damaged("the chunk at byte " + std::to_string(chunk.at) + " has no index");
-        at = record->end();
-        if (std::find(connections.begin(), connections.end(), *id) == connections.end()) continue;
-        std::vector<std::uint32_t> entries(record->size / 4);
-        if (auto read = bytes_->read(record->data_at, reinterpret_cast<char*>(entries.data()), record->size);
-            !read)
-            return unread(read.error());
-        for (std::size_t k = 0; k < entries.size(); k += 3)
-            found.push_back({nanoseconds(entries[k], entries[k + 1]), *id, number, entries[k + 2]});
+        at = record.end();
+        if (std::ranges::find(connections, *id) == connections.end()) continue;
+        std::vector<std::uint32_t> entries(record.size / 4);
+        TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(entries.data()), record.size));
+        for (std::size_t k = 0; k < entries.size(); k += 3)  // seconds, nanoseconds, offset
+            found.push_back(
+                {std::int64_t{entries[k]} * 1'000'000'000 + entries[k + 1], *id, number, entries[k + 2]});
     }
     return {};
 }
@@ -186,30 +384,21 @@ Result<std::vector<BagMessage>> RosBag::messages(std::span<const std::uint32_t> 
     std::vector<BagMessage> found;
     for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
         const auto& within = chunks_[number].connections;
-        if (std::none_of(within.begin(), within.end(), [&](std::uint32_t id) {
-                return std::find(connections.begin(), connections.end(), id) != connections.end();
-            }))
-            continue;
+        if (std::ranges::find_first_of(within, connections) == within.end()) continue;
         TRY(find_messages(number, connections, found));
         if (found.size() > bytes_->size() / index_entry) return damaged("its index repeats itself");
     }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const BagMessage& a, const BagMessage& b) { return a.time_ns < b.time_ns; });
+    std::ranges::stable_sort(found, {}, &BagMessage::time_ns);
     return found;
 }
 
 Result<ByteSource*> RosBag::unpacked(std::uint32_t number) {
-    const auto there = std::find_if(unpacked_.begin(), unpacked_.end(),
-                                    [&](const Unpacked& each) { return each.chunk == number; });
-    if (there != unpacked_.end()) return there->source.get();
     if (const Error* const why = why_given_up(number)) return *why;
-    while (unpacked_.size() >= kept_chunks) unpacked_.pop_front();
     const Chunk& chunk = chunks_[number];
-    auto bytes = unpack_bag_chunk(chunk.compression, *bytes_, chunk.data_at, chunk.packed, chunk.size);
+    auto bytes =
+        unpacked_chunk(number, *bytes_, {chunk.compression, chunk.data_at, chunk.packed, chunk.size});
     if (!bytes) return give_up_chunk(number, error_at(name(), bytes.error()));
-    unpacked_.push_back({number, std::move(*bytes), nullptr});
-    unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
-    return unpacked_.back().source.get();
+    return bytes;
 }
 
 Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
@@ -218,20 +407,27 @@ Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
     const bool is_plain = chunk.compression == "none";
     TRY_ASSIGN(const auto packed, is_plain ? Result<ByteSource*>(bytes_.get()) : unpacked(message.chunk));
     const std::uint64_t from = is_plain ? chunk.data_at : 0;
-    const auto record = read_bag_record(*packed, from + message.offset, from + chunk.size);
-    if (!record) return Error{record.error().kind, name() + ": " + record.error().message};
-    if (!record->is(BagOp::message) || record->fields.number<std::uint32_t>("conn") != message.connection)
+    TRY_ASSIGN(const auto record, record_at(*packed, from + message.offset, from + chunk.size));
+    if (!record.is(BagOp::message) || record.fields.number<std::uint32_t>("conn") != message.connection)
         return damaged("the message at byte " + std::to_string(message.offset) + " of the chunk at byte " +
                        std::to_string(chunk.at) + " is none of its connection");
-    const std::size_t size = std::min<std::size_t>(record->size, most);
+    const std::size_t size = std::min<std::size_t>(record.size, most);
     if (size > largest_message) return too_large(size);
     std::string data(size, '\0');
-    if (auto read = packed->read(record->data_at, data.data(), data.size()); !read)
-        return unread(read.error());
+    TRY(read_bytes(*packed, record.data_at, data.data(), data.size()));
     return data;
 }
 
 }  // namespace
+
+Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
+    const std::string begin = first_bytes(file, 16);
+    if (is_mcap(begin)) return open_mcap_file(file);
+    if (is_sqlite(begin)) return open_db3_file(file);
+    auto bag = std::make_unique<RosBag>(file.string());
+    TRY(bag->open(file));
+    return std::unique_ptr<BagFile>(std::move(bag));
+}
 
 Result<std::string> BagFile::read_first(std::span<const BagMessage> messages) {
     for (const BagMessage& each : messages) {
@@ -247,6 +443,18 @@ std::string BagFile::left_out() const {
     return (is_one ? "a chunk is" : std::to_string(given_up_.size()) + " chunks are") +
            std::string(" damaged, and what cannot be read of ") + (is_one ? "it" : "them") +
            " is left out: " + given_up_.begin()->second.message;
+}
+
+Result<ByteSource*> BagFile::unpacked_chunk(std::uint32_t number, ByteSource& file,
+                                            const PackedChunk& chunk) {
+    const auto there = std::ranges::find(unpacked_, number, &Unpacked::number);
+    if (there != unpacked_.end()) return there->source.get();
+    constexpr std::size_t kept = 2;
+    while (unpacked_.size() >= kept) unpacked_.pop_front();
+    TRY_ASSIGN(auto bytes, unpack(file, chunk));
+    unpacked_.push_back({number, std::move(bytes), nullptr});
+    unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
+    return unpacked_.back().source.get();
 }
 
 Error BagFile::damaged(const std::string& what) const {
@@ -269,16 +477,7 @@ const Error* BagFile::why_given_up(std::uint32_t chunk) const {
 }
 
 bool is_recording_of_ros(std::string_view begin) {
-    return begin.starts_with(magic) || is_mcap(begin) || is_sqlite(begin);
-}
-
-Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
-    const std::string begin = first_bytes(file, 16);
-    if (is_mcap(begin)) return open_mcap_file(file);
-    if (is_sqlite(begin)) return open_db3_file(file);
-    auto bag = std::make_unique<RosBag>(file.string());
-    TRY(bag->open(file));
-    return std::unique_ptr<BagFile>(std::move(bag));
+    return begin.starts_with(bag_magic) || is_mcap(begin) || is_sqlite(begin);
 }
 
 }  // namespace touchable

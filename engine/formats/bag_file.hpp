@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <deque>
 #include <limits>
 #include <map>
 #include <memory>
@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/given_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
 
-/// Who writes messages of one type to one topic.
+/// The publisher of messages of one type to one topic.
 struct BagConnection {
     std::uint32_t id = 0;
     std::string topic;
@@ -33,13 +33,22 @@ struct BagMessage {
     std::uint64_t offset = 0;  ///< bytes in the unpacked chunk
 };
 
-/// A recording of messages as ROS 1 serialises them.
+/// `packed` bytes of a file from `at` on, which `compression` ("bz2", "lz4", "zstd", or empty: none) made of
+/// `size` bytes.
+struct PackedChunk {
+    std::string_view compression;
+    std::uint64_t at = 0;
+    std::uint32_t packed = 0, size = 0;
+};
+
+/// A recording of messages as ROS 1 serialises them; those of ROS 2 are brought into that form
+/// (ros_messages.hpp).
 class BagFile {
 public:
     virtual ~BagFile() = default;
     /// One of ROS 1 ("#ROSBAG V2.0"), plain or packed by bzip2 or LZ4, by its index, without which it is
     /// refused, as a recording that was cut has none; so is one that is encrypted. Or one of ROS 2, in MCAP
-    /// (mcap_file.hpp) or in SQLite (db3_file.hpp). At most two unpacked chunks are kept in memory.
+    /// or in SQLite. At most two unpacked chunks are kept in memory.
     static Result<std::unique_ptr<BagFile>> open(const SourceFile& file);
 
     const std::vector<BagConnection>& connections() const { return connections_; }
@@ -62,6 +71,9 @@ protected:
 
     explicit BagFile(std::string name) : name_(std::move(name)) {}
     void add_connection(BagConnection connection) { connections_.push_back(std::move(connection)); }
+    /// What a chunk has, unpacked now or among the newest two, depth's and colour's. Refused where that is
+    /// not exactly as large as it should be. An error says what is wrong, but not in which file.
+    Result<ByteSource*> unpacked_chunk(std::uint32_t number, ByteSource& file, const PackedChunk& chunk);
     Error damaged(const std::string& what) const;
     Error too_large(std::uint64_t message_size) const;
     /// Where it is the file that is wrong, what cannot be read of a chunk is left out; `why` either way.
@@ -70,12 +82,29 @@ protected:
     const Error* why_given_up(std::uint32_t chunk) const;
 
 private:
+    struct Unpacked {
+        std::uint32_t number;
+        std::string bytes;
+        std::unique_ptr<ByteSource> source;
+    };
+
     std::string name_;
     std::vector<BagConnection> connections_;
     std::map<std::uint32_t, Error> given_up_;  // chunks
+    std::deque<Unpacked> unpacked_;            // the newest is the last
 };
 
 /// Whether a file's first bytes, 16 or all that it has, are those of a recording that BagFile reads.
 bool is_recording_of_ros(std::string_view begin);
+
+/// A recording in MCAP (mcap_file.cpp), as ROS 2 writes it; its chunks plain or packed by LZ4 or zstd. Of one
+/// that was cut, what is there.
+Result<std::unique_ptr<BagFile>> open_mcap_file(const SourceFile& file);
+bool is_mcap(std::string_view begin);
+
+/// A recording in SQLite (.db3; db3_file.cpp), as ROS 2 writes it: tables topics and messages, messages in
+/// CDR. What is in a write-ahead log beside it is left out.
+Result<std::unique_ptr<BagFile>> open_db3_file(const SourceFile& file);
+bool is_sqlite(std::string_view begin);
 
 }  // namespace touchable

@@ -1,15 +1,12 @@
 #include "engine/formats/depth_values.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <utility>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/formats/renderer_background.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -26,13 +23,6 @@ constexpr std::int64_t sample_step = 97;
 constexpr std::size_t most_samples = 100'000;
 /// And so many of a picture, evenly spread, tell the lattice that floats came from.
 constexpr std::size_t lattice_samples = 8192;
-
-std::uint16_t word_at(const Image& image, std::size_t k) {
-    if (image.bytes_per_sample == 1) return image.samples[k];
-    std::uint16_t word = 0;
-    std::memcpy(&word, image.samples.data() + 2 * k, 2);
-    return word;
-}
 
 std::string range_words(double least, double most) {
     return short_number(least) + " to " + short_number(most);
@@ -100,14 +90,12 @@ double DepthValues::ordered(std::uint16_t word) const {
 /// `begin(first, last)` is called before each piece of them.
 template <class Begin, class Work>
 void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& work) const {
-    const std::size_t pixels =
-        static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
     const RendererBackground background(picture);
-    until_stopped(pixels, [&](std::size_t first, std::size_t last) {
+    until_stopped(pixel_count(picture.image), [&](std::size_t first, std::size_t last) {
         begin(first, last);
         for (std::size_t k = first; k < last; ++k) {
             if (picture.values.empty()) {
-                work(k, ordered(word_at(picture.image, k)));
+                work(k, ordered(sample_at(picture.image, k)));
                 continue;
             }
             const double value = picture.values[k];
@@ -334,7 +322,7 @@ Result<std::string> DepthValues::settle(Scene& scene) {
 Image DepthValues::codes(StoredImage picture) const {
     if (!makes_codes()) return std::move(picture.image);
     Image codes{picture.image.width, picture.image.height, 2, 1, {}};
-    const std::size_t pixels = static_cast<std::size_t>(codes.width) * static_cast<std::size_t>(codes.height);
+    const std::size_t pixels = pixel_count(codes);
     codes.samples.reserve(2 * pixels);  // which takes memory as it is filled
     const bool is_float = !picture.values.empty();
     std::size_t done = 0;

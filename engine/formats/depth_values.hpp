@@ -1,18 +1,59 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/formats/farthest_values.hpp"
-#include "engine/formats/float_lattice.hpp"
-#include "engine/picture/stored_image.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/formats/value_evidence.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
+
+/// The largest of many values, of which one in 10 000 may be stray (FarPlaneEstimator's rule, for values that
+/// are no codes yet). Takes memory for as many as may be stray in all telling frames.
+class FarthestValues {
+public:
+    /// Values of one more picture follow, at most so many.
+    void begin_picture(std::size_t pixels) {
+        most_kept_ = std::max(most_kept_, (first_frames + spread_frames) * pixels / stray_of + 1);
+    }
+    void add(float value) {
+        ++count_;
+        if (kept_.size() >= most_kept_ && value <= least_kept_) return;
+        kept_.push_back(value);
+        if (kept_.size() < 2 * most_kept_) return;
+        const auto last = kept_.begin() + static_cast<std::ptrdiff_t>(most_kept_) - 1;
+        std::nth_element(kept_.begin(), last, kept_.end(), std::greater<>());
+        least_kept_ = *last;
+        kept_.resize(most_kept_);
+    }
+    /// What one value in 10 000 exceeds at most. Needs a value.
+    double without_strays() {
+        const auto at = kept_.begin() + static_cast<std::ptrdiff_t>(count_ / stray_of);
+        std::nth_element(kept_.begin(), at, kept_.end(), std::greater<>());
+        return *at;
+    }
+    /// Share of the values; of a bound that is no less than what is `without_strays`.
+    double share_beyond(double bound) const {
+        const auto beyond =
+            std::count_if(kept_.begin(), kept_.end(), [&](float value) { return value > bound; });
+        return static_cast<double>(beyond) / static_cast<double>(count_);
+    }
+
+private:
+    static constexpr std::size_t stray_of = 10'000;
+    std::vector<float> kept_;
+    float least_kept_ = 0;  // once there are `most_kept_`
+    std::size_t most_kept_ = 1, count_ = 0;
+};
 
 /// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
 /// without a scale, words in another order of bits. Some frames are looked at first (telling_frames); then
@@ -30,7 +71,7 @@ namespace touchable {
 /// unfinished where it is asked to stop meanwhile, which the caller looks for.
 class DepthValues {
 public:
-    /// As somebody described them, which stays until `settle`.
+    /// As they are described; that stays until `settle`.
     explicit DepthValues(const SceneDescription& described);
 
     /// Whether pictures like this one have to be looked at before codes are made.

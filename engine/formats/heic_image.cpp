@@ -3,26 +3,239 @@
 #include <libheif/heif.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <memory>
+#include <iterator>
 #include <new>
-#include <optional>
-#include <string>
+#include <type_traits>
 #include <utility>
-#include <vector>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "engine/formats/depth_photo.hpp"
-#include "engine/formats/exif.hpp"
-#include "engine/formats/heif_depth_meaning.hpp"
-#include "engine/formats/heif_properties.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
+
+/// Ends of a range of disparities that can be reciprocal metres: a phone sees no nearer and no farther.
+constexpr double nearest_of_phones = 0.02, farthest_of_phones = 500;  // metres
+
+/// Big-endian numbers from the front; 0 where there are no more bytes, and then `at_end`.
+class HeifBytes {
+public:
+    explicit HeifBytes(std::string_view bytes) : rest_(bytes) {}
+    bool at_end() const { return rest_.empty(); }
+    std::uint64_t number(std::size_t length) {
+        std::uint64_t value = 0;
+        for (const char byte : take(length)) value = value << 8 | static_cast<unsigned char>(byte);
+        return value;
+    }
+    std::string_view take(std::size_t length) {
+        if (length > rest_.size()) {
+            rest_ = {};
+            return {};
+        }
+        const auto taken = rest_.substr(0, length);
+        rest_.remove_prefix(length);
+        return taken;
+    }
+
+private:
+    friend struct HeifBox;
+    std::string_view rest_;
+};
+
+struct HeifBox {
+    std::string_view type, content;
+
+    static std::optional<HeifBox> next(HeifBytes& bytes) {
+        const std::size_t available = bytes.rest_.size();
+        if (available < 8) return std::nullopt;
+        std::uint64_t length = bytes.number(4), header = 8;
+        HeifBox box;
+        box.type = bytes.take(4);
+        if (length == 1) {
+            length = bytes.number(8);
+            header = 16;
+        }
+        if (length == 0) length = available;  // to the end of what holds it
+        if (length < header || length > available) return std::nullopt;
+        box.content = bytes.take(static_cast<std::size_t>(length - header));
+        return box;
+    }
+};
+
+/// The first box of a type; empty where there is none.
+std::string_view find_box(std::string_view within, std::string_view type) {
+    HeifBytes bytes(within);
+    while (const auto box = HeifBox::next(bytes))
+        if (box->type == type) return box->content;
+    return {};
+}
+
+std::string_view without_version(std::string_view full_box) {
+    return full_box.size() < 4 ? std::string_view() : full_box.substr(4);
+}
+
+/// Of a property that turns (irot: a quarter turns to the left) or mirrors (imir); nothing for others.
+std::optional<Orientation> turn_of(const HeifBox& property) {
+    const int value = property.content.empty() ? 0 : property.content[0] & 3;
+    constexpr int exif_of_left_turns[] = {1, 8, 3, 6};
+    if (property.type == "irot") return exif_orientation(exif_of_left_turns[value]);
+    if (property.type == "imir") return exif_orientation((value & 1) != 0 ? 2 : 4);
+    return std::nullopt;
+}
+
+/// Bits of an H.265 unit, without the bytes that keep start codes out of it; 0 after the last.
+class UnitBits {
+public:
+    explicit UnitBits(std::string_view unit) {
+        for (const char byte : unit) {
+            const bool is_inserted = byte == 3 && bytes_.size() >= 2 && zeros_ >= 2;
+            zeros_ = byte == 0 ? zeros_ + 1 : 0;
+            if (!is_inserted) bytes_ += byte;
+        }
+    }
+    void skip(std::size_t count) { at_ += count; }
+    std::uint32_t number(int count) {
+        std::uint32_t value = 0;
+        for (; count > 0; --count, ++at_) {
+            const unsigned byte = at_ / 8 < bytes_.size() ? static_cast<unsigned char>(bytes_[at_ / 8]) : 0U;
+            value = value << 1 | (byte >> (7 - at_ % 8) & 1U);
+        }
+        return value;
+    }
+    /// Exp-Golomb.
+    std::uint32_t exp_golomb() {
+        int zeros = 0;
+        while (zeros < 32 && number(1) == 0) ++zeros;
+        return zeros > 31 ? ~0U : (1U << zeros) - 1 + number(zeros);
+    }
+
+private:
+    std::string bytes_;
+    int zeros_ = 0;
+    std::size_t at_ = 0;
+};
+
+/// Of a sequence parameter set (H.265, 7.3.2.2).
+CodedSize size_of_sequence(std::string_view unit) {
+    constexpr std::size_t unit_header = 16, profile = 88, level = 8;  // bits
+    UnitBits bits(unit);
+    bits.skip(unit_header + 4);
+    const std::uint32_t layers = bits.number(3);  // above the first
+    bits.skip(1 + profile + level);
+    std::size_t of_layers = 0;
+    for (std::uint32_t k = 0; k < layers; ++k) {
+        if (bits.number(1) != 0) of_layers += profile;
+        if (bits.number(1) != 0) of_layers += level;
+    }
+    if (layers > 0) bits.skip(2 * (std::size_t{8} - layers));
+    bits.skip(of_layers);
+    bits.exp_golomb();                         // its number
+    if (bits.exp_golomb() == 3) bits.skip(1);  // 4:4:4, whose planes may be apart
+    CodedSize size;
+    size.width = bits.exp_golomb();
+    size.height = bits.exp_golomb();
+    return size;
+}
+
+bool is_range(double least, double most) {
+    return std::isfinite(least) && std::isfinite(most) && least < most;
+}
+
+void set_depths(DepthPhoto& photo, DepthCodingKind kind, bool near_is_high, double near, double far) {
+    photo.has_scale = true;
+    photo.coding.kind = kind;
+    photo.coding.near_is_high = near_is_high;
+    photo.coding.near = near;
+    photo.coding.far = far;
+}
+
+/// Whether the disparities of code 0 and of the largest code can be reciprocal metres; then takes them so.
+bool take_disparities(DepthPhoto& photo, double least, double most) {
+    if (!is_range(least, most) || least <= 0) return false;
+    const double near = 1 / most, far = 1 / least;
+    if (near < nearest_of_phones || far > farthest_of_phones) return false;
+    set_depths(photo, DepthCodingKind::inverse, true, near, far);
+    return true;
+}
+
+/// The nine numbers of Apple's matrix, column by column: fx 0 0, 0 fy 0, cx cy 1.
+std::optional<Intrinsics> apple_camera(const XmpEntries& entries) {
+    std::vector<double> matrix;
+    bool inside = false;
+    for (const XmpEntry& entry : entries) {
+        if (!entry.value && entry.name.starts_with("depthData:"))
+            inside = entry.name == "depthData:IntrinsicMatrix";
+        if (inside && entry.name == "rdf:li" && entry.value)
+            matrix.push_back(parsed_number(*entry.value).value_or(0));
+    }
+    const XmpProperties xmp = properties_of(entries);
+    const auto width = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceWidth"),
+               height = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceHeight");
+    const auto is_side = [](const std::optional<double>& side) { return side && *side >= 1 && *side < 1e6; };
+    if (matrix.size() != 9 || !(matrix[0] > 0) || !(matrix[4] > 0) || !is_side(width) || !is_side(height))
+        return std::nullopt;
+    return Intrinsics{
+        matrix[0], matrix[4], matrix[6], matrix[7], static_cast<int>(*width), static_cast<int>(*height)};
+}
+
+/// Whether Apple's metadata tell the depths.
+bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
+    const XmpProperties xmp = properties_of(entries);
+    const auto least = xmp_number(xmp, "apdi:FloatMinValue"), most = xmp_number(xmp, "apdi:FloatMaxValue");
+    const auto type = xmp.find("apdi:AuxiliaryImageType");
+    photo.camera = apple_camera(entries);
+    if (!least || !most || type == xmp.end()) return false;
+    if (type->second == "depth" && *least > 0 && is_range(*least, *most)) {
+        set_depths(photo, DepthCodingKind::linear, false, *least, *most);
+        return true;
+    }
+    if (type->second != "disparity" || !take_disparities(photo, *least, *most)) return false;
+    const auto accuracy = xmp.find("depthData:Accuracy");
+    if (accuracy != xmp.end() && accuracy->second == "relative")
+        add_remark(photo.remarks,
+                   {"its depths are right among each other, says the camera; in metres they may be "
+                    "larger or smaller all together"});
+    return true;
+}
+
+/// How the codec says that depth is represented; nothing where it says a number that H.265 has no meaning
+/// for. libheif hands any number on: only its bytes may be looked at before that is known.
+std::optional<heif_depth_representation_type> representation(const heif_depth_representation_info& info) {
+    std::underlying_type_t<heif_depth_representation_type> number;
+    std::memcpy(&number, &info.depth_representation_type, sizeof number);
+    if (number > heif_depth_representation_type_nonuniform_disparity) return std::nullopt;
+    return info.depth_representation_type;
+}
+
+/// Whether the codec's metadata tell the depths.
+bool describe_by_codec(const heif_depth_representation_info& info, heif_depth_representation_type type,
+                       DepthPhoto& photo) {
+    if (type == heif_depth_representation_type_nonuniform_disparity) {
+        add_remark(
+            photo.remarks,
+            {"its disparities are spaced unevenly, by a table that is not read: they are taken as even"});
+        return false;
+    }
+    if (info.has_z_near && info.has_z_far && info.z_near > 0 && is_range(info.z_near, info.z_far)) {
+        const bool is_linear = type == heif_depth_representation_type_uniform_Z;
+        set_depths(photo, is_linear ? DepthCodingKind::linear : DepthCodingKind::inverse, !is_linear,
+                   info.z_near, info.z_far);
+        add_remark(photo.remarks,
+                   {std::string("lengths are metres") +
+                        (is_linear ? " and small values are near, as values grow evenly with depth" : ""),
+                    true});
+        return true;
+    }
+    if (!info.has_d_min || !info.has_d_max || !take_disparities(photo, info.d_min, info.d_max)) return false;
+    add_remark(photo.remarks, {"its disparities are 1/metres, as Apple writes them", true});
+    return true;
+}
 
 template <auto release>
 struct HeifRelease {
@@ -108,7 +321,7 @@ private:
 
 Result<DepthPhoto> HeicImage::read() {
     TRY(open());
-    if (auto read = read_depth(); !read) return read.error();
+    TRY(read_depth());
     TRY(read_colour());
     const heif_depth_representation_info* info = nullptr;
     heif_image_handle_get_depth_image_representation_info(primary_.get(), depth_id_, &info);
@@ -138,7 +351,7 @@ Result<void> HeicImage::open() {
         error.code != heif_error_Ok)
         return refuse("has depth that cannot be read", error);
     depth_.reset(handle);
-    if (auto checked = check_parts(); !checked) return checked;
+    TRY(check_parts());
     return limit_sizes();
 }
 
@@ -170,19 +383,16 @@ Result<void> HeicImage::limit_sizes() {
         return check_size(width, height, what);
     };
     for (const CodedSize& size : read_heif_coded_sizes(bytes_))
-        if (auto checked = admit(size.width, size.height, "a picture in it"); !checked) return checked;
+        TRY(admit(size.width, size.height, "a picture in it"));
     for (const auto& [picture, what] :
          {std::pair{primary_.get(), "its picture"}, {depth_.get(), "its depth"}})
-        if (auto checked =
-                admit(heif_image_handle_get_width(picture), heif_image_handle_get_height(picture), what);
-            !checked)
-            return checked;
+        TRY(admit(heif_image_handle_get_width(picture), heif_image_handle_get_height(picture), what));
     refuse_sides_beyond(static_cast<int>(largest));
     return {};
 }
 
 Result<void> HeicImage::check_size(std::int64_t width, std::int64_t height, const std::string& what) const {
-    if (auto checked = check_picture_size(width, height, where_ + ": " + what); !checked) return checked;
+    TRY(check_picture_size(width, height, where_ + ": " + what));
     return check_expansion(3 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
                            bytes_.size(), where_ + ": " + what);
 }
@@ -279,9 +489,8 @@ bool is_heif(std::string_view begin) {
 Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
                                                     const std::optional<SceneDescription>& described,
                                                     const SourceDescription& known) {
-    auto bytes = read_picture_bytes(file);
-    if (!bytes) return bytes.error();
-    auto read = unless_stopped([bytes = std::move(*bytes), where = file.string()]() mutable {
+    TRY_ASSIGN(auto whole, read_picture_bytes(file));
+    auto read = unless_stopped([bytes = std::move(whole), where = file.string()]() mutable {
         try {  // libheif's own containers
             return HeicImage(std::move(bytes), where).read();
         } catch (const std::bad_alloc&) {
@@ -292,6 +501,97 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
     if (!read) return Error{ErrorKind::interrupted, "interrupted while " + file.string() + " was read"};
     if (!*read) return read->error();
     return open_depth_photo(file.path(), std::move(**read), described, known);
+}
+
+std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {
+    const std::string_view properties = find_box(without_version(find_box(file, "meta")), "iprp");
+    std::vector<HeifBox> all;
+    HeifBytes listed(find_box(properties, "ipco"));
+    while (const auto box = HeifBox::next(listed)) all.push_back(*box);
+    std::map<std::uint32_t, Orientation> turns;
+    HeifBytes links(find_box(properties, "ipma"));
+    const auto version = links.number(1), flags = links.number(3), items = links.number(4);
+    for (std::uint64_t k = 0; k < items && !links.at_end(); ++k) {
+        const auto item = static_cast<std::uint32_t>(links.number(version < 1 ? 2 : 4));
+        for (auto left = links.number(1); left > 0; --left) {
+            const bool is_long = (flags & 1) != 0;
+            const std::uint64_t index = links.number(is_long ? 2 : 1) & (is_long ? 0x7fffU : 0x7fU);
+            if (index < 1 || index > all.size()) continue;
+            if (const auto turn = turn_of(all[static_cast<std::size_t>(index - 1)]))
+                turns[item] = turns[item].then(*turn);
+        }
+    }
+    return turns;
+}
+
+/// By their names, not by the boxes around them: libheif reads boxes whose lengths are wrong as well.
+std::vector<CodedSize> read_heif_coded_sizes(std::string_view file) {
+    constexpr std::string_view name = "hvcC", version = "\x01";
+    constexpr std::size_t most_boxes = 4096, most_bytes = 4096, fixed_bytes = 22;
+    constexpr std::uint64_t sequence_unit = 33;
+    std::vector<CodedSize> sizes;
+    std::size_t boxes = 0;
+    for (auto at = file.find(name); at < file.size() && boxes < most_boxes; at = file.find(name, at + 1)) {
+        const std::string_view content = file.substr(at + name.size(), most_bytes);
+        if (!content.starts_with(version)) continue;
+        ++boxes;
+        HeifBytes bytes(content);
+        bytes.take(fixed_bytes);
+        for (auto kinds = bytes.number(1); kinds > 0 && !bytes.at_end(); --kinds) {
+            const std::uint64_t kind = bytes.number(1) & 63U;
+            for (auto units = bytes.number(2); units > 0 && !bytes.at_end(); --units) {
+                const std::string_view unit = bytes.take(static_cast<std::size_t>(bytes.number(2)));
+                if (kind == sequence_unit) sizes.push_back(size_of_sequence(unit));
+            }
+        }
+    }
+    return sizes;
+}
+
+/// By their names, in what holds them by its length: the data of pictures may have such names by chance.
+/// Where a length is none, to the end.
+HeifParts read_heif_parts(std::string_view file) {
+    constexpr std::size_t name_bytes = 4, most_parts = 1 << 15;
+    HeifParts parts;
+    std::size_t end_of_kinds = 0, end_of_references = 0, id_bytes = 2, found = 0;
+    const auto end_of = [&](std::size_t at) {
+        const std::size_t begin = at - name_bytes, left = file.size() - begin;
+        const auto length = HeifBytes(file.substr(begin, name_bytes)).number(name_bytes);
+        return begin + (length > 2 * name_bytes && length <= left ? static_cast<std::size_t>(length) : left);
+    };
+    for (std::size_t at = name_bytes; at + name_bytes <= file.size() && found < most_parts; ++at) {
+        const std::string_view name = file.substr(at, name_bytes);
+        if (name == "iinf") {
+            end_of_kinds = std::max(end_of_kinds, end_of(at));
+        } else if (name == "iden" || name == "iovl") {
+            parts.has_layers = parts.has_layers || at < end_of_kinds;
+        } else if (name == "iref") {
+            end_of_references = std::max(end_of_references, end_of(at));
+            id_bytes = at + name_bytes < file.size() && file[at + name_bytes] != 0 ? 4 : 2;
+        } else if (name == "dimg" && at < end_of_references) {
+            HeifBytes bytes(file.substr(at + name_bytes));
+            auto& made_of = parts.tiles[static_cast<std::uint32_t>(bytes.number(id_bytes))];
+            ++found;
+            for (auto count = bytes.number(2); count > 0 && !bytes.at_end() && found < most_parts;
+                 --count, ++found)
+                made_of.push_back(static_cast<std::uint32_t>(bytes.number(id_bytes)));
+        }
+    }
+    return parts;
+}
+
+void describe_heif_depth(const heif_depth_representation_info* info, const std::string& xmp,
+                         DepthPhoto& photo) {
+    photo.coding.semantics = DepthSemantics::planar;
+    photo.coding.code_max = static_cast<std::uint16_t>((1 << photo.depth.bits) - 1);
+    const auto entries = parse_xmp_entries(xmp);
+    if (entries && describe_by_apple(*entries, photo)) return;
+    const auto type = info != nullptr ? representation(*info) : std::nullopt;
+    if (type && describe_by_codec(*info, *type, photo)) return;
+    photo.has_scale = false;
+    photo.coding.kind = DepthCodingKind::inverse;
+    photo.coding.near_is_high = type != heif_depth_representation_type_uniform_Z;
+    if (!photo.coding.near_is_high) photo.coding.kind = DepthCodingKind::linear;
 }
 
 }  // namespace touchable

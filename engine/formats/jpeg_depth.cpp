@@ -1,22 +1,149 @@
 #include "engine/formats/jpeg_depth.hpp"
 
 #include <algorithm>
-#include <string>
+#include <iterator>
 #include <utility>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/formats/depth_photo.hpp"
-#include "engine/formats/dynamic_depth.hpp"
-#include "engine/formats/exif.hpp"
-#include "engine/formats/xmp.hpp"
-#include "engine/picture/base64.hpp"
-#include "engine/picture/coded_image.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/picture_files.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable {
 namespace {
+
+using namespace std::string_view_literals;
+
+constexpr char app1 = '\xe1', start_of_scan = '\xda', end_of_image = '\xd9';
+
+/// Goes from segment to segment; coded data, which has none but restarts in it, is passed over.
+class SegmentReader {
+public:
+    explicit SegmentReader(std::string_view jpeg) : all_(jpeg) {
+        if (all_.starts_with("\xff\xd8"sv)) at_ = 2;
+    }
+    /// The marker of the next segment, and `content`; nothing where it is cut.
+    std::optional<char> next() {
+        if (at_ == 0) return std::nullopt;
+        if (in_scan_) skip_coded();
+        while (at_ + 1 < all_.size() && all_[at_] == '\xff' && all_[at_ + 1] == '\xff') ++at_;  // fill
+        if (at_ + 2 > all_.size() || all_[at_] != '\xff') return std::nullopt;
+        const char marker = all_[at_ + 1];
+        at_ += 2;
+        content = {};
+        if (marker == end_of_image) return marker;
+        if (at_ + 2 > all_.size()) return std::nullopt;
+        const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(all_[at_ + k]); };
+        std::size_t length = std::size_t{byte(0)} << 8 | byte(1);  // of itself and the content
+        if (marker == start_of_scan) length = std::min(length, all_.size() - at_);  // its picture is cut
+        if (length < 2 || length > all_.size() - at_) return std::nullopt;
+        content = all_.substr(at_ + 2, length - 2);
+        at_ += length;
+        in_scan_ = marker == start_of_scan;
+        return marker;
+    }
+    std::size_t position() const { return at_; }
+
+    std::string_view content;
+
+private:
+    void skip_coded() {
+        in_scan_ = false;
+        for (at_ = all_.find('\xff', at_); at_ < all_.size(); at_ = all_.find('\xff', at_ + 1)) {
+            const auto marker = static_cast<unsigned char>(at_ + 1 < all_.size() ? all_[at_ + 1] : 0);
+            if (marker != 0 && marker != 0xff && (marker < 0xd0 || marker > 0xd7)) return;
+        }
+        at_ = all_.size();
+    }
+
+    std::string_view all_;
+    std::size_t at_ = 0;
+    bool in_scan_ = false;
+};
+
+constexpr std::string_view packet_header = "http://ns.adobe.com/xap/1.0/\0"sv;
+constexpr std::string_view extension_header = "http://ns.adobe.com/xmp/extension/\0"sv;
+constexpr std::size_t guid_length = 32;
+
+std::size_t big_endian(std::string_view bytes) {
+    std::size_t number = 0;
+    for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);
+    return number;
+}
+
+struct Piece {
+    std::size_t whole = 0, offset = 0;
+    std::string_view bytes;
+};
+
+/// Pieces of the extended packet named `guid`, by offset.
+std::vector<Piece> pieces_of(const std::vector<std::string_view>& segments, std::string_view guid) {
+    std::vector<Piece> pieces;
+    for (std::string_view segment : segments) {
+        if (!segment.starts_with(extension_header)) continue;
+        segment.remove_prefix(extension_header.size());
+        if (segment.size() < guid_length + 8 || segment.substr(0, guid_length) != guid) continue;
+        pieces.push_back({big_endian(segment.substr(guid_length, 4)),
+                          big_endian(segment.substr(guid_length + 4, 4)), segment.substr(guid_length + 8)});
+    }
+    std::sort(pieces.begin(), pieces.end(),
+              [](const Piece& a, const Piece& b) { return a.offset < b.offset; });
+    return pieces;
+}
+
+/// Every byte of the packet once, or an error.
+Result<std::string> joined(const std::vector<Piece>& pieces, const std::string& where) {
+    if (pieces.empty())
+        return input_error(where + ": its XMP names an extended packet that is not in the file");
+    std::string packet;
+    for (const Piece& piece : pieces) {
+        if (piece.whole != pieces.front().whole)
+            return input_error(where + ": pieces of its extended XMP disagree on its length");
+        if (piece.offset != packet.size())
+            return input_error(where + ": its extended XMP has " +
+                               (piece.offset > packet.size() ? "a gap" : "pieces that overlap") +
+                               " at byte " + std::to_string(std::min(piece.offset, packet.size())));
+        packet += piece.bytes;
+    }
+    if (packet.size() == pieces.front().whole) return packet;
+    return input_error(where + ": its extended XMP is " + std::to_string(packet.size()) + " bytes, not " +
+                       std::to_string(pieces.front().whole) + " as it says");
+}
+
+/// A picture of the directory. The first is the JPEG itself.
+struct Item {
+    std::string uri, semantic;
+    std::size_t length = 0, padding = 0;
+};
+
+std::size_t byte_count(const std::string& text) {
+    const auto value = parsed_number(text);
+    return value && *value >= 0 && *value < 1e12 ? static_cast<std::size_t>(*value) : 0;
+}
+
+std::vector<Item> directory(const XmpEntries& xmp) {
+    std::vector<Item> items;
+    bool in_list = false;
+    for (const XmpEntry& entry : xmp) {
+        if (!entry.value) {
+            if (entry.name == "Container:Directory") in_list = true;
+            if (in_list && entry.name == "rdf:li") items.emplace_back();
+        } else if (!items.empty()) {
+            Item& item = items.back();
+            if (entry.name == "Item:DataURI") item.uri = *entry.value;
+            if (entry.name == "Item:Semantic") item.semantic = *entry.value;
+            if (entry.name == "Item:Length") item.length = byte_count(*entry.value);
+            if (entry.name == "Item:Padding") item.padding = byte_count(*entry.value);
+        }
+    }
+    return items;
+}
+
+bool begins_picture(std::string_view bytes) {
+    return bytes.starts_with("\xff\xd8\xff") || bytes.starts_with("\x89PNG");
+}
 
 /// Properties of a depth map that lies in the XMP, and of one that lies after the picture: they have other
 /// prefixes and mean the same.
@@ -25,12 +152,6 @@ constexpr const char* after_picture = "DepthMap:";
 
 bool has_dynamic_depth(const XmpProperties& xmp) {
     return xmp.contains("DepthMap:Format") || xmp.contains("DepthMap:DepthURI");
-}
-
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return text;
 }
 
 class JpegDepth {
@@ -55,14 +176,12 @@ private:
 };
 
 Result<DepthPhoto> JpegDepth::read(bool is_described) {
-    TRY_ASSIGN(auto entries, read_jpeg_xmp_entries(bytes_, where_));
-    entries_ = std::move(entries);
+    TRY_ASSIGN(entries_, read_jpeg_xmp_entries(bytes_, where_));
     xmp_ = properties_of(entries_);
     if (!xmp_.contains("GDepth:Data") && has_dynamic_depth(xmp_)) prefix_ = after_picture;
     TRY(read_depth());
     if (is_described) TRY(describe());
-    TRY_ASSIGN(auto colour, decode_coded_image(bytes_, where_));
-    photo_.colour = std::move(colour);
+    TRY_ASSIGN(photo_.colour, decode_coded_image(bytes_, where_));
     orient();
     return std::move(photo_);
 }
@@ -84,8 +203,7 @@ Result<double> JpegDepth::number(const std::string& name) const {
 Result<void> JpegDepth::read_depth() {
     std::string bytes;
     if (prefix_ == after_picture) {
-        TRY_ASSIGN(const auto found, dynamic_depth_map(bytes_, entries_, where_));
-        bytes = found;
+        TRY_ASSIGN(bytes, dynamic_depth_map(bytes_, entries_, where_));
     } else {
         TRY_ASSIGN(const auto text, property("Data"));
         auto decoded = decode_base64(text);
@@ -111,13 +229,12 @@ Result<void> JpegDepth::read_depth() {
 /// far near / (far - (far - near) v): the codings of scenes, code 0 at the near plane.
 Result<void> JpegDepth::describe() {
     TRY_ASSIGN(const auto format, property("Format"));
-    const bool is_inverse = lower_case(format) == "rangeinverse";
-    if (!is_inverse && lower_case(format) != "rangelinear")
+    const bool is_inverse = small_letters(format) == "rangeinverse";
+    if (!is_inverse && small_letters(format) != "rangelinear")
         return refuse("its " + std::string(prefix_) + "Format is " + in_quotes(format) +
                       ": must be RangeInverse or RangeLinear");
-    const auto near = number("Near"), far = number("Far");
-    if (!near) return near.error();
-    if (!far) return far.error();
+    TRY_ASSIGN(const double near, number("Near"));
+    TRY_ASSIGN(const double far, number("Far"));
     const auto measured = property("MeasureType");
     const bool along_ray = measured && *measured == "OpticRay";
     if (measured && !along_ray && *measured != "OpticalAxis")
@@ -127,15 +244,15 @@ Result<void> JpegDepth::describe() {
     coding.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
     coding.semantics = along_ray ? DepthSemantics::range : DepthSemantics::planar;
     coding.near_is_high = false;
-    coding.near = *near;
-    coding.far = *far;
+    coding.near = near;
+    coding.far = far;
     coding.code_max = photo_.depth.bits == 8 ? 255 : 65535;
     return describe_unit();
 }
 
 Result<void> JpegDepth::describe_unit() {
     const auto written = property("Units");
-    const std::string unit = written ? lower_case(*written) : "none";
+    const std::string unit = written ? small_letters(*written) : "none";
     if (unit == "mm" || unit == "millimeters") {
         photo_.metres_per_unit = 0.001;
     } else if (unit == "none") {
@@ -175,6 +292,105 @@ Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file,
     TRY_ASSIGN(auto bytes, read_picture_bytes(file));
     TRY_ASSIGN(auto photo, JpegDepth(std::move(bytes), file.string()).read(!described));
     return open_depth_photo(file.path(), std::move(photo), described, known);
+}
+
+std::optional<std::vector<std::string_view>> app1_segments(std::string_view jpeg) {
+    std::vector<std::string_view> segments;
+    SegmentReader reader(jpeg);
+    while (const auto marker = reader.next()) {
+        if (*marker == start_of_scan) return segments;
+        if (*marker == app1) segments.push_back(reader.content);
+    }
+    return std::nullopt;
+}
+
+std::optional<std::size_t> jpeg_length(std::string_view file) {
+    SegmentReader reader(file);
+    while (const auto marker = reader.next())
+        if (*marker == end_of_image) return reader.position();
+    return std::nullopt;
+}
+
+ExifFacts read_jpeg_exif(std::string_view jpeg) {
+    constexpr auto header = "Exif\0\0"sv;
+    if (const auto segments = app1_segments(jpeg))
+        for (const std::string_view segment : *segments)
+            if (segment.starts_with(header)) return parse_exif(segment.substr(header.size()));
+    return {};
+}
+
+Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where) {
+    TRY_ASSIGN(const auto entries, read_jpeg_xmp_entries(jpeg, where));
+    return properties_of(entries);
+}
+
+Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where) {
+    const auto segments = app1_segments(jpeg);
+    if (!segments) return input_error(where + ": is not a whole JPEG: a segment before its picture is cut");
+    const auto packet = std::find_if(segments->begin(), segments->end(), [](std::string_view segment) {
+        return segment.starts_with(packet_header);
+    });
+    if (packet == segments->end()) return XmpEntries{};
+    auto entries = parse_xmp_entries(packet->substr(packet_header.size()));
+    if (!entries) return input_error(where + ": its XMP is not well-formed");
+    const XmpProperties properties = properties_of(*entries);
+    const auto guid = properties.find("xmpNote:HasExtendedXMP");
+    if (guid == properties.end()) return std::move(*entries);
+    TRY_ASSIGN(auto text, joined(pieces_of(*segments, guid->second), where));
+    auto extended = parse_xmp_entries(text);
+    if (!extended) return input_error(where + ": its extended XMP is not well-formed");
+    std::move(entries->begin(), entries->end(), std::back_inserter(*extended));
+    return std::move(*extended);
+}
+
+Result<std::string_view> dynamic_depth_map(std::string_view jpeg, const XmpEntries& xmp,
+                                           const std::string& where) {
+    const std::vector<Item> items = directory(xmp);
+    const XmpProperties properties = properties_of(xmp);
+    const auto uri = properties.find("DepthMap:DepthURI");
+    const auto found = std::find_if(items.begin(), items.end(), [&](const Item& item) {
+        return uri != properties.end() && !uri->second.empty() ? item.uri == uri->second
+                                                               : item.semantic.starts_with("Depth");
+    });
+    if (found == items.end() || found == items.begin())
+        return input_error(where +
+                           ": its XMP has a depth map, but its Container:Directory does not say where: an "
+                           "item after the first must have the name of DepthMap:DepthURI" +
+                           (uri != properties.end() ? ", " + in_quotes(uri->second) : std::string()));
+    const std::size_t length = found->length;
+    if (length == 0) return input_error(where + ": its depth map has no Item:Length in its XMP");
+    // The pictures follow each other; something may stand after the last.
+    std::size_t before = 0, to_end = 0;
+    for (auto item = items.begin() + 1; item != items.end(); ++item)
+        (item < found ? before : to_end) += item->length + (item < found ? item->padding : 0);
+    const std::size_t begin = jpeg_length(jpeg).value_or(jpeg.size()) + items.front().padding + before;
+    for (const std::size_t at : {begin, to_end <= jpeg.size() ? jpeg.size() - to_end : jpeg.size()})
+        if (at < jpeg.size() && length <= jpeg.size() - at && begins_picture(jpeg.substr(at)))
+            return jpeg.substr(at, length);
+    return input_error(where + ": has no depth map of " + std::to_string(length) +
+                       " bytes after its picture, though its XMP says so: it was cut, or saved anew by a "
+                       "program that drops it; must be the camera's own file");
+}
+
+std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp) {
+    const auto number = [&](const char* name) {
+        return xmp_number(xmp, std::string("ImagingModel:") + name);
+    };
+    const auto fx = number("FocalLengthX"), fy = number("FocalLengthY"), width = number("ImageWidth"),
+               height = number("ImageHeight");
+    const auto is_side = [](const std::optional<double>& side) { return side && *side >= 1 && *side < 1e6; };
+    if (!fx || !(*fx > 0) || !is_side(width) || !is_side(height)) return std::nullopt;
+    // Focal lengths are of pixels; the principal point is a share of the picture, or pixels, too.
+    const auto centre = [](std::optional<double> at, double size) -> std::optional<double> {
+        if (!at) return std::nullopt;
+        return *at >= 0 && *at <= 1 ? *at * size - 0.5 : *at;
+    };
+    return Intrinsics{*fx,
+                      fy && *fy > 0 ? *fy : *fx,
+                      centre(number("PrincipalPointX"), *width),
+                      centre(number("PrincipalPointY"), *height),
+                      static_cast<int>(*width),
+                      static_cast<int>(*height)};
 }
 
 }  // namespace touchable

@@ -1,20 +1,17 @@
-#include "engine/formats/mcap_file.hpp"
+#include "engine/formats/bag_file.hpp"
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
-#include <deque>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "engine/base/printable.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/formats/bag_chunk.hpp"
-#include "engine/formats/cdr_message.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/ros_messages.hpp"
 
 namespace touchable {
 namespace {
@@ -25,38 +22,9 @@ constexpr std::size_t message_head = 22;  // channel, sequence, when logged, whe
 constexpr std::size_t index_pair = 16;    // when, where
 constexpr std::uint64_t longest_text = 1 << 16;
 constexpr std::size_t pairs_at_once = 4096;
-constexpr std::size_t unpacked_at_once = 2;    // depth's and colour's
 constexpr std::uint32_t outside = 0xffffffff;  // a message in no chunk
 
 enum class McapOp : std::uint8_t { schema = 3, channel = 4, message = 5, chunk = 6, index = 7 };
-
-/// Numbers and texts one after the other; once the bytes are too few, zeros.
-class McapFields {
-public:
-    explicit McapFields(std::string_view bytes) : left_(bytes) {}
-    template <class Number>
-    Number number() {
-        Number value{};
-        const std::string_view bytes = take(sizeof value);
-        if (!bytes.empty()) std::memcpy(&value, bytes.data(), bytes.size());
-        return value;
-    }
-    std::string text() { return std::string(take(number<std::uint32_t>())); }
-    bool is_over() const { return is_over_; }
-    std::size_t left() const { return left_.size(); }
-
-private:
-    std::string_view take(std::size_t count) {
-        is_over_ = is_over_ || count > left_.size();
-        if (is_over_) return {};
-        const std::string_view taken = left_.substr(0, count);
-        left_.remove_prefix(count);
-        return taken;
-    }
-
-    std::string_view left_;
-    bool is_over_ = false;
-};
 
 class McapFile final : public BagFile {
 public:
@@ -81,19 +49,18 @@ private:
         RosType type{};
         bool is_cdr = false;
     };
-    struct UnpackedChunk {
-        std::uint32_t number;
-        std::string bytes;
-        std::unique_ptr<ByteSource> source;
-    };
 
+    Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
+        auto read = from.read(at, to, count);
+        return read ? read : error_at(name(), read.error());
+    }
     Result<void> records(ByteSource& bytes, std::uint32_t chunk);
     Result<void> record(ByteSource& bytes, McapOp op, std::uint64_t at, std::uint64_t length,
                         std::uint32_t chunk);
     Result<void> add_chunk(const std::string& head, std::uint64_t at, std::uint64_t length);
-    void add_index(McapFields fields, std::uint64_t at, std::uint64_t length);
-    void add_schema(McapFields fields);
-    void add_channel(McapFields fields);
+    void add_index(RosFields fields, std::uint64_t at, std::uint64_t length);
+    void add_schema(RosFields fields);
+    void add_channel(RosFields fields);
     Error lose(std::uint32_t number, const Error& why);
     Result<void> look_into(std::uint32_t number);
     Result<ByteSource*> contents(std::uint32_t number);
@@ -102,8 +69,7 @@ private:
 
     std::unique_ptr<ByteSource> bytes_;
     std::vector<McapChunk> chunks_;
-    std::vector<BagMessage> loose_;       // in no chunk
-    std::deque<UnpackedChunk> unpacked_;  // the newest is the last
+    std::vector<BagMessage> loose_;  // in no chunk
     std::map<std::uint16_t, RosType> schemas_;
     std::map<std::uint16_t, Channel> channels_;
 };
@@ -111,13 +77,13 @@ private:
 Result<void> McapFile::open(const SourceFile& file) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
     bytes_ = std::move(bytes);
-    if (auto read = records(*bytes_, outside); !read) return read;
+    TRY(records(*bytes_, outside));
     const bool tells_channels = !channels_.empty();  // in its summary
     for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while " + name() + " was looked through"};
         if (tells_channels && !chunks_[number].indices.empty()) continue;
-        if (auto looked = look_into(number); !looked) return looked;
+        TRY(look_into(number));
     }
     return {};
 }
@@ -127,14 +93,13 @@ Result<void> McapFile::records(ByteSource& bytes, std::uint32_t chunk) {
     const std::uint64_t end = bytes.size();
     for (std::uint64_t at = chunk == outside ? mcap_magic.size() : 0; at + record_head <= end;) {
         std::string head(record_head, '\0');
-        if (auto read = bytes.read(at, head.data(), head.size()); !read)
-            return error_at(name(), read.error());
-        McapFields fields(head);
+        TRY(read_bytes(bytes, at, head.data(), head.size()));
+        RosFields fields(head);
         const auto op = static_cast<McapOp>(fields.number<std::uint8_t>());
         const auto length = fields.number<std::uint64_t>();
         constexpr McapOp none{};  // what was never written, such as a hole in a file
         if (op == none || length > end - at - record_head) return {};
-        if (auto done = record(bytes, op, at + record_head, length, chunk); !done) return done;
+        TRY(record(bytes, op, at + record_head, length, chunk));
         at += record_head + length;
     }
     return {};
@@ -147,8 +112,8 @@ Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, st
     if (!is_wanted) return {};
     const std::uint64_t needed = op == McapOp::message ? message_head : longest_text;
     std::string head(static_cast<std::size_t>(std::min(length, needed)), '\0');
-    if (auto read = bytes.read(at, head.data(), head.size()); !read) return error_at(name(), read.error());
-    McapFields fields(head);
+    TRY(read_bytes(bytes, at, head.data(), head.size()));
+    RosFields fields(head);
     if (op == McapOp::schema) add_schema(fields);
     if (op == McapOp::channel) add_channel(fields);
     if (op == McapOp::chunk) return add_chunk(head, at, length);
@@ -165,7 +130,7 @@ Result<void> McapFile::record(ByteSource& bytes, McapOp op, std::uint64_t at, st
 }
 
 Result<void> McapFile::add_chunk(const std::string& head, std::uint64_t at, std::uint64_t length) {
-    McapFields fields(head);
+    RosFields fields(head);
     fields.number<std::uint64_t>();
     fields.number<std::uint64_t>();
     McapChunk chunk;
@@ -176,7 +141,7 @@ Result<void> McapFile::add_chunk(const std::string& head, std::uint64_t at, std:
     chunk.at = at + (head.size() - fields.left());
     constexpr std::uint64_t most = 0xffffffff;
     std::optional<Error> wrong;
-    if (fields.is_over() || chunk.packed > at + length - chunk.at ||
+    if (!fields.ok() || chunk.packed > at + length - chunk.at ||
         (chunk.compression.empty() && chunk.size != chunk.packed))
         wrong = damaged("the chunk at byte " + std::to_string(at) + " is none");
     else if (chunk.packed > most || chunk.size > most)
@@ -196,12 +161,12 @@ Error McapFile::lose(std::uint32_t number, const Error& why) {
 }
 
 /// Of the chunk before it. Where it cannot be one, the chunk is looked through instead.
-void McapFile::add_index(McapFields fields, std::uint64_t at, std::uint64_t length) {
+void McapFile::add_index(RosFields fields, std::uint64_t at, std::uint64_t length) {
     McapChunk& chunk = chunks_.back();
     const auto channel = fields.number<std::uint16_t>();
     const auto size = fields.number<std::uint32_t>();
     constexpr std::uint64_t begins = sizeof channel + sizeof size;
-    if (fields.is_over() || size > length - begins || size % index_pair != 0 ||
+    if (!fields.ok() || size > length - begins || size % index_pair != 0 ||
         size / index_pair > chunk.size / (record_head + message_head))
         chunk.has_wrong_index = true;
     if (chunk.has_wrong_index)
@@ -210,18 +175,18 @@ void McapFile::add_index(McapFields fields, std::uint64_t at, std::uint64_t leng
         chunk.indices.push_back({channel, at + begins, size / index_pair});
 }
 
-void McapFile::add_schema(McapFields fields) {
+void McapFile::add_schema(RosFields fields) {
     const auto id = fields.number<std::uint16_t>();
-    const auto type = ros2_type(fields.text());
-    if (!fields.is_over() && type) schemas_.emplace(id, *type);
+    const auto type = ros2_type(std::string(fields.text()));
+    if (fields.ok() && type) schemas_.emplace(id, *type);
 }
 
 /// Those that nothing here reads are left out.
-void McapFile::add_channel(McapFields fields) {
+void McapFile::add_channel(RosFields fields) {
     const auto id = fields.number<std::uint16_t>(), schema = fields.number<std::uint16_t>();
-    const std::string topic = fields.text(), encoding = fields.text();
+    const std::string topic(fields.text()), encoding(fields.text());
     const auto type = schemas_.find(schema);
-    if (fields.is_over() || type == schemas_.end() || (encoding != "cdr" && encoding != "ros1")) return;
+    if (!fields.ok() || type == schemas_.end() || (encoding != "cdr" && encoding != "ros1")) return;
     const RosType& known = type->second;
     if (channels_.emplace(id, Channel{known, encoding == "cdr"}).second)
         add_connection({id, topic, std::string(known.name), std::string(known.md5)});
@@ -231,26 +196,21 @@ void McapFile::add_channel(McapFields fields) {
 Result<void> McapFile::look_into(std::uint32_t number) {
     const auto bytes = contents(number);
     if (!bytes) return chunks_[number].is_lost ? Result<void>{} : bytes.error();
-    if (auto read = records(**bytes, number); !read) return read;
+    TRY(records(**bytes, number));
     if (!chunks_[number].indices.empty()) chunks_[number].found = {};
     return {};
 }
 
 Result<ByteSource*> McapFile::contents(std::uint32_t number) {
     const McapChunk& chunk = chunks_[number];
-    for (UnpackedChunk& each : unpacked_)
-        if (each.number == number) return each.source.get();
     if (chunk.is_lost) return *why_given_up(number);
-    while (unpacked_.size() >= unpacked_at_once) unpacked_.pop_front();
-    auto bytes =
-        unpack_bag_chunk(chunk.compression, *bytes_, chunk.at, static_cast<std::uint32_t>(chunk.packed),
-                         static_cast<std::uint32_t>(chunk.size));
+    auto bytes = unpacked_chunk(number, *bytes_,
+                                {chunk.compression, chunk.at, static_cast<std::uint32_t>(chunk.packed),
+                                 static_cast<std::uint32_t>(chunk.size)});
     if (!bytes)
         return lose(number,
                     error_at(name() + ": the chunk at byte " + std::to_string(chunk.at), bytes.error()));
-    unpacked_.push_back({number, std::move(*bytes), nullptr});
-    unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
-    return unpacked_.back().source.get();
+    return bytes;
 }
 
 /// What a chunk's indices say of these channels; false where one of them is wrong. An index as long as a hole
@@ -260,15 +220,13 @@ Result<bool> McapFile::read_indices(std::uint32_t number, std::span<const std::u
     const McapChunk& chunk = chunks_[number];
     std::vector<std::uint64_t> pairs;
     for (const Index& index : chunk.indices) {
-        if (std::find(channels.begin(), channels.end(), index.channel) == channels.end()) continue;
+        if (std::ranges::find(channels, index.channel) == channels.end()) continue;
         std::uint64_t last = chunk.size;
         for (std::uint64_t at = 0; at < index.pairs; at += pairs.size() / 2) {
             pairs.resize(2 *
                          static_cast<std::size_t>(std::min<std::uint64_t>(index.pairs - at, pairs_at_once)));
-            if (auto read = bytes_->read(index.at + index_pair * at, reinterpret_cast<char*>(pairs.data()),
-                                         sizeof pairs[0] * pairs.size());
-                !read)
-                return error_at(name(), read.error());
+            TRY(read_bytes(*bytes_, index.at + index_pair * at, reinterpret_cast<char*>(pairs.data()),
+                           sizeof pairs[0] * pairs.size()));
             for (std::size_t k = 0; k < pairs.size(); k += 2) {
                 if (pairs[k + 1] >= chunk.size || pairs[k + 1] == last) return false;
                 last = pairs[k + 1];
@@ -283,7 +241,7 @@ Result<std::vector<BagMessage>> McapFile::messages(std::span<const std::uint32_t
     std::vector<BagMessage> all;
     const auto add = [&](const std::vector<BagMessage>& some) {
         std::copy_if(some.begin(), some.end(), std::back_inserter(all), [&](const BagMessage& each) {
-            return std::find(connections.begin(), connections.end(), each.connection) != connections.end();
+            return std::ranges::find(connections, each.connection) != connections.end();
         });
     };
     add(loose_);
@@ -298,8 +256,7 @@ Result<std::vector<BagMessage>> McapFile::messages(std::span<const std::uint32_t
         }
         add(chunks_[number].found);
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const BagMessage& a, const BagMessage& b) { return a.time_ns < b.time_ns; });
+    std::ranges::stable_sort(all, {}, &BagMessage::time_ns);
     return all;
 }
 
@@ -319,8 +276,8 @@ Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) 
     if (message.offset > end - first || end - first - message.offset < heads) return none();
     std::string head(heads, '\0');
     const std::uint64_t at = first + message.offset;
-    if (auto read = bytes->read(at, head.data(), head.size()); !read) return error_at(name(), read.error());
-    McapFields fields(head);
+    TRY(read_bytes(*bytes, at, head.data(), head.size()));
+    RosFields fields(head);
     const auto op = static_cast<McapOp>(fields.number<std::uint8_t>());
     const auto length = fields.number<std::uint64_t>();
     const auto channel = fields.number<std::uint16_t>();
@@ -332,8 +289,7 @@ Result<std::string> McapFile::read(const BagMessage& message, std::size_t most) 
     if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, of.is_cdr ? cdr_stamp_bytes : most);
     if (size > largest_message) return too_large(size);
     std::string data(static_cast<std::size_t>(size), '\0');
-    if (auto read = bytes->read(at + heads, data.data(), data.size()); !read)
-        return error_at(name(), read.error());
+    TRY(read_bytes(*bytes, at + heads, data.data(), data.size()));
     return of.is_cdr ? ros1_of_cdr(data, of.type) : data;
 }
 

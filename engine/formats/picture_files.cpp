@@ -1,25 +1,31 @@
 #include "engine/formats/picture_files.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
-#include "engine/base/given_file.hpp"
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_files = 10'000'000;
+constexpr std::size_t most_files = 10'000'000, most_entries = 1'000'000;
 constexpr std::size_t largest_list = std::size_t{256} << 20;
+constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
+constexpr const char* picture_extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
+                                              ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
+constexpr const char* video_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
+                                            ".avi", ".bag",  ".mcap", ".db3", ".r3d"};
 
 /// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
 class Numbered {
@@ -147,13 +153,6 @@ bool comes_before(const std::string& a, const std::string& b) {
     return a.size() - i < b.size() - j;
 }
 
-std::optional<double> whole_number(std::string_view text) {
-    double number = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
-    return number;
-}
-
 Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
     const fs::path within = (folder / pattern).parent_path();
     const std::string name = fs::path(pattern).filename().string();
@@ -174,15 +173,14 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
     std::sort(names.begin(), names.end(),
               [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
-    if (std::all_of(names.begin(), names.end(),
-                    [](const auto& each) { return whole_number(each.first).has_value(); }))
+    if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
         std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
-            return whole_number(a.first) < whole_number(b.first);
+            return parsed_number(a.first) < parsed_number(b.first);
         });
     PictureFiles found;
     for (const auto& [what, file] : names) {
         found.files.push_back(within / file);
-        if (const auto key = whole_number(what)) found.keys.push_back(*key);
+        if (const auto key = parsed_number(what)) found.keys.push_back(*key);
         found.has_decimals |= what.find('.') != std::string::npos;
     }
     if (found.keys.size() != found.files.size() || !std::is_sorted(found.keys.begin(), found.keys.end()))
@@ -205,7 +203,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
         std::string first, second;
         if (!(words >> first)) continue;
         const bool has_time = static_cast<bool>(words >> second);
-        const auto time = whole_number(first);
+        const auto time = parsed_number(first);
         if (has_time && !time)
             return input_error(list.string() + ", line " + std::to_string(number) +
                                ": must be a time in seconds and a file's name");
@@ -318,54 +316,6 @@ bool keeps_to(const FrameRate& rate, const std::vector<double>& seconds) {
     return true;
 }
 
-}  // namespace
-
-std::size_t nearest_key(const std::vector<double>& keys, double key) {
-    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
-    if (after == keys.begin()) return 0;
-    if (after == keys.end()) return keys.size() - 1;
-    const auto n = static_cast<std::size_t>(after - keys.begin());
-    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
-}
-
-Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
-    auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
-    if (found) found->remark = row_remark(*found, pattern);
-    return found;
-}
-
-Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
-    if (is_numbered(source.depth)) return numbered_files(folder, source);
-    if (is_still(source.depth)) {
-        if (!is_file(folder / source.depth)) return missing(folder / source.depth, "depth", 0, "");
-        return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
-    }
-    auto found = found_files(folder, source.depth);
-    if (!found) return found;
-    const auto first = std::min<std::size_t>(static_cast<std::size_t>(source.first), found->count());
-    const auto keep = [&](auto& values) {
-        if (values.empty()) return;
-        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
-        if (source.count > 0 && values.size() > static_cast<std::size_t>(source.count))
-            values.resize(static_cast<std::size_t>(source.count));
-    };
-    keep(found->files);
-    keep(found->keys);
-    if (found->files.empty())
-        return input_error((folder / source.depth).string() + ": has no picture from folder.first on");
-    found->remark = row_remark(*found, source.depth);
-    return found;
-}
-
-namespace {
-
-/// Files that go with depth's.
-struct FilesBeside {
-    std::string_view what;
-    const std::string& pattern;
-    const PictureNumbers& numbers;
-};
-
 /// Says which of depth's numbers no file of another plane has; nothing where they are times.
 std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
     for (const PictureFiles* row : {&found, &depth})
@@ -379,9 +329,10 @@ std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::
            ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
 }
 
-Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sought,
-                                  const FolderSource& source, const PictureFiles& depth) {
-    const auto& [what, pattern, own] = sought;
+/// The files of a plane, or of the cameras, that go with depth's: `pattern`, and their `own` numbers.
+Result<PictureFiles> paired_files(const fs::path& folder, std::string_view what, const std::string& pattern,
+                                  const PictureNumbers& own, const FolderSource& source,
+                                  const PictureFiles& depth) {
     PictureFiles beside;
     if (is_numbered(pattern)) {
         const Numbered numbered(pattern);
@@ -398,32 +349,151 @@ Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sou
         beside.frames = depth.count();
         return beside;
     }
-    const auto found = found_files(folder, pattern);
-    if (!found) return found;
-    beside.list = found->list;
-    const bool by_key = !found->keys.empty() && !depth.keys.empty();
-    for (std::size_t frame = 0;
-         frame < (by_key ? depth.keys.size() : std::min(found->count(), depth.count())); ++frame)
-        beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame]) : frame]);
+    TRY_ASSIGN(const auto found, found_files(folder, pattern));
+    beside.list = found.list;
+    const bool by_key = !found.keys.empty() && !depth.keys.empty();
+    for (std::size_t frame = 0; frame < (by_key ? depth.keys.size() : std::min(found.count(), depth.count()));
+         ++frame)
+        beside.files.push_back(found.files[by_key ? nearest_key(found.keys, depth.keys[frame]) : frame]);
     beside.frames = depth.count();
-    if (by_key) beside.remark = unpaired(*found, depth, what);
-    if (!by_key && found->count() != depth.count())
-        beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
+    if (by_key) beside.remark = unpaired(found, depth, what);
+    if (!by_key && found.count() != depth.count())
+        beside.remark = std::string(what) + " has " + std::to_string(found.count()) + " files for depth's " +
                         std::to_string(depth.count()) + ": paired in their order, from the first on";
     return beside;
 }
 
+template <std::size_t n>
+bool has_extension(const fs::path& file, const char* const (&known)[n]) {
+    const std::string extension = small_letters(file.extension().string());
+    return std::ranges::find(known, extension) != std::end(known);
+}
+
+bool is_picture(const fs::path& file) {
+    return has_extension(file, picture_extensions);
+}
+
+bool is_camera_of_frame(const fs::path& file) {
+    return file.extension() == ".pincam";
+}
+
+/// A name with a star for its last number: a run of digits, or two with a point between them.
+std::string starred(const std::string& name) {
+    const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
+    std::size_t end = name.rfind('.');  // before the extension
+    if (end == std::string::npos) return name;
+    while (end > 0 && !is_digit(end - 1)) --end;
+    if (end == 0) return name;
+    std::size_t begin = end;
+    while (begin > 0 && is_digit(begin - 1)) --begin;
+    if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) {
+        --begin;
+        while (begin > 0 && is_digit(begin - 1)) --begin;
+    }
+    return name.substr(0, begin) + "*" + name.substr(end);
+}
+
+using Wanted = bool (*)(const fs::path&);
+
+void add_files(const fs::path& folder, const std::string& within, Wanted is_wanted,
+               std::map<std::string, PictureGroup>& groups, std::size_t& entries) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder / within, ignored)) {
+        if (++entries > most_entries) return;
+        const std::string name = entry.path().filename().string();
+        std::error_code failure;
+        if (name.starts_with(".") || name.find_first_of("%*") != std::string::npos || !is_wanted(name) ||
+            !entry.is_regular_file(failure))
+            continue;
+        PictureGroup& group = groups[within + starred(name)];
+        if (group.count++ == 0 || entry.path() < group.first) group.first = entry.path();
+    }
+}
+
+/// Of the folder itself and of those in it, largest first.
+std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
+    std::map<std::string, PictureGroup> found;
+    std::size_t entries = 0;
+    add_files(folder, "", is_wanted, found, entries);
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.is_directory(ignored))
+            add_files(folder, entry.path().filename().string() + "/", is_wanted, found, entries);
+    std::vector<PictureGroup> groups;
+    for (auto& [pattern, group] : found) {
+        group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
+        groups.push_back(std::move(group));
+    }
+    std::ranges::stable_sort(groups, std::greater(), &PictureGroup::count);
+    return groups;
+}
+
+/// Folders above those with pictures, as each is looked into one level down.
+std::set<fs::path> folders_further_down(const fs::path& folder) {
+    constexpr int deepest = 5;
+    constexpr std::size_t most_looked_at = 100'000, most_folders = 100;
+    std::set<fs::path> found;
+    std::size_t entries = 0;
+    std::error_code failure;
+    for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, failure),
+         end;
+         !failure && at != end && ++entries < most_looked_at && found.size() < most_folders;
+         at.increment(failure)) {
+        if (at.depth() >= deepest) at.disable_recursion_pending();
+        std::error_code ignored;
+        if (at.depth() > 1 && is_picture(at->path()) && at->is_regular_file(ignored))
+            found.insert(at->path().parent_path().parent_path());
+    }
+    return found;
+}
+
 }  // namespace
+
+Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
+    if (is_numbered(source.depth)) return numbered_files(folder, source);
+    if (is_still(source.depth)) {
+        if (!is_file(folder / source.depth)) return missing(folder / source.depth, "depth", 0, "");
+        return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
+    }
+    TRY_ASSIGN(auto found, found_files(folder, source.depth));
+    const auto first = std::min<std::size_t>(static_cast<std::size_t>(source.first), found.count());
+    const auto keep = [&](auto& values) {
+        if (values.empty()) return;
+        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+        if (source.count > 0 && values.size() > static_cast<std::size_t>(source.count))
+            values.resize(static_cast<std::size_t>(source.count));
+    };
+    keep(found.files);
+    keep(found.keys);
+    if (found.files.empty())
+        return input_error((folder / source.depth).string() + ": has no picture from folder.first on");
+    found.remark = row_remark(found, source.depth);
+    return found;
+}
 
 Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
                                   const PictureFiles& depth) {
-    return paired_files(folder, {role_name(role), pattern_of(source, role), numbers_of(source, role)}, source,
+    return paired_files(folder, role_name(role), pattern_of(source, role), numbers_of(source, role), source,
                         depth);
 }
 
 Result<PictureFiles> camera_files(const fs::path& folder, const FolderSource& source,
                                   const PictureFiles& depth) {
-    return paired_files(folder, {"cameras", source.cameras, source.camera_numbers}, source, depth);
+    return paired_files(folder, "cameras", source.cameras, source.camera_numbers, source, depth);
+}
+
+Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
+    auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
+    if (found) found->remark = row_remark(*found, pattern);
+    return found;
+}
+
+std::size_t nearest_key(const std::vector<double>& keys, double key) {
+    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
+    if (after == keys.begin()) return 0;
+    if (after == keys.end()) return keys.size() - 1;
+    const auto n = static_cast<std::size_t>(after - keys.begin());
+    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
 }
 
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
@@ -470,6 +540,63 @@ std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
     if (!seconds) return {};
     auto own = rate_of_own_times(nanoseconds(*seconds));
     return own ? own : rate_of_seconds(*seconds);
+}
+
+std::vector<PictureGroup> picture_groups(const fs::path& folder) {
+    std::vector<PictureGroup> groups = groups_of(folder, is_picture);
+    std::error_code ignored;
+    // TUM's lists pair pictures by their times.
+    for (const char* list : list_names)
+        if (fs::is_regular_file(folder / list, ignored))
+            if (const auto listed = found_files(folder, list); listed && is_picture(listed->files.front()))
+                groups.insert(groups.begin(), {list, listed->files.front(), listed->count()});
+    return groups;
+}
+
+std::vector<PictureGroup> camera_groups(const fs::path& folder) {
+    return groups_of(folder, is_camera_of_frame);
+}
+
+std::vector<std::string> unusable_lists(const fs::path& folder) {
+    std::vector<std::string> remarks;
+    std::error_code ignored;
+    for (const char* list : list_names)
+        if (fs::is_regular_file(folder / list, ignored))
+            if (const auto listed = found_files(folder, list); !listed)
+                remarks.push_back(std::string(list) + " is not used: " + listed.error().message);
+    return remarks;
+}
+
+std::string found_elsewhere(const fs::path& folder) {
+    std::set<fs::path> videos;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (has_extension(entry.path(), video_extensions)) videos.insert(entry.path());
+    if (!videos.empty())
+        return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
+               shell_word(videos.begin()->string());
+    const std::set<fs::path> folders = folders_further_down(folder);
+    if (folders.empty()) return "";
+    return std::string("but further down than it is looked: touchable play ") +
+           shell_word(folders.begin()->string()) +
+           (folders.size() > 1 ? " (one of " + std::to_string(folders.size()) + " such folders)" : "");
+}
+
+std::string folder_of(const PictureGroup& group) {
+    const fs::path within = fs::path(group.pattern).parent_path();
+    return within.empty() ? "" : within.string() + '/';
+}
+
+std::string small_letters(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+bool has_word(const std::string& name, std::initializer_list<const char*> words) {
+    const std::string small = small_letters(name);
+    return std::ranges::any_of(words,
+                               [&](const char* word) { return small.find(word) != std::string::npos; });
 }
 
 }  // namespace touchable

@@ -1,20 +1,25 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-/// The files of a plane, one a frame. The last serves all frames that come after it as well: of a still and
-/// of a stack, which has millions of frames where somebody says so, it is the only one.
+// The files of a folder of pictures: those of each plane by a scene's patterns and lists, which frame each is
+// of and when that was taken; and, of a folder that no scene describes, which rows of pictures it has.
+
+/// The files of a plane, one a frame. The last serves all frames that come after it as well: a still and a
+/// stack, which may be described as millions of frames, have one file.
 struct PictureFiles {
     std::vector<std::filesystem::path> files;
     /// What orders them, if anything: numbers in their names, or the times of a list. As many as files.
@@ -41,7 +46,7 @@ Result<PictureFiles> depth_files(const std::filesystem::path& folder, const Fold
 Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
                                   const FolderSource& source, const PictureFiles& depth);
 
-/// The file of `source.cameras` for each of `depth`, paired likewise.
+/// The file of `source.cameras` for each of `depth`, paired in the same way.
 Result<PictureFiles> camera_files(const std::filesystem::path& folder, const FolderSource& source,
                                   const PictureFiles& depth);
 
@@ -57,12 +62,41 @@ std::size_t nearest_key(const std::vector<double>& keys, double key);
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds);
 /// The times of pictures, seconds, as a list or their names have them; empty where keys are no times.
 std::vector<double> seconds_of_day(const PictureFiles& pictures);
-/// The same of pictures whose keys are times.
+/// `rate_of_seconds` of pictures whose keys are times.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
 /// Why the times of a list are of no use; empty where they are, and where there is no list of times.
 std::string unusable_times(const PictureFiles& pictures);
 /// Their own times wherever they can be, however even: to a clip that was written as a list not a nanosecond
 /// is lost.
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures);
+
+/// Pictures of a folder whose names differ by a number alone.
+struct PictureGroup {
+    std::string pattern;  ///< from the folder, with a star for the number; or a list; or a single file's name
+    std::filesystem::path first;
+    std::size_t count = 0;
+};
+
+/// Of the folder itself and of those in it, largest first; lists of pictures (depth.txt, rgb.txt) before
+/// those that they name.
+std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
+
+/// The files with the cameras of frames, grouped in the same way (ARKitScenes' .pincam).
+std::vector<PictureGroup> camera_groups(const std::filesystem::path& folder);
+
+/// Why lists in the folder cannot be used, a remark for each.
+std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
+
+/// Where pictures may be if not in `folder`: how to open a video in it, or a folder further down, in words
+/// that follow "there is no picture"; empty: nowhere.
+std::string found_elsewhere(const std::filesystem::path& folder);
+
+/// The folder in a group's pattern, with its slash; empty: that which was looked through itself.
+std::string folder_of(const PictureGroup& group);
+
+/// A to Z become a to z.
+std::string small_letters(std::string text);
+/// Whether a name, in small letters, has one of these words.
+bool has_word(const std::string& name, std::initializer_list<const char*> words);
 
 }  // namespace touchable

@@ -1,13 +1,18 @@
 #include "engine/formats/read_pictures.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
 #include <string>
 
 #include "engine/base/try.hpp"
-#include "engine/picture/exr_image.hpp"
+#include "engine/formats/value_evidence.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr std::size_t no_index = largest_material_index + 1, most_told = 12;
 
 std::size_t bytes_of(const StoredImage& picture) {
     std::size_t bytes = picture.image.samples.size() + picture.values.size() * sizeof(float);
@@ -17,21 +22,21 @@ std::size_t bytes_of(const StoredImage& picture) {
     return bytes;
 }
 
+std::size_t index_at(const StoredImage& picture, std::size_t k) {
+    if (picture.values.empty()) return sample_at(picture.image, k);
+    const float value = picture.values[k];
+    const bool is_index = value >= 0 && value <= largest_material_index && value == std::floor(value);
+    return is_index ? static_cast<std::size_t>(value) : no_index;
+}
+
+/// The nearest sample of the range.
+std::uint8_t sample_of(double value, const PropertyRange& range) {
+    if (!(range.max > range.min)) return 0;
+    const double share = (value - range.min) / (range.max - range.min);
+    return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
+}
+
 }  // namespace
-
-const SourceFile& ReadPictures::source(const std::filesystem::path& file) {
-    if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
-    return *newest_;
-}
-
-Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem::path& file) {
-    if (const auto there = stacks_.find(file.lexically_normal()); there != stacks_.end())
-        return there->second;
-    if (pictures_.contains(file.lexically_normal()) || !is_npy_file(source(file)))
-        return std::shared_ptr<ImageStack>();
-    TRY_ASSIGN(auto stack, open_npy_stack(source(file), least_confidence_));
-    return stacks_[file.lexically_normal()] = std::make_shared<ImageStack>(std::move(stack));
-}
 
 Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesystem::path& file) {
     if (const auto there = pictures_.find(file.lexically_normal()); there != pictures_.end())
@@ -42,11 +47,57 @@ Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesys
     return stack ? std::make_shared<const StoredImage>(std::move(picture)) : kept(file, std::move(picture));
 }
 
-SourceFile ReadPictures::taken_source(const std::filesystem::path& file) {
+Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, PictureLayer layer) {
+    auto there = taken_without_reading(file, layer);
+    auto picture = there ? Result<StoredImage>(std::move(*there)) : read(file, layer);
+    if (!picture || !picture->beside) return picture;
     const std::lock_guard lock(mutex_);
-    SourceFile taken = source(file);
-    newest_.reset();
-    return taken;
+    rendering_ = file.lexically_normal();
+    beside_ = std::move(picture->beside);
+    return picture;
+}
+
+Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem::path& file) {
+    const auto name = file.lexically_normal();
+    if (const auto there = stacks_.find(name); there != stacks_.end()) return there->second;
+    if (pictures_.contains(name) || !is_npy_file(source(file))) return std::shared_ptr<ImageStack>();
+    TRY_ASSIGN(auto stack, open_npy_stack(source(file), least_confidence_));
+    return stacks_[name] = std::make_shared<ImageStack>(std::move(stack));
+}
+
+void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {
+    if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
+    kept(file, std::move(picture));
+}
+
+void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files) {
+    const auto is_wanted = [&](const auto& each) {
+        return std::ranges::any_of(files,
+                                   [&](const auto& file) { return file.lexically_normal() == each.first; });
+    };
+    std::erase_if(stacks_, [&](const auto& each) { return !is_wanted(each); });
+    std::erase_if(pictures_, [&](const auto& each) {
+        if (is_wanted(each)) return false;
+        bytes_ -= bytes_of(*each.second);
+        return true;
+    });
+}
+
+StoredImage ReadPictures::taken(Kept::iterator kept) {
+    auto there = pictures_.extract(kept);
+    bytes_ -= bytes_of(*there.mapped());
+    if (there.mapped().use_count() == 1) return std::move(*there.mapped());
+    StoredImage picture = *there.mapped();
+    if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
+    return picture;
+}
+
+std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::path& file,
+                                                      StoredImage picture) {
+    const auto shared = std::make_shared<StoredImage>(std::move(picture));
+    if (const std::size_t bytes = bytes_of(*shared); pictures_.empty() || bytes_ + bytes <= most_bytes)
+        if (pictures_.emplace(file.lexically_normal(), shared).second) bytes_ += bytes;
+    return shared;
 }
 
 Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
@@ -60,65 +111,62 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     return decode_unless_stopped(std::move(bytes), where, decode);
 }
 
-std::optional<StoredImage> ReadPictures::taken_beside(const std::filesystem::path& file, PictureLayer layer) {
-    if (!beside_ || rendering_ != file.lexically_normal()) return std::nullopt;
-    return std::exchange(layer == PictureLayer::colour ? beside_->colour : beside_->materials, std::nullopt);
-}
-
 std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesystem::path& file,
                                                                PictureLayer layer) {
     const std::lock_guard lock(mutex_);
-    if (layer != PictureLayer::own)
-        if (auto beside = taken_beside(file, layer)) return beside;
-    const auto kept = pictures_.find(file.lexically_normal());
+    const auto name = file.lexically_normal();
+    if (layer != PictureLayer::own && beside_ && rendering_ == name) {
+        auto& beside = layer == PictureLayer::colour ? beside_->colour : beside_->materials;
+        if (beside) return std::exchange(beside, std::nullopt);
+    }
+    const auto kept = pictures_.find(name);
     const bool is_kept =
         kept != pictures_.end() && (layer == PictureLayer::own || kept->second->codec != "exr");
     return is_kept ? std::optional(taken(kept)) : std::nullopt;
 }
 
-Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, PictureLayer layer) {
-    auto there = taken_without_reading(file, layer);
-    auto picture = there ? Result<StoredImage>(std::move(*there)) : read(file, layer);
-    if (!picture || !picture->beside) return picture;
+const SourceFile& ReadPictures::source(const std::filesystem::path& file) {
+    if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
+    return *newest_;
+}
+
+SourceFile ReadPictures::taken_source(const std::filesystem::path& file) {
     const std::lock_guard lock(mutex_);
-    rendering_ = file.lexically_normal();
-    beside_ = std::move(picture->beside);
-    return picture;
+    SourceFile taken = source(file);
+    newest_.reset();
+    return taken;
 }
 
-StoredImage ReadPictures::taken(Kept::iterator kept) {
-    auto there = pictures_.extract(kept);
-    bytes_ -= bytes_of(*there.mapped());
-    if (there.mapped().use_count() == 1) return std::move(*there.mapped());
-    StoredImage picture = *there.mapped();
-    if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
-    return picture;
+std::vector<int> indices_in(const StoredImage& picture) {
+    std::set<int> found;
+    for (std::size_t k = 0; k < pixel_count(picture.image) && found.size() < most_told; ++k)
+        if (const std::size_t index = index_at(picture, k); index != no_index)
+            found.insert(static_cast<int>(index));
+    return {found.begin(), found.end()};
 }
 
-void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {
-    if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
-    kept(file, std::move(picture));
-}
-
-std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::path& file,
-                                                      StoredImage picture) {
-    const auto shared = std::make_shared<StoredImage>(std::move(picture));
-    if (const std::size_t bytes = bytes_of(*shared); pictures_.empty() || bytes_ + bytes <= most_bytes)
-        if (pictures_.emplace(file.lexically_normal(), shared).second) bytes_ += bytes;
-    return shared;
-}
-
-void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files) {
-    const auto is_wanted = [&](const auto& each) {
-        return std::any_of(files.begin(), files.end(),
-                           [&](const auto& file) { return file.lexically_normal() == each.first; });
+MaterialPictures::MaterialPictures(const SceneDescription& described) : samples_(3 * (no_index + 1)) {
+    const Scene& scene = described.scene;
+    const auto set = [&](std::size_t index, const HapticProperties& properties) {
+        samples_[3 * index] = sample_of(properties.stiffness / 1000, scene.haptic.stiffness);
+        samples_[3 * index + 1] = sample_of(properties.static_friction, scene.haptic.static_friction);
+        samples_[3 * index + 2] = sample_of(properties.dynamic_friction, scene.haptic.dynamic_friction);
     };
-    std::erase_if(stacks_, [&](const auto& each) { return !is_wanted(each); });
-    std::erase_if(pictures_, [&](const auto& each) {
-        if (is_wanted(each)) return false;
-        bytes_ -= bytes_of(*each.second);
-        return true;
-    });
+    for (std::size_t index = 0; index <= no_index; ++index) set(index, scene.default_properties);
+    for (const Material& material : described.materials)
+        set(static_cast<std::size_t>(material.index), material.properties);
+}
+
+Result<StoredImage> MaterialPictures::haptic(const StoredImage& indices) const {
+    if (indices.image.channels != 1)
+        return input_error(
+            "is in colour: where the scene has haptic.materials, haptic pictures are of material indices");
+    StoredImage made{{indices.image.width, indices.image.height, 1, 3, {}}, indices.codec, "rgb24"};
+    made.image.samples.resize(3 * pixel_count(indices.image));
+    std::uint8_t* to = made.image.samples.data();
+    for (std::size_t k = 0; k < pixel_count(indices.image); ++k, to += 3)
+        std::memcpy(to, &samples_[3 * index_at(indices, k)], 3);
+    return made;
 }
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <map>
@@ -8,11 +9,13 @@
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
-#include "engine/base/given_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
-#include "engine/picture/npy_stack.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/numpy.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 
@@ -20,8 +23,8 @@ namespace touchable {
 /// asked for.
 enum class PictureLayer { own, colour, materials };
 
-/// Pictures that were read to find out what they are, kept for whoever reads them as frames, so that none is
-/// opened twice. At most 256 MiB of them, or one: what is more is read again.
+/// Pictures that were read to find out what they are, kept to be read as frames, so that none is opened
+/// twice. At most 256 MiB of them, or one: what is more is read again.
 class ReadPictures {
 public:
     ReadPictures() = default;
@@ -52,12 +55,11 @@ private:
     using Kept = std::map<std::filesystem::path, std::shared_ptr<StoredImage>>;
 
     StoredImage taken(Kept::iterator kept);
+    std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
     Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
-    std::optional<StoredImage> taken_beside(const std::filesystem::path& file, PictureLayer layer);
+    std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
     const SourceFile& source(const std::filesystem::path& file);
     SourceFile taken_source(const std::filesystem::path& file);
-    std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
-    std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
 
     std::mutex mutex_;  // guards what `take` uses of all that follows
     // By normal paths: lists and patterns may spell one file in two ways.
@@ -69,6 +71,22 @@ private:
     BesideDepth::Wanted wanted_{true, true};
     std::filesystem::path rendering_;      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;  // it; null: nothing
+};
+
+/// The whole numbers in a picture of material indices: the first 12 met, sorted.
+std::vector<int> indices_in(const StoredImage& picture);
+
+/// Makes haptic pictures of pictures of material indices: each pixel gets its material's properties, by the
+/// scene's haptic ranges. An index without an entry, and what is no whole number from 0 to 65535, gets the
+/// scene's default properties.
+class MaterialPictures {
+public:
+    explicit MaterialPictures(const SceneDescription& described);
+    /// `indices` has one channel. An error does not name the file.
+    Result<StoredImage> haptic(const StoredImage& indices) const;
+
+private:
+    std::vector<std::uint8_t> samples_;  // red, green, blue of each index, and of all others
 };
 
 }  // namespace touchable

@@ -1,27 +1,26 @@
 #include "engine/formats/ros_messages.hpp"
 
+#include <algorithm>
 #include <bit>
-#include <cstring>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/picture/decoding.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 namespace {
 
+// Messages of ROS 1, their making from CDR, and the pictures in them.
+
 static_assert(std::endian::native == std::endian::little, "numbers are read as they are stored");
 
-/// Reads values one after the other. Once the bytes are too few, all that follows is 0.
-class Fields {
+class MessageFields : public RosFields {
 public:
-    explicit Fields(std::string_view bytes) : left_(bytes) {}
-    bool ok() const { return ok_; }
-
-    template <class Number>
-    Number number() {
-        Number value{};
-        const std::string_view bytes = take(sizeof value);
-        if (ok_) std::memcpy(&value, bytes.data(), sizeof value);
-        return value;
-    }
-    std::string_view text() { return take(number<std::uint32_t>()); }
+    using RosFields::RosFields;
     template <std::size_t n>
     std::array<double, n> numbers() {
         std::array<double, n> all{};
@@ -34,44 +33,254 @@ public:
         const std::int64_t rest = number<std::uint32_t>();
         return {seconds * 1'000'000'000 + rest, text()};
     }
-    RosTransform transform() {
-        RosTransform read;
-        read.translation = numbers<3>();
-        read.rotation = numbers<4>();
-        return read;
-    }
-    std::size_t left() const { return left_.size(); }
-
-private:
-    std::string_view take(std::size_t count) {
-        ok_ = ok_ && count <= left_.size();
-        if (!ok_) return {};
-        const std::string_view taken = left_.substr(0, count);
-        left_.remove_prefix(count);
-        return taken;
-    }
-
-    std::string_view left_;
-    bool ok_ = true;
 };
 
 template <class Message>
-std::optional<Message> if_whole(const Fields& fields, Message message) {
+std::optional<Message> if_whole(const MessageFields& fields, Message message) {
     if (!fields.ok()) return {};
     return message;
+}
+
+/// Values one after the other, each copied from CDR, where a number stands at a multiple of its size behind
+/// the four bytes that say what kind of CDR it is. Once the bytes are too few, nothing more is copied.
+class CdrCopy {
+public:
+    explicit CdrCopy(std::string_view values) : from_(values) {}
+    std::string take() { return std::move(to_); }
+
+    std::uint32_t number() {
+        align(sizeof(std::uint32_t));
+        const std::string_view bytes = next(sizeof(std::uint32_t));
+        to_ += bytes;
+        return value_of(bytes);
+    }
+    void bytes(std::size_t count) { to_ += next(count); }
+    void doubles(std::size_t count) {
+        if (count == 0) return;
+        align(sizeof(double));
+        bytes(count * sizeof(double));
+    }
+    /// Which ends with a zero in CDR.
+    void text() {
+        align(sizeof(std::uint32_t));
+        const std::uint32_t length = value_of(next(sizeof(std::uint32_t)));
+        const std::string_view words = next(length);
+        if (is_over_) return;
+        const auto shown = length > 0 ? length - 1 : 0;
+        to_.append(reinterpret_cast<const char*>(&shown), sizeof shown);
+        to_ += words.substr(0, shown);
+    }
+    void header() {
+        to_.append(sizeof(std::uint32_t), '\0');
+        number();
+        number();
+        text();
+    }
+
+private:
+    /// 0 where there are no bytes.
+    static std::uint32_t value_of(std::string_view bytes) {
+        std::uint32_t value = 0;
+        std::memcpy(&value, bytes.data(), bytes.size());
+        return value;
+    }
+    void align(std::size_t size) {
+        const std::size_t beyond = at_ % size;
+        if (beyond > 0) next(size - beyond);
+    }
+    /// All of them, or none.
+    std::string_view next(std::size_t count) {
+        is_over_ = is_over_ || count > from_.size() - at_;
+        const std::string_view bytes = from_.substr(at_, is_over_ ? 0 : count);
+        at_ += bytes.size();
+        return bytes;
+    }
+
+    std::string_view from_;
+    std::string to_;
+    std::size_t at_ = 0;
+    bool is_over_ = false;
+};
+
+/// Groups of four bits in words of 32, low byte first, the highest group of a word first.
+class RvlNibbles {
+public:
+    explicit RvlNibbles(std::string_view words) : words_(words) {}
+    /// Three bits a group, the lowest first; the fourth says that another one follows.
+    std::uint32_t number() {
+        std::uint32_t value = 0;
+        for (int bits = 0; bits < 32; bits += 3) {
+            const std::uint32_t group = next();
+            value |= (group & 7) << bits;
+            if ((group & 8) == 0) return value;
+        }
+        is_over_ = true;
+        return 0;
+    }
+    bool is_over() const { return is_over_; }
+
+private:
+    std::uint32_t next() {
+        if (left_ == 0) {
+            is_over_ = is_over_ || words_.size() < sizeof word_;
+            if (is_over_) return 0;
+            std::memcpy(&word_, words_.data(), sizeof word_);
+            words_.remove_prefix(sizeof word_);
+            left_ = 8;
+        }
+        const std::uint32_t group = word_ >> 28;
+        word_ <<= 4;
+        --left_;
+        return group;
+    }
+
+    std::string_view words_;
+    std::uint32_t word_ = 0;
+    int left_ = 0;  // groups of the word
+    bool is_over_ = false;
+};
+
+/// How a pixel is stored.
+struct RosEncoding {
+    const char* name;
+    RosPictureKind kind;
+    int bytes;              ///< of a pixel
+    int red = 0, blue = 2;  ///< bytes of a pixel that hold them
+    AVPixelFormat yuv = AV_PIX_FMT_NONE;
+};
+constexpr RosEncoding encodings[] = {
+    {"mono8", RosPictureKind::grey8, 1},
+    {"8UC1", RosPictureKind::grey8, 1},
+    {"mono16", RosPictureKind::depth16, 2},
+    {"16UC1", RosPictureKind::depth16, 2},
+    {"Z16", RosPictureKind::depth16, 2},
+    {"32FC1", RosPictureKind::depth_floats, 4},
+    {"rgb8", RosPictureKind::colour, 3},
+    {"bgr8", RosPictureKind::colour, 3, 2, 0},
+    {"8UC3", RosPictureKind::colour, 3, 2, 0},
+    {"rgba8", RosPictureKind::colour, 4},
+    {"bgra8", RosPictureKind::colour, 4, 2, 0},
+    {"8UC4", RosPictureKind::colour, 4, 2, 0},
+    {"yuv422", RosPictureKind::colour, 2, 0, 0, AV_PIX_FMT_UYVY422},
+    {"UYVY", RosPictureKind::colour, 2, 0, 0, AV_PIX_FMT_UYVY422},
+    {"yuv422_yuy2", RosPictureKind::colour, 2, 0, 0, AV_PIX_FMT_YUYV422},
+    {"YUYV", RosPictureKind::colour, 2, 0, 0, AV_PIX_FMT_YUYV422},
+    {"yuyv", RosPictureKind::colour, 2, 0, 0, AV_PIX_FMT_YUYV422},
+};
+
+const RosEncoding* encoding_named(std::string_view name) {
+    const auto* const found = std::find_if(std::begin(encodings), std::end(encodings),
+                                           [&](const RosEncoding& each) { return name == each.name; });
+    return found == std::end(encodings) ? nullptr : found;
+}
+
+const char* row_of(const RosImage& image, int y) {
+    return image.data.data() + std::size_t{image.step} * static_cast<std::size_t>(y);
+}
+
+void swap_bytes(std::uint8_t* values, std::size_t count, std::size_t size) {
+    for (std::size_t k = 0; k < count; ++k) std::reverse(values + k * size, values + (k + 1) * size);
+}
+
+Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std::string& where) {
+    FramePtr frame(av_frame_alloc());
+    if (frame) {
+        frame->format = format;
+        frame->width = static_cast<int>(image.width);
+        frame->height = static_cast<int>(image.height);
+    }
+    if (!frame || av_frame_get_buffer(frame.get(), 0) < 0)
+        return Error{ErrorKind::internal, where + ": no memory"};
+    for (int y = 0; y < frame->height; ++y)
+        std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
+                    2 * std::size_t{image.width});
+    auto rgb = rgb_converted(*frame);
+    if (!rgb) return error_at(where, rgb.error());
+    return rgb;
+}
+
+Image rgb_of(const RosImage& image, const RosEncoding& encoding) {
+    Image rgb{static_cast<int>(image.width), static_cast<int>(image.height), 1, 3, {}};
+    rgb.samples.resize(3 * std::size_t{image.width} * image.height);
+    std::uint8_t* to = rgb.samples.data();
+    for (int y = 0; y < rgb.height; ++y) {
+        const auto* from = reinterpret_cast<const std::uint8_t*>(row_of(image, y));
+        for (int x = 0; x < rgb.width; ++x, from += encoding.bytes, to += 3) {
+            to[0] = from[encoding.red];
+            to[1] = from[1];
+            to[2] = from[encoding.blue];
+        }
+    }
+    return rgb;
+}
+
+/// Grey and floats: rows without padding, in host order.
+template <class Values>
+void copy_rows(const RosImage& image, int bytes, Values& values) {
+    const std::size_t row = static_cast<std::size_t>(bytes) * image.width;
+    auto* const to = reinterpret_cast<std::uint8_t*>(values.data());
+    for (std::size_t y = 0; y < image.height; ++y)
+        std::memcpy(to + row * y, row_of(image, static_cast<int>(y)), row);
+    if (image.is_big_endian && bytes > 1)
+        swap_bytes(to, std::size_t{image.width} * image.height, static_cast<std::size_t>(bytes));
+}
+
+/// What stands before depth that is packed by compressed_depth_image_transport: which kind, a, b.
+constexpr std::size_t packed_head = 12;
+
+/// Columns, rows, and then RVL. Some cameras leave out what compressed_depth_image_transport writes before
+/// it.
+Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where) {
+    // A run of pixels that are 0 takes a few bytes, however long it is; others take half a byte and more.
+    constexpr std::size_t size_bytes = 8, largest_ratio = 50, always_possible = std::size_t{1} << 23;
+    for (const std::size_t head : {packed_head, std::size_t{0}}) {
+        if (bytes.size() < head + size_bytes) continue;
+        std::uint32_t size[2] = {0, 0};
+        std::memcpy(size, bytes.data() + head, sizeof size);
+        const auto [columns, rows] = size;
+        const std::uint64_t pixels = std::uint64_t{columns} * rows;
+        if (!check_picture_size(columns, rows, where) ||
+            pixels > std::max(largest_ratio * bytes.size(), always_possible))
+            continue;
+        const auto depths = unpack_rvl(bytes.substr(head + size_bytes), static_cast<std::size_t>(pixels));
+        if (!depths) continue;
+        StoredImage picture;
+        picture.codec = "rvl";
+        picture.pixel_format = "gray16le";
+        picture.bits = 16;
+        picture.image = {static_cast<int>(columns), static_cast<int>(rows), 2, 1, {}};
+        picture.image.samples.resize(2 * depths->size());
+        std::memcpy(picture.image.samples.data(), depths->data(), picture.image.samples.size());
+        return picture;
+    }
+    return input_error(where + ": is damaged: is not the RVL of a picture");
+}
+
+/// PNG of reciprocals: depth = a / (code - b), 0 is none.
+void make_floats(StoredImage& picture, float a, float b) {
+    const Image& image = picture.image;
+    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    picture.values.resize(pixels);
+    for (std::size_t k = 0; k < pixels; ++k) {
+        std::uint16_t code = 0;
+        std::memcpy(&code, image.samples.data() + 2 * k, 2);
+        picture.values[k] =
+            code == 0 ? std::numeric_limits<float>::quiet_NaN() : a / (static_cast<float>(code) - b);
+    }
+    picture.image.samples.clear();
 }
 
 }  // namespace
 
 std::optional<std::int64_t> ros_stamp(std::string_view begin) {
-    Fields fields(begin);
+    MessageFields fields(begin);
     fields.number<std::uint32_t>();
     const std::int64_t seconds = fields.number<std::uint32_t>(), rest = fields.number<std::uint32_t>();
     return if_whole(fields, seconds * 1'000'000'000 + rest);
 }
 
 std::optional<RosImage> parse_ros_image(std::string_view message) {
-    Fields fields(message);
+    MessageFields fields(message);
     RosImage image;
     image.header = fields.header();
     image.height = fields.number<std::uint32_t>();
@@ -84,7 +293,7 @@ std::optional<RosImage> parse_ros_image(std::string_view message) {
 }
 
 std::optional<RosCompressedImage> parse_ros_compressed_image(std::string_view message) {
-    Fields fields(message);
+    MessageFields fields(message);
     RosCompressedImage image;
     image.header = fields.header();
     image.format = fields.text();
@@ -93,7 +302,7 @@ std::optional<RosCompressedImage> parse_ros_compressed_image(std::string_view me
 }
 
 std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message) {
-    Fields fields(message);
+    MessageFields fields(message);
     RosCameraInfo info;
     info.header = fields.header();
     info.height = fields.number<std::uint32_t>();
@@ -115,15 +324,147 @@ std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message) {
 }
 
 std::optional<float> parse_ros_float(std::string_view message) {
-    Fields fields(message);
+    MessageFields fields(message);
     const auto value = fields.number<float>();
     return if_whole(fields, value);
 }
 
 std::optional<RosTransform> parse_ros_transform(std::string_view message) {
-    Fields fields(message);
-    const RosTransform transform = fields.transform();
+    MessageFields fields(message);
+    RosTransform transform;
+    transform.translation = fields.numbers<3>();
+    transform.rotation = fields.numbers<4>();
     return if_whole(fields, transform);
+}
+
+std::optional<RosType> ros2_type(std::string name) {
+    constexpr std::string_view between = "/msg/";
+    if (const auto place = name.find(between); place != std::string::npos)
+        name.replace(place, between.size(), "/");
+    for (const RosType& known : {ros_image, ros_compressed_image, ros_camera_info})
+        if (name == known.name) return known;
+    return {};
+}
+
+std::string ros1_of_cdr(std::string_view cdr, const RosType& type) {
+    constexpr std::string_view plain_low_byte_first("\0\1", 2);
+    constexpr std::size_t kind_bytes = 4;
+    if (cdr.size() < kind_bytes || !cdr.starts_with(plain_low_byte_first)) return {};
+    CdrCopy copy(cdr.substr(kind_bytes));
+    copy.header();
+    if (type == ros_image) {
+        copy.number();
+        copy.number();
+        copy.text();
+        copy.bytes(1);
+        copy.number();
+        copy.bytes(copy.number());
+    } else if (type == ros_compressed_image) {
+        copy.text();
+        copy.bytes(copy.number());
+    } else if (type == ros_camera_info) {
+        copy.number();
+        copy.number();
+        copy.text();
+        copy.doubles(copy.number());
+        copy.doubles(9 + 9 + 12);
+        for (int part = 0; part < 6; ++part) copy.number();
+        copy.bytes(1);
+    } else {
+        return {};
+    }
+    return copy.take();
+}
+
+std::optional<std::vector<std::uint16_t>> unpack_rvl(std::string_view words, std::size_t pixels) {
+    RvlNibbles nibbles(words);
+    std::vector<std::uint16_t> depths;
+    depths.reserve(pixels);
+    std::uint32_t newest = 0;
+    while (depths.size() < pixels) {
+        const std::size_t zeros = nibbles.number();
+        if (nibbles.is_over() || zeros > pixels - depths.size()) return {};
+        depths.resize(depths.size() + zeros, 0);
+        const std::size_t others = nibbles.number();
+        if (nibbles.is_over() || others > pixels - depths.size()) return {};
+        // Two empty runs in a row would never end.
+        if (zeros == 0 && others == 0) return {};
+        for (std::size_t k = 0; k < others; ++k) {
+            const std::uint32_t step = nibbles.number();
+            if (nibbles.is_over()) return {};
+            newest += (step >> 1) ^ (0 - (step & 1));  // 0, -1, 1, -2 ...
+            depths.push_back(static_cast<std::uint16_t>(newest));
+        }
+    }
+    return depths;
+}
+
+RosPictureKind ros_picture_kind(std::string_view encoding) {
+    const RosEncoding* const found = encoding_named(encoding);
+    return found ? found->kind : RosPictureKind::none;
+}
+
+RosPictureKind ros_compressed_kind(std::string_view format) {
+    if (format.starts_with("32FC1")) return RosPictureKind::depth_floats;
+    if (format.starts_with("16UC1") || format.starts_with("mono16")) return RosPictureKind::depth16;
+    if (format.find("ompressedDepth") != std::string_view::npos) return RosPictureKind::depth16;
+    return format.find("jp") != std::string_view::npos || format.find("png") != std::string_view::npos
+               ? RosPictureKind::colour
+               : RosPictureKind::none;
+}
+
+Result<StoredImage> ros_picture(const RosImage& image, const std::string& where) {
+    const RosEncoding* const encoding = encoding_named(image.encoding);
+    if (encoding == nullptr)
+        return input_error(where + ": is of encoding " + in_quotes(image.encoding) +
+                           ": must be mono8, mono16, 16UC1, 32FC1, rgb8, bgr8, rgba8, bgra8 or yuv422");
+    TRY(check_picture_size(image.width, image.height, where));
+    const std::uint64_t row = std::uint64_t{image.width} * static_cast<std::uint64_t>(encoding->bytes);
+    if (image.step < row || image.data.size() < std::uint64_t{image.step} * (image.height - 1) + row)
+        return input_error(where + ": is damaged: has " + std::to_string(image.data.size()) + " bytes for " +
+                           std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels of " +
+                           std::string(encoding->name));
+    StoredImage picture;
+    picture.codec = "ros";
+    picture.pixel_format = encoding->name;
+    picture.image = {static_cast<int>(image.width), static_cast<int>(image.height), 1, 1, {}};
+    const std::size_t pixels = std::size_t{image.width} * image.height;
+    if (encoding->yuv != AV_PIX_FMT_NONE) {
+        TRY_ASSIGN(auto rgb, rgb_of_yuv(image, encoding->yuv, where));
+        picture.image = std::move(rgb);
+    } else if (encoding->kind == RosPictureKind::colour) {
+        picture.image = rgb_of(image, *encoding);
+    } else if (encoding->kind == RosPictureKind::depth_floats) {
+        picture.values.resize(pixels);
+        copy_rows(image, encoding->bytes, picture.values);
+    } else {
+        picture.image.bytes_per_sample = encoding->bytes;
+        picture.bits = 8 * encoding->bytes;
+        picture.image.samples.resize(pixels * static_cast<std::size_t>(encoding->bytes));
+        copy_rows(image, encoding->bytes, picture.image.samples);
+    }
+    return picture;
+}
+
+Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::string& where) {
+    std::string_view bytes = image.data;
+    float quantum[2] = {0, 0};  // a and b of depths in floats
+    const bool is_packed_depth = image.format.find("ompressedDepth") != std::string_view::npos;
+    const bool is_rvl = is_packed_depth && image.format.find("rvl") != std::string_view::npos;
+    if (is_packed_depth) {
+        if (bytes.size() < packed_head) return input_error(where + ": is damaged: is cut");
+        std::memcpy(quantum, bytes.data() + 4, sizeof quantum);
+        if (!is_rvl) bytes.remove_prefix(packed_head);
+        if (!is_rvl && picture_kind(bytes) != "PNG")
+            return input_error(where + ": is packed as " + in_quotes(image.format) +
+                               ": of compressedDepth PNG and RVL are read");
+    }
+    auto picture = is_rvl ? rvl_picture(bytes, where) : decode_stored_image(std::string(bytes), where);
+    if (!picture || !is_packed_depth || !image.format.starts_with("32FC1")) return picture;
+    if (picture->image.bytes_per_sample != 2 || picture->image.channels != 1 || !picture->values.empty())
+        return input_error(where + ": is damaged: depth is no grey of 16 bits");
+    make_floats(*picture, quantum[0], quantum[1]);
+    return picture;
 }
 
 }  // namespace touchable

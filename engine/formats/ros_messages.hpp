@@ -3,14 +3,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/base/result.hpp"
+#include "engine/picture/image.hpp"
+
 namespace touchable {
 
-/// Messages of ROS 1 as it serialises them. Texts and data are parts of the bytes given. Each is nothing
-/// where the bytes are too few for it.
+// Messages as ROS 1 serialises them, and what ROS 2 has of them, brought into that form. Texts and data are
+// parts of the bytes given. A message is nothing where the bytes are too few for it.
 
 /// A type of messages that is read, in the one form that it has had: its name, and the hash of its
 /// definition.
@@ -23,6 +28,35 @@ inline constexpr RosType ros_image{"sensor_msgs/Image", "060021388200f6f0f447d0f
     ros_camera_info{"sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214"},
     ros_transform{"geometry_msgs/Transform", "ac9eff44abf714214112b05d54a3cf9b"},
     ros_float{"std_msgs/Float32", "73fcbf46b49191e672908e50842a83d4"};
+
+/// Values one after the other, low byte first, and texts behind their lengths, as also MCAP has them. Once
+/// the bytes are too few, all that follows is 0.
+class RosFields {
+public:
+    explicit RosFields(std::string_view bytes) : left_(bytes) {}
+    bool ok() const { return ok_; }
+    template <class Number>
+    Number number() {
+        Number value{};
+        const std::string_view bytes = take(sizeof value);
+        if (ok_) std::memcpy(&value, bytes.data(), sizeof value);
+        return value;
+    }
+    std::string_view text() { return take(number<std::uint32_t>()); }
+    std::size_t left() const { return left_.size(); }
+
+private:
+    std::string_view take(std::size_t count) {
+        ok_ = ok_ && count <= left_.size();
+        if (!ok_) return {};
+        const std::string_view taken = left_.substr(0, count);
+        left_.remove_prefix(count);
+        return taken;
+    }
+
+    std::string_view left_;
+    bool ok_ = true;
+};
 
 struct RosHeader {
     std::int64_t stamp_ns = 0;
@@ -73,5 +107,31 @@ struct RosTransform {
     std::array<double, 4> rotation{};  ///< quaternion x, y, z, w
 };
 std::optional<RosTransform> parse_ros_transform(std::string_view message);
+
+/// A message of ROS 2, which is CDR, as ROS 1 serialises it: sensor_msgs' Image, CompressedImage and
+/// CameraInfo, which are the same fields in the same order but for the sequence number of a header (0 then).
+/// Ends where the bytes do, and is empty where they are of another type or no plain CDR, low byte first.
+std::string ros1_of_cdr(std::string_view cdr, const RosType& type);
+/// The one of these types that a recording of ROS 2 calls so ("sensor_msgs/msg/Image"), or as ROS 1 does.
+std::optional<RosType> ros2_type(std::string name);
+/// Bytes of CDR that make the first `ros_stamp_bytes` of it.
+inline constexpr std::size_t cdr_stamp_bytes = 12;
+
+/// What a message of pictures holds, as its encoding says.
+enum class RosPictureKind { none, grey8, depth16, depth_floats, colour };
+RosPictureKind ros_picture_kind(std::string_view encoding);
+/// Of compressed pictures by their format ("16UC1; compressedDepth", "rgb8; jpeg compressed bgr8", "png");
+/// what is depth, the name of a topic tells where the format does not.
+RosPictureKind ros_compressed_kind(std::string_view format);
+
+/// Grey of 8 or 16 bits, floats, or RGB of 8 bits: bytes in host order, without padding. Messages begin with
+/// `where`.
+Result<StoredImage> ros_picture(const RosImage& image, const std::string& where);
+/// PNG and JPEG; depth that `compressed_depth_image_transport` packed as PNG or RVL, floats in metres.
+Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::string& where);
+
+/// Depth as RVL packs it (Wilson, Fast lossless depth image compression, 2017), `pixels` of them; nothing
+/// where the words end before, or hold more in one run than are left.
+std::optional<std::vector<std::uint16_t>> unpack_rvl(std::string_view words, std::size_t pixels);
 
 }  // namespace touchable

@@ -4,11 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "engine/base/row_bands.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/codecs.hpp"
-#include "engine/clip/far_plane.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/formats/depth_values.hpp"
 
 namespace touchable {
@@ -70,8 +68,7 @@ Result<void> StoredClipReader::open() {
     scene_ = std::move(*scene);
     const auto is_of_scene = [&](const Camera& camera) { return camera == scene_.camera; };
     if (std::all_of(clip_.cameras.begin(), clip_.cameras.end(), is_of_scene)) clip_.cameras.clear();
-    for (Track& track : tracks_)
-        if (auto there = read_first(track); !there) return there;
+    for (Track& track : tracks_) TRY(read_first(track));
     note(no_depth_note(frame_of_newest(), scene_.depth));
     note(default_touch_note(std::ranges::count(clip_.roles, PlaneRole::haptic) > 0, scene_));
     return {};
@@ -88,8 +85,7 @@ Result<void> StoredClipReader::read_first(Track& track) {
     if (!is_depth && (image.width != scene_.width || image.height != scene_.height))
         note(resampling_note(track.role, image.width, image.height, scene_));
     if (!picture.lossless) note(lossy_note(track.role, stored.codec));
-    if (is_depth && picture.lent.view.empty() && values_.needs_looks(stored))
-        if (auto looked = look_at_some(stored); !looked) return looked;
+    if (is_depth && picture.lent.view.empty() && values_.needs_looks(stored)) TRY(look_at_some(stored));
     if (track.role == PlaneRole::haptic && image.channels == 1) note(take_grey_haptic(scene_));
     return take(track, 0, std::move(picture));
 }
@@ -247,10 +243,10 @@ Result<std::unique_ptr<ClipReader>> open_stored_clip(StoredClip clip, Colour col
     auto reader = std::make_unique<StoredClipReader>(std::move(clip));
     TRY(reader->open());
     const bool far_is_open = reader->leaves_far_open();
-    auto aligned = with_aligned_depth(std::move(reader), alignment);  // by its colour, whoever looks at that
-    if (!aligned) return aligned;
-    if (colour == Colour::left_out) (*aligned)->leave_out_colour();
-    return with_far_plane(std::move(*aligned), far_is_open, name);
+    // Aligned by its colour, even where colour is left out afterwards.
+    TRY_ASSIGN(auto aligned, with_aligned_depth(std::move(reader), alignment));
+    if (colour == Colour::left_out) aligned->leave_out_colour();
+    return with_far_plane(std::move(aligned), far_is_open, name);
 }
 
 }  // namespace touchable

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/aligned_clip.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/picture/stored_image.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 
@@ -53,7 +52,7 @@ public:
     virtual void keep(std::int64_t, StoredImage) {}
 };
 
-/// A clip that lies in files, as whoever knows their format found it.
+/// A clip that lies in files, as the reader of their format found it.
 struct StoredClip {
     std::string name;  ///< its file or folder, for messages
     SceneDescription described;

@@ -1,15 +1,36 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "engine/formats/presets.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/formats/source_description.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable {
 
-/// What the integers of a picture of 16 bits show of how they were stored. 0 and 65535 say nothing, and one
-/// pixel in a thousand may differ. Fewer than 20 values that differ are no evidence. Where it is asked to
-/// stop meanwhile they show nothing, and the caller looks for that.
+// What the numbers of a depth picture tell of how they were stored: their unit, bits in another order, a
+// renderer's background, the even steps that floats came from. What goes over all pixels is unfinished where
+// the thread is asked to stop meanwhile; callers check stop_requested.
+
+/// Sample `k` of a picture of one channel, of 8 bits, or of 16 in host order.
+inline std::uint16_t sample_at(const Image& image, std::size_t k) {
+    if (image.bytes_per_sample == 1) return image.samples[k];
+    std::uint16_t word = 0;
+    std::memcpy(&word, image.samples.data() + 2 * k, 2);
+    return word;
+}
+
+inline std::size_t pixel_count(const Image& image) {
+    return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+}
+
+// Of pictures of 16 bits: 0 and 65535 say nothing, one pixel in a thousand may differ, and fewer than 20
+// values that differ are no evidence.
 
 /// The largest number to 1000 of which all are multiples; 1: they have none, or are no evidence.
 int common_divisor(const StoredImage& picture);
@@ -21,5 +42,71 @@ struct EvidentPreset {
     std::string why{};  ///< "its values ...", in words
 };
 EvidentPreset evident_preset(const StoredImage& picture);
+
+/// What renderers write into pictures of floats where they see nothing, in whatever unit: infinity, 1e9 and
+/// beyond (Blender: 1e10), and the largest number of 16 bits, 65504, which is what files of halves have in
+/// their place. Halves become floats of 32 bits in other programs. So 65504 is background in any picture of
+/// floats, but not where that has a depth farther than it. Of either sign. Codes have no background.
+class RendererBackground {
+public:
+    explicit RendererBackground(const StoredImage& picture);
+    /// Whether a value of the picture stands for no surface. (NaN is no value.)
+    bool is(double value) const {
+        const double size = std::abs(value);
+        return size >= double{endless} || (has_largest_half_ && size == double{largest_half});
+    }
+
+private:
+    static constexpr float endless = 1e9F, largest_half = 65504;
+    bool has_largest_half_ = false;
+};
+
+/// What the values of a picture tell of their unit.
+struct EstimatedValues {
+    bool is_float = false;
+    bool has_background = false;  ///< a renderer's (RendererBackground)
+    bool any = false;  ///< is neither 0, background nor, of 16 bits, the largest; what follows is of these
+    int bits = 16;
+    double median = 0;
+    double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
+    double negative = 0;          ///< share of all; 0 where all of them are one number, which is none then
+    bool has_negative_none = false;
+    bool is_normalised = false;  ///< from the least that can be stored (floats: 0) to the most (1)
+    int divisor = 1;             ///< of integers of 16 bits (common_divisor)
+    /// Of 8 bits that were stretched to 16.
+    bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
+};
+EstimatedValues estimate_values(const StoredImage& picture);
+
+/// Evenly spaced numbers that floats came from: first + k step, with whole k from 0 on. Of depths, or of
+/// their reciprocals (disparity).
+struct FloatLattice {
+    double first = 0;  ///< 0 <= first < step; 0: whole multiples of the step
+    double step = 0;
+    bool of_reciprocals = false;
+    bool is_rounded = false;  ///< the floats have 11 bits (halves) and are the nearest to its numbers
+    double off = 0;           ///< share of the floats that lie between its numbers
+};
+
+/// Finds the lattice of floats by a sample of them. It is told from chance: at least 8 of its numbers occur,
+/// all but one float in a hundred lie on it, within what rounding to 32 bits (or 11, is_rounded) does to
+/// them, where those of no lattice would do so once in 32 times at most. Its span is at most `most_codes`
+/// steps, which 1 float in 1000 may exceed. What is coarser than 1/25 of the median (of reciprocals 1/4) is
+/// none: floats of a few flat things are no sensor's. The same floats in any order give the same lattice.
+class LatticeSearch {
+public:
+    static constexpr int most_codes = 65534;
+
+    /// One float; finite.
+    void add(float value) { sample_.push_back(value); }
+    /// Lengths: `metres` is of a stored 1. Multiples of a millimetre are taken as those, whatever larger
+    /// unit they share. Depths first, then reciprocals.
+    std::optional<FloatLattice> of_lengths(double metres);
+    /// Numbers without a unit: even steps, wherever they begin.
+    std::optional<FloatLattice> of_numbers();
+
+private:
+    std::vector<float> sample_;
+};
 
 }  // namespace touchable

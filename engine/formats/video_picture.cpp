@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -10,51 +11,101 @@
 namespace touchable {
 namespace {
 
-const AVPixFmtDescriptor& format_of(const AVFrame& frame) {
+const AVPixFmtDescriptor& pixel_format_of(const AVFrame& frame) {
     return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-}
-
-/// With rows packed.
-Image copied(const PlaneView& view) {
-    Image image{view.width, view.height, view.bytes_per_sample, view.channels, {}};
-    const auto row_bytes = static_cast<std::size_t>(view.width * view.channels * view.bytes_per_sample);
-    image.samples.resize(row_bytes * static_cast<std::size_t>(view.height));
-    for (int y = 0; y < view.height; ++y)
-        std::memcpy(image.samples.data() + row_bytes * static_cast<std::size_t>(y), view.row(y), row_bytes);
-    return image;
 }
 
 /// Grey of two bytes in the other order than this machine's, such as PNG has it: the same in this one's.
 std::optional<Image> in_host_order(const AVFrame& frame) {
-    const AVPixFmtDescriptor& format = format_of(frame);
+    const AVPixFmtDescriptor& format = pixel_format_of(frame);
     const bool is_big = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
     const AVComponentDescriptor& samples = format.comp[0];
     if (format.nb_components != 1 || samples.depth <= 8 || samples.shift != 0 || samples.step != 2 ||
         (format.flags & AV_PIX_FMT_FLAG_FLOAT) != 0 || is_big == (std::endian::native == std::endian::big))
         return std::nullopt;
-    Image image = copied({frame.data[0], frame.linesize[0], frame.width, frame.height, 2, 1});
+    Image image = packed_image({frame.data[0], frame.linesize[0], frame.width, frame.height, 2, 1});
     for (std::size_t k = 0; k < image.samples.size(); k += 2)
         std::swap(image.samples[k], image.samples[k + 1]);
     return image;
 }
 
+/// What the colours of a part look like.
+struct PartLook {
+    bool is_grey = false, is_hue = false, is_nearly_grey = false;
+    bool is_even = true;  ///< the same everywhere: a bar, and no depth
+
+    bool is(VideoValues values) const {
+        return values == VideoValues::grey ? is_grey : values == VideoValues::hue ? is_hue : is_nearly_grey;
+    }
+};
+
+/// A margin is left out: codecs mix colours across the border of two halves.
+PartLook look_of(const PlaneView& rgb) {
+    constexpr int codec_noise = 24, tint = 40, dark = 48;
+    const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
+    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0;
+    int least = 255, most = 0;
+    for (int y = margin; y < rgb.height - margin; ++y)
+        for (int x = margin; x < rgb.width - margin; ++x) {
+            const std::uint8_t* pixel = rgb.row(y) + 3 * std::ptrdiff_t{x};
+            const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
+            least = std::min<int>(least, low);
+            most = std::max<int>(most, high);
+            ++pixels;
+            grey += high - low <= codec_noise;
+            nearly += high - low <= tint;
+            if (high < dark) continue;
+            ++lit;
+            vivid += 5 * (high - low) >= 3 * high;
+        }
+    return {100 * grey >= 99 * pixels, 10 * lit >= pixels && 10 * vivid >= 9 * lit,
+            100 * nearly >= 98 * pixels, most - least <= 8};
+}
+
+/// Columns in the middle that are all of one colour: Depth Anything's videos have 50 white ones there, of
+/// which codecs blur the outer ones.
+int bar_in_the_middle(const PlaneView& rgb) {
+    constexpr int usual = 50, blurred = 8, codec_noise = 24;
+    const int middle = rgb.width / 2;
+    const std::uint8_t* const colour = rgb.row(rgb.height / 2) + 3 * std::ptrdiff_t{middle};
+    const auto is_bar = [&](int x) {
+        for (int y = 0; y < rgb.height; ++y)
+            for (int c = 0; c < 3; ++c)
+                if (std::abs(rgb.row(y)[3 * std::ptrdiff_t{x} + c] - colour[c]) > codec_noise) return false;
+        return true;
+    };
+    int first = middle, end = middle;
+    while (first > 0 && is_bar(first - 1)) --first;
+    while (end < rgb.width && is_bar(end)) ++end;
+    int bar = 2 * std::min(middle - first, end - middle);
+    if (std::abs(bar - usual) <= blurred) bar = usual;
+    return may_be_bar(bar, rgb.width) && (rgb.width - bar) % 2 == 0 ? bar : 0;
+}
+
+/// The half that is so, where the other one is not.
+std::optional<DepthInVideo> half_of(const PlaneView& rgb, VideoValues values, int bar) {
+    for (const VideoLayout layout :
+         {VideoLayout::left, VideoLayout::right, VideoLayout::top, VideoLayout::bottom}) {
+        const DepthInVideo half{layout, values, is_side_by_side(layout) ? bar : 0};
+        const auto part = depth_part(layout, rgb.width, rgb.height, half.bar);
+        if (!part) continue;
+        const PartLook depth = look_of(part_of(rgb, *part));
+        const PartLook colour = look_of(part_of(rgb, colour_part(layout, rgb.width, rgb.height, half.bar)));
+        if (depth.is(values) && !depth.is_even && !colour.is(values)) return half;
+    }
+    return {};
+}
+
 }  // namespace
 
 std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height, int bar) {
-    const bool is_beside = layout == VideoLayout::left || layout == VideoLayout::right;
     if (layout == VideoLayout::alone) return PicturePart{0, 0, width, height};
-    int &side = is_beside ? width : height, whole = side;
+    int &side = is_side_by_side(layout) ? width : height, whole = side;
     if (side <= bar || (side - bar) % 2 != 0) return std::nullopt;
     side = (side - bar) / 2;
     const int second = whole - side;
-    switch (layout) {
-        case VideoLayout::right:
-            return PicturePart{second, 0, width, height};
-        case VideoLayout::bottom:
-            return PicturePart{0, second, width, height};
-        default:
-            return PicturePart{0, 0, width, height};
-    }
+    return PicturePart{layout == VideoLayout::right ? second : 0, layout == VideoLayout::bottom ? second : 0,
+                       width, height};
 }
 
 PicturePart colour_part(VideoLayout layout, int width, int height, int bar) {
@@ -65,6 +116,15 @@ PicturePart colour_part(VideoLayout layout, int width, int height, int bar) {
     for (const auto& [depth, colour] : others)
         if (layout == depth) return depth_part(colour, width, height, bar).value_or(PicturePart{});
     return {0, 0, width, height};
+}
+
+Image packed_image(const PlaneView& view) {
+    Image image{view.width, view.height, view.bytes_per_sample, view.channels, {}};
+    const auto row_bytes = static_cast<std::size_t>(view.width * view.channels * view.bytes_per_sample);
+    image.samples.resize(row_bytes * static_cast<std::size_t>(view.height));
+    for (int y = 0; y < view.height; ++y)
+        std::memcpy(image.samples.data() + row_bytes * static_cast<std::size_t>(y), view.row(y), row_bytes);
+    return image;
 }
 
 PlaneView part_of(PlaneView plane, const PicturePart& part) {
@@ -78,7 +138,7 @@ VideoPicture::VideoPicture(FramePtr frame, RgbConverter& converter, std::string 
     : frame_(std::move(frame)), converter_(converter), where_(std::move(where)) {}
 
 bool VideoPicture::has_colours() const {
-    return format_of(*frame_).nb_components >= 3 || frame_->format == AV_PIX_FMT_PAL8;
+    return pixel_format_of(*frame_).nb_components >= 3 || frame_->format == AV_PIX_FMT_PAL8;
 }
 
 int VideoPicture::bits() const {
@@ -106,7 +166,7 @@ Result<Plane> VideoPicture::depth(VideoValues values, const PicturePart& part) {
 Result<Plane> VideoPicture::grey(const PicturePart& part) {
     if (is_rgb8(*frame_)) {
         TRY_ASSIGN(const auto all, rgb());
-        if (auto grey = as_grey(copied(part_of(all.view, part)))) return plane_from(std::move(*grey));
+        if (auto grey = as_grey(packed_image(part_of(all.view, part)))) return plane_from(std::move(*grey));
         return input_error(where_ +
                            ": is in colour, where depth was to be grey (a scene file's video.values can be "
                            "mean, or hue with depth.coding hue)");
@@ -114,7 +174,7 @@ Result<Plane> VideoPicture::grey(const PicturePart& part) {
     const int bits = sample_bits(*frame_);
     if (const auto samples = luma_samples(*frame_)) return Plane{part_of(*samples, part), frame_, bits};
     if (const auto swapped = in_host_order(*frame_))
-        return plane_from(copied(part_of(swapped->view(), part)), bits);
+        return plane_from(packed_image(part_of(swapped->view(), part)), bits);
     return input_error(where_ + ": has pixel format " + format_name(*frame_) +
                        ": depth is grey of 8 to 16 bits, YUV, or RGB of 8 bits");
 }
@@ -150,6 +210,32 @@ CodeRange VideoPicture::code_range(VideoValues values) const {
             if (code < limited.least - ringing * scale || code > limited.most + ringing * scale) return full;
         }
     return limited;
+}
+
+std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said) {
+    constexpr VideoLayout alone = VideoLayout::alone;
+    if (!picture.has_colours()) return DepthInVideo{alone, VideoValues::grey};
+    const auto rgb = picture.rgb();
+    if (!rgb) return {};
+    const int bar = bar_in_the_middle(rgb->view);
+    if (said) return half_of(rgb->view, *said, bar).value_or(DepthInVideo{alone, *said});
+    const PartLook whole = look_of(rgb->view);
+    if (whole.is_grey) return DepthInVideo{alone, VideoValues::grey};
+    if (whole.is_hue) return DepthInVideo{alone, VideoValues::hue};
+    for (const VideoValues values : {VideoValues::grey, VideoValues::hue})
+        if (auto half = half_of(rgb->view, values, bar)) return half;
+    if (whole.is_nearly_grey) return DepthInVideo{alone, VideoValues::mean};
+    return half_of(rgb->view, VideoValues::mean, bar);
+}
+
+std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part) {
+    if (!picture.has_colours()) return VideoValues::grey;
+    const auto rgb = picture.rgb();
+    if (!rgb) return {};
+    const PartLook look = look_of(part_of(rgb->view, part));
+    for (const VideoValues values : {VideoValues::grey, VideoValues::hue, VideoValues::mean})
+        if (look.is(values)) return values;
+    return {};
 }
 
 }  // namespace touchable

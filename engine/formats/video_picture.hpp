@@ -6,10 +6,9 @@
 #include <string>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/picture/decoded_picture.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/picture/decoding.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/rgb_converter.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -18,6 +17,10 @@ namespace touchable {
 struct PicturePart {
     int x = 0, y = 0, width = 0, height = 0;
 };
+/// Whether the two halves are side by side, rather than one above the other.
+constexpr bool is_side_by_side(VideoLayout layout) {
+    return layout == VideoLayout::left || layout == VideoLayout::right;
+}
 /// Depth's part of a picture of this size, and what is left for colour. Nothing where it has no two halves.
 /// `bar`: columns, or rows, between the two that are of neither.
 std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height, int bar = 0);
@@ -26,9 +29,10 @@ PicturePart colour_part(VideoLayout layout, int width, int height, int bar = 0);
 constexpr bool may_be_bar(int bar, int side) {
     return bar >= 16 && 4 * bar <= side;
 }
-
 /// A part of a plane, which stays where it is.
 PlaneView part_of(PlaneView plane, const PicturePart& part);
+/// Its samples, rows without padding.
+Image packed_image(const PlaneView& view);
 
 /// The codes that stand for black and white.
 struct CodeRange {
@@ -52,7 +56,7 @@ public:
     Result<Plane> rgb();
     /// Values of depth as they are stored: never through a conversion of ranges. Hue: RGB.
     Result<Plane> depth(VideoValues values, const PicturePart& part);
-    /// Of luma whose range nobody states, the usual one, 16 to 235, unless values lie outside.
+    /// The usual range, 16 to 235, for luma without a stated one, unless values lie outside.
     CodeRange code_range(VideoValues values) const;
 
 private:
@@ -64,5 +68,19 @@ private:
     std::string where_;
     std::optional<Plane> rgb_;
 };
+
+/// Where depth is in the pictures of a video, and what of a pixel it is.
+struct DepthInVideo {
+    VideoLayout layout = VideoLayout::alone;
+    VideoValues values = VideoValues::grey;
+    int bar = 0;  ///< columns between both halves
+};
+/// By one picture. Grey comes first, then hue (of what is lit nine tenths are of full colour), then what is
+/// nearly grey, whose depth is the mean of its colours; each everywhere, or in one half where the other half
+/// is not so. Where `said` tells what values are, they are that: in such a half, otherwise everywhere.
+/// Nothing of a picture in which no depth is.
+std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
+/// The same of depth whose layout is known.
+std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-#include "engine/formats/x3d_surface.hpp"
+#include "engine/formats/touch_maps.hpp"
 
 #include <algorithm>
 #include <pugixml.hpp>
@@ -7,14 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
-/// Whoever has a larger mesh keeps the surface in a file of its own; a tag of four bytes takes 64 of memory.
+/// A larger mesh belongs into a file of its own; a tag of four bytes takes 64 of memory.
 constexpr std::size_t largest_x3d = std::size_t{16} << 20U;
 
 constexpr std::string_view blanks = " \t\r\n,";

@@ -1,12 +1,12 @@
 #include "engine/gpu/gpu_commands.hpp"
 
-#include <array>
 #include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_recording.hpp"
 
 namespace touchable {
+
 namespace {
 
 struct Scope {

@@ -1,7 +1,15 @@
 #pragma once
 
-#include <vulkan/vulkan.h>
+// Work on a GPU: its memory, its programs, and commands on one timeline.
+//
+// A GpuBuffer is memory that a CPU, a GPU or both reach; a GpuProgram is a compute kernel of shaders/, its specialisation constants and its bindings; GpuCommands
+// record dispatches, copies and barriers once and submit them again and again; a submission is waited for by its number, and a wait hears a
+// stop and a GPU that hangs.
+//
+// Commands are one thread's. Errors are of kind gpu.
 
+#include <vulkan/vulkan.h>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -14,11 +22,129 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/gpu/gpu_buffer.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "engine/gpu/gpu_program.hpp"
 
 namespace touchable {
+
+/// Where a buffer's memory is. All but `device` are mapped for the CPU, coherently.
+enum class GpuMemory {
+    shared,    ///< both sides work on it: in device memory where that is cached for the CPU, else in host
+               ///< memory
+    device,    ///< for the GPU alone
+    upload,    ///< written by the CPU once and in order, read by the GPU
+    readback,  ///< written by the GPU, read by the CPU
+};
+
+/// A buffer, usable as storage, as texels (rgba32ui, the whole of it), for copies, and as indirect, vertex
+/// and index data. A handle: copies are the same buffer, which lives until the last of them and the last
+/// submission that uses it are gone. Its first content is undefined.
+class GpuBuffer {
+public:
+    GpuBuffer() = default;
+
+    /// `bytes` (at least 1) are rounded up to whole texels of 16. Fails (ErrorKind::gpu) where that much
+    /// memory of that sort cannot be had; the name says which buffer in errors and debuggers.
+    static Result<GpuBuffer> create(const GpuDevice& device, std::string name, std::size_t bytes,
+                                    GpuMemory memory);
+
+    explicit operator bool() const { return state_ != nullptr; }
+    const std::string& name() const { return state_->name; }
+    std::size_t bytes() const { return state_->bytes; }  ///< as asked for
+    std::size_t size() const { return state_->size; }    ///< in whole texels: what kernels may touch
+    VkBuffer handle() const { return state_->buffer; }
+    /// Null where the buffer has more texels than a view may (limits.max_texel_buffer_elements).
+    VkBufferView texels() const { return state_->texels; }
+    /// Texels of one uint32 each, likewise.
+    VkBufferView words() const { return state_->words; }
+
+    /// The buffer as the CPU sees it; empty for GpuMemory::device. Writes before a submission are seen by it,
+    /// and what it wrote is seen once it has completed.
+    template <class T>
+    std::span<T> mapped() const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        if (!state_->mapped) return {};
+        return {reinterpret_cast<T*>(state_->mapped), state_->bytes / sizeof(T)};
+    }
+
+    /// Keeps the buffer (and so `mapped`) alive, for those who need not know what it is.
+    std::shared_ptr<const void> keep_alive() const { return state_; }
+
+private:
+    struct State {
+        ~State();
+
+        std::shared_ptr<VulkanDevice> vulkan;
+        std::string name;
+        std::size_t bytes = 0;
+        std::size_t size = 0;  // with what it was rounded up by
+        VkBuffer buffer = VK_NULL_HANDLE;
+        VkDeviceMemory memory = VK_NULL_HANDLE;
+        VkBufferView texels = VK_NULL_HANDLE, words = VK_NULL_HANDLE;
+        void* mapped = nullptr;
+    };
+    static Result<std::shared_ptr<State>> make_state(const GpuDevice& device, std::string name,
+                                                     std::size_t bytes);
+    static Result<void> bind(State& state, std::uint32_t memory_type, std::size_t bytes);
+
+    std::shared_ptr<const State> state_;
+};
+
+/// The memory type that serves a use best, among those whose bit is set in `allowed`; none where no type
+/// serves it.
+std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProperties& memory,
+                                                std::uint32_t allowed, GpuMemory use);
+
+enum class GpuBindingKind {
+    storage_buffer,
+    uniform_texels,  ///< usamplerBuffer / utextureBuffer, rgba32ui
+    storage_texels,  ///< uimageBuffer, rgba32ui
+};
+
+/// How C++ believes to talk to a kernel: what its shaders/name.h says.
+struct GpuLayout {
+    std::uint32_t push_bytes = 0;          ///< sizeof the push constants; 0: none
+    std::vector<GpuBindingKind> bindings;  ///< of set 0, binding numbers 0, 1, 2...
+    std::array<std::uint32_t, 3> group_size{1, 1, 1};
+};
+
+/// The difference between what a kernel's SPIR-V says and what C++ believes, in words; empty where there is
+/// none. Only tests define it (tests/gpu/spirv_layout.hpp), and so hold each kernel that they create against
+/// its SPIR-V: the program has no reason to, as both are of one build.
+[[gnu::weak]] std::string layout_fault(std::span<const std::uint32_t> spirv, const GpuLayout& layout,
+                                       std::span<const std::uint32_t> constants);
+
+/// A compute pipeline. A handle, as GpuBuffer is.
+class GpuProgram {
+public:
+    GpuProgram() = default;
+
+    /// `constants` are the values of specialisation constants 0, 1, 2... (floats and ints as their bits, bool
+    /// 0 or 1). Refused with ErrorKind::gpu where the device or its driver cannot, and in tests with
+    /// ErrorKind::internal where there is a `layout_fault`; the message names the kernel.
+    static Result<GpuProgram> create(const GpuDevice& device, std::string name,
+                                     std::span<const std::uint32_t> spirv, GpuLayout layout,
+                                     std::span<const std::uint32_t> constants = {});
+
+    explicit operator bool() const { return state_ != nullptr; }
+    const std::string& name() const { return state_->name; }
+    const GpuLayout& layout() const { return state_->layout; }
+    VkPipeline pipeline() const { return state_->pipeline; }
+    VkPipelineLayout pipeline_layout() const { return state_->pipeline_layout; }
+    std::shared_ptr<const void> keep_alive() const { return state_; }
+
+private:
+    struct State {
+        ~State();
+
+        std::shared_ptr<VulkanDevice> vulkan;
+        std::string name;
+        GpuLayout layout;
+        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+        VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
+        VkPipeline pipeline = VK_NULL_HANDLE;
+    };
+    std::shared_ptr<const State> state_;
+};
 
 /// What one binding of a dispatch is: a buffer, or for storage buffers a part of one. Offsets are multiples
 /// of limits.min_storage_buffer_alignment; texels are always the whole buffer.
@@ -167,5 +293,21 @@ private:
 constexpr std::uint32_t groups_for(std::uint32_t count, std::uint32_t size) {
     return count / size + (count % size != 0);
 }
+
+/// What is made on a device once and then serves again: there for what the commands that make it do
+/// afterwards, and for other commands from when these were submitted. Of commands that were recorded and
+/// forgotten nothing is there. What the CPU makes is there at once.
+class GpuMade {
+public:
+    void by(const GpuCommands& commands) { submitted_ = commands.submitted(); }
+    void by_cpu() { submitted_ = std::make_shared<const bool>(true); }
+    void reset() { submitted_.reset(); }
+    bool is_there_for(const GpuCommands& commands) const {
+        return submitted_ && (*submitted_ || submitted_ == commands.submitted());
+    }
+
+private:
+    std::shared_ptr<const bool> submitted_;
+};
 
 }  // namespace touchable

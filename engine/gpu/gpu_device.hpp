@@ -1,22 +1,195 @@
 #pragma once
 
-#include <vulkan/vulkan.h>
+// Vulkan's devices: which there are, what each can do, and the one that is used.
+//
+// GpuFacts say of each device what it is and why it cannot be used, if so; GpuDevice::open takes one by name or the best, with the features
+// that kernels and drawing need and no more. A device that is lost stays lost: every call says so from then on, and its memory is not freed
+// while it may still be written (docs/mechanisms.md, A GPU that is lost).
+//
+// A device may be used by several threads; each has its own commands (gpu_commands.hpp).
 
+#include <vulkan/vulkan.h>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/gpu/gpu_facts.hpp"
-#include "engine/gpu/vulkan_device.hpp"
 
 namespace touchable {
+
+/// `software` is a Vulkan that computes on the CPU, such as Mesa's lavapipe.
+enum class GpuKind { discrete, integrated, virtualised, software, other };
+
+/// For people and JSON: "discrete", "integrated", "virtual", "software", "other".
+std::string_view name_of(GpuKind kind);
+
+/// The limits a kernel or a buffer of this engine can run into; bytes unless said otherwise.
+struct GpuLimits {
+    std::uint64_t max_storage_buffer_range = 0;   ///< of one binding
+    std::uint64_t max_allocation = 0;             ///< of one buffer
+    std::uint32_t max_texel_buffer_elements = 0;  ///< texels of one view
+    std::uint32_t max_push_constants = 0;
+    std::uint32_t max_group_invocations = 0;  ///< invocations of one workgroup
+    std::array<std::uint32_t, 3> max_group_size{};
+    std::array<std::uint32_t, 3> max_group_count{};
+    std::uint32_t max_shared_memory = 0;  ///< of one workgroup
+    std::uint32_t subgroup_size = 0;      ///< invocations
+    std::uint32_t min_storage_buffer_alignment = 0;
+    std::uint32_t min_texel_buffer_alignment = 0;
+    double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
+    std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
+};
+
+/// What people call a device that calls itself otherwise: "lavapipe", where it says llvmpipe; else empty.
+std::string_view nickname_of(std::string_view device_name);
+
+/// What a Vulkan device says of itself, and what this engine needs and it lacks.
+struct GpuFacts {
+    std::string name;         ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string driver;       ///< "llvmpipe"
+    std::string driver_info;  ///< "Mesa 22.3.6 (LLVM 15.0.6)"
+    std::string api;          ///< "1.3.230"
+    GpuKind kind = GpuKind::other;
+    GpuLimits limits;
+    bool unified_memory = false;   ///< the CPU reads and writes device memory through its caches: no copies
+    bool draws_triangles = false;  ///< its queue also does graphics
+    bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
+    bool float64 = false;          ///< doubles in kernels
+    std::uint64_t import_alignment =
+        0;  ///< of host memory that it could import, which nobody asks for; 0: it cannot
+    std::vector<std::string> missing;  ///< what this engine needs and it lacks, in words; empty: usable
+
+    bool usable() const { return missing.empty(); }
+};
+
+/// Which device a request means: "auto" (discrete before integrated, virtual and software; the first of a
+/// kind), the index of a device, or, upper or lower case alike, a part of one's name or nickname or its kind
+/// ("software", or "cpu"). Refused (ErrorKind::gpu) where there is no such device, where a word means several
+/// usable ones, or where it lacks something; the message names every device and what it lacks.
+Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request);
+
+/// Vulkan's features, as asked of a device and as asked for.
+struct GpuFeatures {
+    GpuFeatures();
+    GpuFeatures(const GpuFeatures&) = delete;  // its parts point at each other
+    GpuFeatures& operator=(const GpuFeatures&) = delete;
+
+    VkPhysicalDeviceFeatures2 core{};
+    VkPhysicalDeviceVulkan11Features v11{};
+    VkPhysicalDeviceVulkan12Features v12{};
+    VkPhysicalDeviceVulkan13Features v13{};
+};
+
+/// What a device without Vulkan's help would be asked: everything `missing_from` judges.
+struct GpuOffer {
+    std::uint32_t api_version = 0;
+    std::vector<std::string> extensions;
+    bool computes = false;  ///< has a queue that does
+};
+
+/// What this engine needs and a device that offers this lacks, in words.
+std::vector<std::string> missing_from(const GpuOffer& offer, const GpuFeatures& features);
+
+/// Turns on what this engine needs, and of what is merely good to have what `here` has.
+void enable(GpuFeatures& wanted, const GpuFeatures& here);
+
+/// Extensions to enable: the needed ones, and the optional ones among `here`.
+std::vector<const char*> extensions_to_enable(const std::vector<std::string>& here);
+bool has_extension(const std::vector<std::string>& here, std::string_view name);
+
+/// The queue family to use: one that computes and draws, else one that computes; negative where there is
+/// none.
+int queue_family_of(VkPhysicalDevice device);
+
+std::vector<std::string> extensions_of(VkPhysicalDevice device);
+GpuFacts facts_of(VkPhysicalDevice device);
+
+/// "VK_ERROR_OUT_OF_DEVICE_MEMORY" and the like.
+std::string_view name_of(VkResult result);
+
+/// What the validation layer said, warnings and errors. Outlives the device, whose end it may speak of.
+/// Every method may be called from any thread.
+class GpuMessages {
+public:
+    void add(std::string message);
+    std::vector<std::string> all() const;
+
+private:
+    mutable std::mutex mutex_;
+    std::vector<std::string> messages_;
+};
+
+/// Vulkan itself, with the validation layer's watch where it was asked for.
+class VulkanInstance {
+public:
+    /// Null where there is a loader but no driver. Fails (ErrorKind::gpu) where validation is asked for and
+    /// not installed, and where Vulkan fails.
+    /// `extensions`: wanted besides, such as a window system's; one that is not here is refused by name.
+    static Result<std::unique_ptr<VulkanInstance>> create(bool validation,
+                                                          const std::vector<std::string>& extensions = {});
+    VulkanInstance(const VulkanInstance&) = delete;
+    VulkanInstance& operator=(const VulkanInstance&) = delete;
+    ~VulkanInstance();
+
+    VkInstance handle() const { return instance_; }
+    bool validates() const { return validates_; }
+    const std::shared_ptr<GpuMessages>& messages() const { return messages_; }
+    Result<std::vector<VkPhysicalDevice>> devices() const;
+
+private:
+    VulkanInstance() = default;
+
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    bool validates_ = false;
+    std::shared_ptr<GpuMessages> messages_ = std::make_shared<GpuMessages>();
+};
+
+/// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
+/// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
+/// ever.
+struct VulkanDevice {
+    VulkanDevice() = default;
+    VulkanDevice(const VulkanDevice&) = delete;
+    VulkanDevice& operator=(const VulkanDevice&) = delete;
+    ~VulkanDevice();  ///< waits until the device is idle
+
+    GpuFacts facts;
+    std::unique_ptr<VulkanInstance> instance;
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;  ///< externally synchronised: lock `queue_mutex`
+    std::uint32_t queue_family = 0;
+    std::mutex queue_mutex;
+    VkPhysicalDeviceMemoryProperties memory{};
+
+    // Functions of extensions; null where the extension is optional and absent.
+    PFN_vkCmdPushDescriptorSetKHR push_descriptors = nullptr;
+    PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
+
+    /// Sticky: once true, every submission and every wait fails.
+    std::atomic<bool> lost = false;
+
+    /// The error of a failed call ("vkQueueSubmit2: VK_ERROR_DEVICE_LOST on llvmpipe"); marks the device lost
+    /// where the result says so.
+    Error failed(std::string_view call, VkResult result);
+
+    /// What debuggers and validation messages call an object; nothing without the debug extension.
+    void name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const;
+};
+
+/// Keeps something until the process ends: what a GPU that hangs may still use must not be freed under it,
+/// nor the device it belongs to.
+void leave_for_good(std::shared_ptr<const void> what);
 
 /// What Vulkan has here, usable or not, in the order of `--gpu INDEX`. Empty where there is a Vulkan loader
 /// without a driver; fails where there is not even an instance to be had.

@@ -9,7 +9,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"
-#include "engine/gpu/vulkan_device.hpp"
+#include "engine/gpu/gpu_device.hpp"
 
 namespace touchable {
 

@@ -1,13 +1,95 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
-#include "engine/gpu/stored_plane.hpp"
-#include "engine/gpu/surface_kernels.hpp"
-#include "engine/gpu/vulkan_vertices.hpp"
-#include "engine/surface/filter_plan.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/surface/frame_changes.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "shaders/surface_codes.h"
 
 namespace touchable {
+
+/// Rows [first, last).
+struct RowRange {
+    std::uint32_t first = 0, last = 0;
+    std::uint32_t count() const { return last - first; }
+};
+
+/// What the kernels of one builder have to build of its next frame: all of it, or a list of blocks. What they
+/// leave in memory that is not a slot's holds the newest frame.
+class BlockList {
+public:
+    /// `reach`: of the filters; nothing: each frame is built as a whole, as it is where more than the share
+    /// `most` of all blocks would be listed. At most `run` neighbours are listed as one.
+    static Result<BlockList> create(const GpuDevice& device, int width, int height, std::optional<int> reach,
+                                    double most, int run);
+
+    /// To be called first of each frame, with what its slot holds; gives what it is going to hold.
+    BuildNumber advance(const RawFrame& raw, const BuildNumber& held);
+    /// To be called when the frame is built. Without that the next one is built as a whole.
+    void done() { done_ = true; }
+
+    std::uint32_t count() const { return count_; }  ///< of runs; 0 too where all are to be built
+    bool same_touch_planes(const BuildNumber& held) const {
+        return changes_ && changes_->same_touch_planes(held);
+    }
+    /// Of pixels, that the blocks lie in; none where nothing has changed.
+    const RowRange& rows() const { return rows_; }
+    double share() const { return share_; }  ///< of all blocks that are to be built
+    /// The runs, as ListedBlocks.
+    const GpuBuffer& buffer() const { return buffer_; }
+
+private:
+    void list(const StaleBlocks& stale);
+
+    std::uint32_t height_ = 0;
+    double most_ = 0, share_ = 1;
+    int run_ = 1;
+    std::unique_ptr<FrameChanges> changes_;
+    std::unique_ptr<RowBands> bands_;
+    GpuBuffer buffer_;
+    bool done_ = false;
+    std::uint32_t count_ = 0;
+    RowRange rows_;
+};
+
+/// Where a kernel reads from: stored values or codes, in rows of whole texels.
+struct StoredRows {
+    GpuBuffer buffer;
+    std::uint32_t sample_bytes = 2, pitch = 0;  ///< texels from row to row
+    ValidCodes valid;
+
+    bool may_be_invalid() const {
+        return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
+               valid.excluded[0] != no_such_code;
+    }
+};
+
+/// Depth planes of one builder's frames, as its kernels read them: in buffers of their own, which keep what
+/// is not taken anew.
+class StoredPlane {
+public:
+    /// `valid`: of its values. `copies`: kernels read from the GPU's own memory.
+    StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, bool copies)
+        : device_(std::move(device)), valid_(valid), copies_(copies) {}
+
+    /// Some rows, at least one, of a frame; all of them where the frame before had another form.
+    Result<StoredRows> take(const PlaneView& depth, const RowRange& rows);
+    /// Records what `take` leaves to the GPU.
+    void record_reading_in(GpuCommands& commands) const;
+
+private:
+    Result<void> make_buffers(std::size_t bytes);
+
+    std::shared_ptr<GpuDevice> device_;
+    const ValidCodes valid_;
+    const bool copies_;
+    GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
+    std::size_t taken_first_ = 0, taken_bytes_ = 0;  // of theirs, by the last call
+};
 
 /// A scene's kernels, one stage after the other, from stored values to codes, validity and bounds in a slot's
 /// memory, and what lies between the stages.

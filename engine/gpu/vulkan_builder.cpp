@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cstring>
-#include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/gpu/block_list.hpp"
-#include "engine/gpu/stored_plane.hpp"
 #include "engine/gpu/surface_recording.hpp"
-#include "engine/gpu/vulkan_vertices.hpp"
-#include "engine/surface/raw_check.hpp"
 
 namespace touchable {
+
 namespace {
+
+/// They are compared within about 50 us.
+constexpr long pixels_compared_per_thread = 800'000;
+
+constexpr std::size_t row_texel_bytes = 16;
 
 /// Blocks that a lane marches along at most, where it marches along whole rows of whole frames: not so many
 /// that one core waits for another.
@@ -131,6 +132,138 @@ void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
 }
 
 }  // namespace
+
+Result<BlockList> BlockList::create(const GpuDevice& device, int width, int height, std::optional<int> reach,
+                                    double most, int run) {
+    BlockList list;
+    TRY_ASSIGN(auto buffer, GpuBuffer::create(device, "blocks to build",
+                                              BlockGrid::of(width, height).count() * sizeof(ListedBlocks),
+                                              GpuMemory::upload));
+    list.buffer_ = buffer;
+    list.height_ = static_cast<std::uint32_t>(height);
+    list.most_ = most;
+    list.run_ = run;
+    // A tile's bounds are those of its own blocks and of the pixels after them, to the right and below.
+    if (reach) {
+        list.changes_ =
+            std::make_unique<FrameChanges>(width, height, *reach + 1, usable_vector_units().front());
+        list.bands_ =
+            std::make_unique<RowBands>(threads_for(long{width} * height, pixels_compared_per_thread));
+    }
+    return list;
+}
+
+BuildNumber BlockList::advance(const RawFrame& raw, const BuildNumber& held) {
+    const bool was_done = std::exchange(done_, false);
+    share_ = 1;
+    count_ = 0;
+    rows_ = {0, height_};
+    if (!changes_) return {};
+    const BuildNumber newest = changes_->advance(raw, *bands_);
+    const auto stale = was_done ? changes_->stale_blocks(held) : std::nullopt;
+    if (!stale) return newest;
+    const double share = static_cast<double>(stale->count()) / static_cast<double>(stale->grid().count());
+    if (share > most_) {
+        changes_->comparing_was_in_vain();
+    } else {
+        share_ = share;
+        list(*stale);
+    }
+    return newest;
+}
+
+void BlockList::list(const StaleBlocks& stale) {
+    const BlockGrid grid = stale.grid();
+    const auto listed = buffer_.mapped<ListedBlocks>();
+    int first = grid.rows, last = 0;
+    for (int row = 0; row < grid.rows; ++row) {
+        BlockRun run;
+        while (!(run = stale.next_run(row, row + 1, run.last)).empty()) {
+            run.last = std::min(run.last, run.first + run_);
+            listed[count_++] = {static_cast<std::uint32_t>(grid.index(run.first, row)),
+                                static_cast<std::uint32_t>(run.last - run.first)};
+            first = std::min(first, row);
+            last = row + 1;
+        }
+    }
+    rows_ = {static_cast<std::uint32_t>(std::min(first, last) * BlockGrid::height),
+             std::min(static_cast<std::uint32_t>(last * BlockGrid::height), height_)};
+}
+
+Result<void> StoredPlane::make_buffers(std::size_t bytes) {
+    if (upload_ && upload_.bytes() == bytes) return {};
+    auto mapped = GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload);
+    if (!mapped.ok()) return mapped.error();
+    TRY_ASSIGN(
+        auto own,
+        copies_ ? GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device) : mapped);
+    upload_ = *mapped;
+    stored_ = own;
+    return {};
+}
+
+/// Rows one after the other from texel to texel.
+Result<StoredRows> StoredPlane::take(const PlaneView& depth, const RowRange& rows) {
+    const std::size_t pixel_bytes =
+        static_cast<std::size_t>(depth.channels) * static_cast<std::size_t>(depth.bytes_per_sample);
+    const std::size_t row_bytes = static_cast<std::size_t>(depth.width) * pixel_bytes;
+    // Whole texels, and whole groups of 8 pixels, which is what kernels read.
+    const std::size_t groups = (static_cast<std::size_t>(depth.width) + 7) / 8;
+    const std::size_t pitch =
+        (groups * 8 * pixel_bytes + row_texel_bytes - 1) / row_texel_bytes * row_texel_bytes;
+    TRY(make_buffers(pitch * static_cast<std::size_t>(depth.height)));
+    taken_first_ = pitch * rows.first;
+    taken_bytes_ = pitch * rows.count();
+    std::byte* to = upload_.mapped<std::byte>().data() + taken_first_;
+    const std::uint8_t* from = depth.row(static_cast<int>(rows.first));
+    if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
+        std::memcpy(to, from, taken_bytes_ - (pitch - row_bytes));
+    } else {
+        for (std::uint32_t n = 0; n < rows.count(); ++n, to += pitch, from += depth.stride)
+            std::memcpy(to, from, row_bytes);
+    }
+    return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
+                      static_cast<std::uint32_t>(pitch / row_texel_bytes), valid_};
+}
+
+void StoredPlane::record_reading_in(GpuCommands& commands) const {
+    if (!copies_) return;
+    commands.copy(upload_, taken_first_, stored_, taken_first_, taken_bytes_);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    commands.mark("read in");
+}
+
+Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::string& name, std::size_t bytes,
+                                        bool copied) {
+    TRY_ASSIGN(auto gpu,
+               GpuBuffer::create(device, name, bytes, copied ? GpuMemory::device : GpuMemory::shared));
+    if (!copied) return SharedPlane{gpu, gpu};
+    TRY_ASSIGN(auto host, GpuBuffer::create(device, name + " read back", bytes, GpuMemory::readback));
+    return SharedPlane{gpu, host};
+}
+
+Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& device,
+                                                               const SurfaceFrame& frame, int width,
+                                                               int height, bool copied) {
+    std::unique_ptr<VulkanVertices> made(new VulkanVertices(device, frame, width, height));
+    const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
+    const TileGrid grid = TileGrid::of(width, height);
+    const std::tuple<SharedPlane&, const char*, std::size_t> planes[] = {
+        {made->codes, "codes", rows * ((columns + 7) / 8) * 16},
+        {made->validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t)},
+        {made->tiles, "tiles",
+         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) *
+             sizeof(TileBounds)}};
+    for (const auto& [plane, name, bytes] : planes) {
+        TRY_ASSIGN(auto created, SharedPlane::create(device, name, bytes, copied));
+        plane = created;
+    }
+    return made;
+}
+
+bool VulkanVertices::serves(const GpuDevice& device, int width, int height, bool copied) const {
+    return codes.is_copied() == copied && is_on(device) && width_ == width && height_ == height;
+}
 
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,

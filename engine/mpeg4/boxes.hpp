@@ -1,14 +1,28 @@
 #pragma once
 
+// The boxes of an MP4 file, as far as FFmpeg does not show or write them.
+//
+// A box is a length, a type and a content, and may hold boxes. sample tables say where a track's samples lie;
+// movie_fragments makes a fragmented file a plain one, for readers; scene_stream finds the track of a scene
+// (initial object descriptor, object descriptors, BIFS) in an MP4 file, and puts one into a file that is
+// written.
+//
+// What a box claims is checked against the bytes that there are. Errors are lines behind the file's name.
+// Pure functions, for any thread.
+
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/base/byte_source.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/mpeg4/bifs.hpp"
 
 namespace touchable::mpeg4 {
 
@@ -55,5 +69,78 @@ void put_bytes(Bytes& to, BytesView bytes);
 /// A whole box, at the end.
 void put_box(Bytes& to, std::string_view type, BytesView content);
 Bytes box_of(std::string_view type, BytesView content);
+
+/// A sample of a track, such as a picture.
+struct Sample {
+    std::uint32_t bytes = 0;
+    std::uint32_t duration = 0;    ///< until the next is decoded, in the track's time scale
+    std::int32_t shown_later = 0;  ///< than it is decoded
+    bool is_key = true;            ///< decoding can begin with it
+};
+/// Samples that stand one behind the other in the file.
+struct Chunk {
+    std::uint64_t at = 0;
+    std::uint32_t samples = 0;
+    std::uint32_t description = 1;  ///< which entry of the track's stsd
+};
+/// All of a track, in the order of decoding.
+struct TrackSamples {
+    std::vector<Sample> samples;
+    std::vector<Chunk> chunks;
+};
+
+/// What a track's tables say (box stbl); nothing where they are empty. An error where they contradict each
+/// other or have more than `most`.
+Result<TrackSamples> samples_in(BytesView stbl, std::size_t most);
+/// The tables of these samples, which stand in a file so many bytes later: all boxes of a stbl but its stsd.
+Bytes tables_of(const TrackSamples& track, std::uint64_t later);
+
+// A fragmented MP4 file (ISO/IEC 14496-12, 8.8) tells of its samples stretch by stretch, each in a box moof
+// of its own, so that it can be read while it is written, and up to where it was cut.
+
+/// The pictures of such a file, as a plain file would have them.
+struct GatheredMovie {
+    Bytes head;              ///< what stands before the file's own bytes, all of which are samples then
+    std::uint64_t size = 0;  ///< of the file
+    bool is_cut = false;     ///< it ends in the middle of a box
+};
+/// Of all fragments whose samples are there; nothing where the file's movie box speaks of none (mvex).
+Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file);
+
+/// The plain file.
+std::unique_ptr<ByteSource> plain_file(const GatheredMovie& movie, std::unique_ptr<ByteSource> file);
+
+// How an MP4 file carries a scene (ISO/IEC 14496-14): its initial object descriptor (box iods) names two
+// tracks of MPEG-4 Systems, one of BIFS (handler sdsm) and one of object descriptors (odsm), which say which
+// track each number in the scene means.
+
+/// A scene, and the tracks of its pictures.
+struct SceneStream {
+    BifsConfig config;
+    Bytes scene;                                     ///< one access unit
+    std::map<std::uint16_t, std::uint32_t> objects;  ///< object descriptor -> track_ID
+};
+
+/// The bytes of a file from `at` on, `count` of them.
+using ReadBytes = std::function<Result<Bytes>(std::uint64_t at, std::uint64_t count)>;
+
+/// What a movie box says; nothing where it has no scene. Samples are read by `read`.
+Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadBytes& read);
+
+/// Where the first sample of a track is, and how many the track has.
+struct FirstSample {
+    std::uint64_t at = 0, bytes = 0, count = 0;
+};
+/// By a movie box. An error where it has no such track, or that has no sample.
+Result<FirstSample> first_sample_of(BytesView moov, std::uint32_t track);
+
+/// What stands in place of a movie box at `at`, so that its file has a scene: a box with the samples of both
+/// tracks (mdat), and the movie box with iods and those tracks. Other samples stay where they are, so it must
+/// be the file's last box. Beside `shown`, tracks of pictures are marked as auxiliary to it (handler auxv,
+/// reference vdep): ordinary players leave them alone. All that are objects of the scene are enabled.
+Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::uint32_t shown,
+                                std::uint64_t at);
+/// A movie box whose tracks of pictures are marked so, and that has no scene.
+Result<Bytes> with_auxiliary_tracks(BytesView moov, std::uint32_t shown);
 
 }  // namespace touchable::mpeg4

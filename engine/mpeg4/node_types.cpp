@@ -1,12 +1,11 @@
 #include "engine/mpeg4/node_types.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <string>
 #include <utility>
 
 namespace touchable::mpeg4 {
+
 namespace {
 
 FieldSpec one(const char* name, FieldType type, FieldValue initial, FieldEvent event = FieldEvent::exposed) {

@@ -1,13 +1,128 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "engine/mpeg4/scene_tree.hpp"
-
 namespace touchable::mpeg4 {
+
+// A scene of MPEG-4 (ISO/IEC 14496-11), as its text and its binary form (BIFS) both say it: nodes with
+// fields, and prototypes of nodes. Of MPEG-4's nodes only those of node_types.hpp can stand in it.
+
+/// What a field holds, numbered as in the binary form.
+enum class FieldType : std::uint8_t {
+    boolean = 0,
+    real = 1,
+    time = 2,
+    string = 3,
+    integer = 4,
+    vec3 = 5,
+    vec2 = 6,
+    colour = 7,
+    rotation = 8,
+    node = 10,
+    url = 11,
+};
+
+/// One value (SF) or a list of them (MF).
+struct FieldKind {
+    FieldType type = FieldType::real;
+    bool is_list = false;
+    bool operator==(const FieldKind&) const = default;
+};
+
+/// How a field changes while a scene is shown, numbered as in the binary form.
+enum class FieldEvent : std::uint8_t { field = 0, exposed = 1, in = 2, out = 3 };
+
+/// Where nodes may stand. The binary form numbers them by this (a node data type).
+enum class NodeSlot : std::uint8_t {
+    world,
+    three_d,
+    geometry,
+    appearance,
+    texture,
+    other,
+    depth_texture,
+    top
+};
+
+struct Node;
+/// Null: NULL. A node that is used again (USE) is the same one.
+using NodePtr = std::shared_ptr<Node>;
+
+/// What a URL field names: a stream, by its object descriptor, or a file.
+struct Url {
+    std::uint16_t object = 0;  ///< 1 to 1023; 0: none, so it is a file
+    std::string file{};
+    bool operator==(const Url&) const = default;
+};
+/// Of its text: "od:10" is object 10, anything else a file; nothing where an object has an impossible number.
+std::optional<Url> url_of(std::string text);
+
+using FieldValue = std::variant<bool, float, double, std::string, std::int32_t, std::array<float, 2>,
+                                std::array<float, 3>, std::array<float, 4>, NodePtr, Url>;
+
+/// What a node of some kind has, by this name.
+struct FieldSpec {
+    std::string name;
+    FieldKind kind;
+    FieldEvent event = FieldEvent::exposed;
+    std::vector<FieldValue> initial{};  ///< whoever says nothing has this: one value, or a list
+    NodeSlot slot = NodeSlot::world;    ///< of a field of nodes
+    /// Whether a scene can give it a value.
+    bool has_value() const { return event == FieldEvent::field || event == FieldEvent::exposed; }
+};
+
+/// A field that has a value: one, or those of a list.
+struct Field {
+    std::string name;
+    std::vector<FieldValue> values{};
+    std::string is{};  ///< in the body of a prototype: it has the value of this field of that; else empty
+};
+
+struct Node {
+    std::string type;             ///< "Shape", or a prototype's name
+    std::string name{};           ///< by which it is used again (DEF); empty: none
+    std::vector<Field> fields{};  ///< in the order of its kind's
+    int levels = 1;               ///< of nodes, itself and those in it, as whoever read it counted
+    const Field* field(std::string_view wanted) const {
+        for (const Field& each : fields)
+            if (each.name == wanted) return &each;
+        return nullptr;
+    }
+};
+
+/// A kind of node that a scene defines (PROTO), or says where it is defined (EXTERNPROTO).
+struct Prototype {
+    std::string name;
+    std::vector<FieldSpec> fields{};
+    std::vector<NodePtr> body{};   ///< of a PROTO, one or more; the first stands where the node does
+    std::vector<Url> elsewhere{};  ///< of an EXTERNPROTO, one or more
+};
+
+struct SceneTree {
+    std::vector<Prototype> prototypes;
+    NodePtr root;
+    bool has_names = true;  ///< the binary form may leave them out (name_by_fields)
+};
+
+/// Whether nodes, prototypes and fields may be called so: both forms have all of it, and text reads it as
+/// nothing else. 256 bytes at most.
+bool is_name(std::string_view word);
+
+/// How many prototypes a scene may have, and fields one of them. A touchable clip has 3, of up to 6.
+inline constexpr std::size_t most_prototypes = 64, most_fields = 64;
+
+/// How deep nodes may stand in nodes. Those of a touchable clip are 5 deep.
+inline constexpr int deepest_node = 32;
+/// What `Node::levels` is by the nodes in its fields.
+int levels_of(const Node& node);
 
 /// The number of a kind of node in the binary form, where it may stand.
 struct NodeCode {

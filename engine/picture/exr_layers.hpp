@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,5 +41,11 @@ std::string exr_name_in_part(const std::string& part, const std::string& channel
 
 /// "ViewLayer.Combined" of ViewLayer.Combined.R; empty for R.
 std::string exr_layer_of(const std::string& channel);
+
+/// Linear light, as renderers compute it, as a sample of an sRGB picture (IEC 61966-2-1): the nearest of 256;
+/// 1 and beyond are 255, what is negative or no number is 0. The same bits everywhere.
+std::uint8_t srgb_sample(float light);
+/// The same of a float of 16 bits, by its bits.
+std::uint8_t srgb_sample(std::uint16_t half);
 
 }  // namespace touchable

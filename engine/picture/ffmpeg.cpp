@@ -1,7 +1,19 @@
 #include "engine/picture/ffmpeg.hpp"
 
+extern "C" {
+#include <libavutil/base64.h>
+}
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdio>
 #include <mutex>
+#include <utility>
+
+#include "engine/base/threads.hpp"
 
 namespace touchable {
 
@@ -42,6 +54,260 @@ bool encodes(const AVCodec& codec, AVPixelFormat format) {
     while (*formats != AV_PIX_FMT_NONE)
         if (*formats++ == format) return true;
     return false;
+}
+
+std::optional<std::string> decode_base64(std::string_view text, Base64Padding padding) {
+    std::string digits(text);
+    std::erase_if(digits, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+    const std::size_t written = digits.size();
+    digits.resize(digits.find_last_not_of('=') + 1);
+    const std::size_t padded = written - digits.size();
+    const bool fits = padded == 0 && padding == Base64Padding::optional ? written % 4 != 1
+                                                                        : written % 4 == 0 && padded <= 2;
+    if (!fits) return std::nullopt;
+    // FFmpeg takes a "=" or a 0 for the end wherever it stands: the bytes before it are fewer.
+    std::string bytes(digits.size() * 3 / 4, '\0');
+    const auto size = static_cast<int>(bytes.size());
+    if (av_base64_decode(reinterpret_cast<std::uint8_t*>(bytes.data()), digits.c_str(), size) != size)
+        return std::nullopt;
+    return bytes;
+}
+
+namespace {
+
+constexpr int input_buffer_bytes = 1 << 16;
+
+Error interrupted_input() {
+    return {ErrorKind::interrupted, "interrupted while it was read"};
+}
+
+/// What FFmpeg's calls for bytes come to.
+struct InputBytes {
+    std::optional<Error> failure{};
+
+    virtual ~InputBytes() = default;
+    virtual int read(std::uint8_t* to, int count) = 0;
+    virtual std::int64_t seek(std::int64_t, int) { return AVERROR(ENOSYS); }
+    int failed(const Error& why) {
+        failure = why;
+        return why.kind == ErrorKind::interrupted ? AVERROR_EXIT : AVERROR(EIO);
+    }
+};
+
+struct StoredBytes final : InputBytes {
+    std::unique_ptr<ByteSource> source;
+    std::uint64_t end;
+    std::uint64_t at = 0;
+
+    StoredBytes(std::unique_ptr<ByteSource> of, std::uint64_t up_to) : source(std::move(of)), end(up_to) {}
+
+    int read(std::uint8_t* to, int count) override {
+        if (stop_requested()) return failed(interrupted_input());
+        if (at >= end) return AVERROR_EOF;
+        const auto some = std::min<std::uint64_t>(static_cast<std::uint64_t>(count), end - at);
+        if (auto read = source->read(at, reinterpret_cast<char*>(to), static_cast<std::size_t>(some));
+            !read) {
+            failure = read.error();
+            return AVERROR(EIO);
+        }
+        at += some;
+        return static_cast<int>(some);
+    }
+
+    std::int64_t seek(std::int64_t offset, int whence) override {
+        if ((whence & AVSEEK_SIZE) != 0) return static_cast<std::int64_t>(end);
+        whence &= ~AVSEEK_FORCE;
+        const std::int64_t from = whence == SEEK_CUR   ? static_cast<std::int64_t>(at)
+                                  : whence == SEEK_END ? static_cast<std::int64_t>(end)
+                                                       : 0;
+        if (from + offset < 0) return AVERROR(EINVAL);
+        at = static_cast<std::uint64_t>(from + offset);
+        return from + offset;
+    }
+};
+
+struct FlowingBytes final : InputBytes {
+    std::shared_ptr<ByteFlow> flow;
+
+    explicit FlowingBytes(std::shared_ptr<ByteFlow> of) : flow(std::move(of)) {}
+
+    int read(std::uint8_t* to, int count) override {
+        const auto got = flow->read(to, static_cast<std::size_t>(count));
+        if (!got) return failed(got.error());
+        return *got > 0 ? static_cast<int>(*got) : AVERROR_EOF;
+    }
+};
+
+InputBytes& bytes_of(const AVIOContext& io) {
+    return *static_cast<InputBytes*>(io.opaque);
+}
+
+void close_io(AVIOContext* io) {
+    delete &bytes_of(*io);
+    av_freep(&io->buffer);
+    avio_context_free(&io);
+}
+
+AVIOContext* open_io(std::unique_ptr<InputBytes> bytes, bool is_stored) {
+    const auto read = [](void* own, std::uint8_t* to, int count) {
+        return static_cast<InputBytes*>(own)->read(to, count);
+    };
+    const auto seek = [](void* own, std::int64_t offset, int whence) {
+        return static_cast<InputBytes*>(own)->seek(offset, whence);
+    };
+    auto* const buffer = static_cast<unsigned char*>(av_malloc(input_buffer_bytes));
+    AVIOContext* const io = buffer ? avio_alloc_context(buffer, input_buffer_bytes, 0, bytes.get(), read,
+                                                        nullptr, is_stored ? +seek : nullptr)
+                                   : nullptr;
+    if (io)
+        (void)bytes.release();
+    else
+        av_free(buffer);
+    return io;
+}
+
+/// For what FFmpeg does between its reads.
+int asks_to_stop(void*) {
+    return stop_requested() ? 1 : 0;
+}
+
+Error failure_of(const InputBytes& bytes, int status) {
+    if (bytes.failure) return *bytes.failure;
+    if (status == AVERROR_EXIT) return interrupted_input();
+    return input_error(ffmpeg_text(status));
+}
+
+Result<InputPtr> open_bytes(std::unique_ptr<InputBytes> bytes, bool is_stored, const std::string& url,
+                            const InputKind& kind) {
+    silence_ffmpeg();
+    AVFormatContext* container = avformat_alloc_context();
+    AVIOContext* const io = container ? open_io(std::move(bytes), is_stored) : nullptr;
+    if (!io) {
+        avformat_free_context(container);
+        return Error{ErrorKind::internal, "out of memory"};
+    }
+    container->pb = io;
+    container->interrupt_callback = {asks_to_stop, nullptr};
+    container->error_recognition = kind.error_recognition;
+    if (kind.most_streams > 0) container->max_streams = kind.most_streams;
+    if (kind.probed > 0) container->probesize = kind.probed;
+    AVDictionary* options = nullptr;
+    if (kind.formats) av_dict_set(&options, "format_whitelist", kind.formats, 0);
+    const int status = avformat_open_input(
+        &container, url.c_str(), kind.format ? av_find_input_format(kind.format) : nullptr, &options);
+    av_dict_free(&options);
+    if (status >= 0) return InputPtr(container);
+    const Error why = failure_of(bytes_of(*io), status);
+    close_io(io);
+    return why;
+}
+
+constexpr int buffer_bytes = 1 << 15;
+// What waits in the buffer, and a muxer's end; of its index what a picture and its sound take in it.
+constexpr std::int64_t least_reserve = 1 << 16, bytes_of_index = 128;
+constexpr std::int64_t pictures_reserved = 4;
+// Around a packet, and in the index.
+constexpr std::int64_t bytes_beside_packet = 48;
+
+}  // namespace
+
+void InputCloser::operator()(AVFormatContext* container) const {
+    AVIOContext* const io = container->pb;
+    avformat_close_input(&container);
+    close_io(io);
+}
+
+Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end, const std::string& file,
+                            const InputKind& kind) {
+    return open_bytes(std::make_unique<StoredBytes>(std::move(bytes), end), true, file_url(file), kind);
+}
+
+Result<InputPtr> open_flow(std::shared_ptr<ByteFlow> flow, const InputKind& kind) {
+    return open_bytes(std::make_unique<FlowingBytes>(std::move(flow)), false, "", kind);
+}
+
+Error input_failure(const AVFormatContext& container, int status) {
+    return failure_of(bytes_of(*container.pb), status);
+}
+
+ReservedOutput::~ReservedOutput() {
+    if (io_) {
+        av_freep(&io_->buffer);
+        avio_context_free(&io_);
+    }
+    if (file_ >= 0) ::close(file_);
+}
+
+int ReservedOutput::open(const std::filesystem::path& file, AVFormatContext& muxer) {
+    file_ = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file_ < 0) return AVERROR(errno);
+    auto* const buffer = static_cast<unsigned char*>(av_malloc(buffer_bytes));
+    if (buffer) io_ = avio_alloc_context(buffer, buffer_bytes, 1, this, nullptr, write, seek);
+    if (!io_) {
+        av_free(buffer);
+        return AVERROR(ENOMEM);
+    }
+    muxer.pb = io_;
+    muxer.flags |= AVFMT_FLAG_CUSTOM_IO;
+    return 0;
+}
+
+void ReservedOutput::reserve() {
+    const std::int64_t next_pictures =
+        end_ + pictures_reserved * largest_picture_ + bytes_of_index * pictures_;
+    const std::int64_t wanted = std::max(next_pictures, packets_end_) + least_reserve;
+    if (!can_reserve_ || is_full_ || wanted <= allocated_) return;
+    const std::int64_t target = wanted + least_reserve;  // not anew for every picture
+    if (fallocate(file_, 0, allocated_, target - allocated_) == 0)
+        allocated_ = target;
+    else if (errno == ENOSPC || errno == EFBIG || errno == EDQUOT)
+        is_full_ = true;
+    else if (errno != EINTR)
+        can_reserve_ = false;
+}
+
+int ReservedOutput::write(void* self, MuxedBytes* bytes, int size) {
+    auto& it = *static_cast<ReservedOutput*>(self);
+    for (int done = 0; done < size;) {
+        const ssize_t count =
+            pwrite(it.file_, bytes + done, static_cast<std::size_t>(size - done), it.at_ + done);
+        if (count > 0)
+            done += static_cast<int>(count);
+        else if (count == 0 || errno != EINTR)
+            return count == 0 ? AVERROR(ENOSPC) : AVERROR(errno);
+    }
+    it.at_ += size;
+    it.end_ = std::max(it.end_, it.at_);
+    it.reserve();
+    return size;
+}
+
+std::int64_t ReservedOutput::seek(void* self, std::int64_t to, int whence) {
+    auto& it = *static_cast<ReservedOutput*>(self);
+    if ((whence & AVSEEK_SIZE) != 0) return it.end_;
+    if (whence == SEEK_CUR) to += it.at_;
+    if (whence == SEEK_END) to += it.end_;
+    return to < 0 ? AVERROR(EINVAL) : it.at_ = to;
+}
+
+void ReservedOutput::end_picture() {
+    const std::int64_t end = std::max(end_, avio_tell(io_));
+    largest_picture_ = std::max(largest_picture_, end - picture_begin_);
+    picture_begin_ = end;
+    ++pictures_;
+}
+
+bool ReservedOutput::reserve_for(const AVPacket& packet) {
+    packets_end_ += packet.size + bytes_beside_packet;
+    reserve();
+    return !is_full_;
+}
+
+int ReservedOutput::close() {
+    avio_flush(io_);
+    if (io_->error < 0) return io_->error;
+    if (allocated_ > end_ && ftruncate(file_, end_) != 0) return AVERROR(errno);
+    return ::close(std::exchange(file_, -1)) == 0 ? 0 : AVERROR(errno);
 }
 
 }  // namespace touchable

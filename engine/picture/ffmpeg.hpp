@@ -1,6 +1,15 @@
 #pragma once
 
-// FFmpeg's C API with owners, for this room's .cpp files only.
+// FFmpeg's C API with owners, the files that it reads and writes, and base64 by it.
+//
+// FramePtr, PacketPtr, CodecPtr and ScalerPtr own FFmpeg's objects; what differs between FFmpeg's versions is
+// here and nowhere else. open_input lets FFmpeg read a ByteSource by our own reads, so that a stop is obeyed
+// whatever it does, and open_flow bytes as they come. A Demuxer takes a video file apart into packets by
+// stream: what a container claims of itself is checked first (its boxes, its Matroska elements, where it
+// ends), before FFmpeg believes it. ReservedOutput writes a container with room kept for its end.
+//
+// Include it in .cpp files and in private headers: it brings FFmpeg's own. Errors are lines about the named
+// file (ErrorKind::input), or ErrorKind::interrupted. Each object is used by one thread at a time.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -10,11 +19,25 @@ extern "C" {
 }
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
+
+enum class Base64Padding { required, optional };
+
+/// RFC 4648, with white space between characters. Nothing where it is anything else.
+std::optional<std::string> decode_base64(std::string_view text,
+                                         Base64Padding padding = Base64Padding::required);
 
 struct FfmpegDeleter {
     void operator()(AVFrame* frame) const { av_frame_free(&frame); }
@@ -51,5 +74,159 @@ bool is_key_frame(const AVFrame& frame);
 
 /// Whether an encoder takes pictures of this format. One that lists none takes any.
 bool encodes(const AVCodec& codec, AVPixelFormat format);
+
+struct InputCloser {
+    void operator()(AVFormatContext* container) const;
+};
+using InputPtr = std::unique_ptr<AVFormatContext, InputCloser>;
+
+/// How a container is opened.
+struct InputKind {
+    const char* format = nullptr;  ///< as FFmpeg calls it; null: what the bytes look like, of `formats`
+    const char* formats = nullptr;
+    int error_recognition = 0;  ///< AV_EF_
+    int most_streams = 0;       ///< 0: as many as FFmpeg allows
+    std::int64_t probed = 0;    ///< bytes that are looked at to open it; 0: as many as FFmpeg likes
+};
+
+/// Bytes that come one after the other, and once.
+class ByteFlow {
+public:
+    virtual ~ByteFlow() = default;
+    /// At most `count` bytes, as soon as there are any: how many; 0 at the end.
+    virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
+};
+
+/// Lets FFmpeg see the first `end` bytes, under the name `file`. Once somebody asks the program to stop it is
+/// given no more of them, however far it would read on (ErrorKind::interrupted). An error's words go behind
+/// the name and a colon (error_at).
+Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end, const std::string& file,
+                            const InputKind& kind);
+
+/// The same of bytes as they come. What keeps them from coming is for `flow` to say, and to end.
+Result<InputPtr> open_flow(std::shared_ptr<ByteFlow> flow, const InputKind& kind);
+
+/// Why it reads no further with this status, likewise: what its bytes say, or FFmpeg.
+Error input_failure(const AVFormatContext& container, int status);
+
+/// Of a file that does not say how long it is.
+Error never_completed(const std::string& file);
+
+/// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
+class Demuxer {
+public:
+    /// Refused is a file that does not say how long it is, unless it may be a stream.
+    static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
+    /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity (disparity_tracks.hpp) are
+    /// HEVC like others.
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
+    /// The same of other bytes than the file's; `file` is how messages call it.
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(std::unique_ptr<ByteSource> bytes,
+                                                           const std::string& file);
+
+    /// Any of these, or AVI, as its first bytes tell.
+    static Result<std::unique_ptr<Demuxer>> open_video(const SourceFile& file);
+
+    /// Of bytes that end at `end`; `format` as FFmpeg calls it, `name` as people do.
+    static Result<std::unique_ptr<Demuxer>> open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
+                                                 const std::string& file, const char* format,
+                                                 const std::string& name);
+
+    /// Of bytes as they come, in which what is damaged is passed over where that is possible: `next_packet`
+    /// alone. At most 16 tracks.
+    static Result<std::unique_ptr<Demuxer>> open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
+                                                      const char* format);
+
+    const AVFormatContext& container() const { return *container_; }
+    /// Of Matroska: it does not say how long it is; and whether it ends within something, or before it said.
+    bool is_open_ended() const { return is_open_ended_; }
+    bool is_cut() const { return is_cut_; }
+    /// Whether that is a track of disparity of an iPhone's Cinematic video.
+    bool is_disparity(int stream) const;
+    /// A tag of the whole file.
+    std::optional<std::string> tag(const char* name) const;
+    /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
+    /// themselves, where they do. Nothing where the file says nothing.
+    std::optional<double> pictures_end() const;
+    /// The bytes of an attached file.
+    std::optional<std::string> attachment(const std::string& file_name) const;
+
+    /// Streams never selected are skipped.
+    void select(int stream) { queues_[stream]; }
+    /// The next packet of a selected stream; null after the last.
+    Result<PacketPtr> next(int stream);
+    /// The next packet of any stream, whatever is selected; null after the last.
+    Result<PacketPtr> next_packet();
+    /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
+    /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
+    bool seek(int stream, std::int64_t timestamp);
+    /// When the index has a packet of `stream` that decoding can begin with, at `timestamp` or the last
+    /// before; nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there
+    /// was one.
+    std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
+
+    // Of a file whose index has every picture, as MP4's: these are counted in the order in which they are
+    // decoded, which begins anew with each that decoding can begin with.
+    std::int64_t pictures(int stream) const;
+    /// The last one up to this that decoding can begin with.
+    std::int64_t key_picture(int stream, std::int64_t picture) const;
+    /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
+    bool is_all_keys(int stream) const;
+    /// The packet that `next` gives; null at the end.
+    Result<const AVPacket*> peek(int stream);
+
+private:
+    Result<bool> read_one();
+    bool has_flag(int stream, int entry, int flag) const;
+    int entry_of(int stream, std::int64_t picture) const;
+
+    std::string file_;
+    InputPtr container_;
+    std::map<int, std::deque<PacketPtr>> queues_;
+    std::size_t queued_bytes_ = 0;
+    std::vector<int> disparities_;  // numbers of such tracks in the file
+    bool is_open_ended_ = false, is_cut_ = false;
+};
+
+/// Of QuickTime and MP4, up to `end`: whether the tables of samples hold what they claim. FFmpeg takes memory
+/// for all that a table claims before it reads any of it. Refused (ErrorKind::input) are one that claims more
+/// than it holds, and samples without a table of their own, or played again and again, of which there are
+/// more than the file has bytes for.
+Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end);
+
+/// A file that an FFmpeg muxer writes, which has room on its disk for what is still to come before it is
+/// written: the next pictures, and what a muxer puts at the end. So whoever stops in time has a whole file on
+/// a disk that became full. File systems that cannot reserve room have none.
+class ReservedOutput {
+public:
+    ReservedOutput() = default;
+    ~ReservedOutput();
+    ReservedOutput(const ReservedOutput&) = delete;
+    ReservedOutput& operator=(const ReservedOutput&) = delete;
+
+    /// A file that is there already, for `muxer`, which lives as long as this. Below 0: FFmpeg's error.
+    int open(const std::filesystem::path& file, AVFormatContext& muxer);
+    /// A picture is written: the next ones may be as large.
+    void end_picture();
+    /// Before the muxer is given a packet, which it may hold for a while: room for it. False: it is full.
+    bool reserve_for(const AVPacket& packet);
+    /// No room is left but what is reserved: it is time to end.
+    bool is_full() const { return is_full_; }
+    /// What waits is written, and the file is as long as what is in it. Below 0: FFmpeg's error.
+    int close();
+
+private:
+    static int write(void* self, MuxedBytes* bytes, int size);
+    static std::int64_t seek(void* self, std::int64_t to, int whence);
+    void reserve();
+
+    AVIOContext* io_ = nullptr;
+    int file_ = -1;
+    std::int64_t at_ = 0, end_ = 0;  // of the file
+    std::int64_t allocated_ = 0;     // of it, with what is reserved
+    std::int64_t packets_end_ = 0;   // where it ends at most once the muxer has written all its packets
+    std::int64_t pictures_ = 0, picture_begin_ = 0, largest_picture_ = 0;
+    bool can_reserve_ = true, is_full_ = false;
+};
 
 }  // namespace touchable

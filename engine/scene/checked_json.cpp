@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable::checked_json {
 namespace {

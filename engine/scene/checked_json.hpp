@@ -1,5 +1,9 @@
 #pragma once
 
+// JSON from outside, read member by member with checks: a fault names the member by its path, its value and
+// what would be right. Include it in .cpp files and private headers alone: it brings nlohmann/json. Pure
+// functions, for any thread.
+
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>

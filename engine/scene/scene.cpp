@@ -1,19 +1,46 @@
 #include "engine/scene/scene.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cmath>
 #include <limits>
 #include <tuple>
-#include <utility>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
+
 namespace {
+
+/// The code, as a real number, that would stand for `depth`; any number where there is none.
+double real_code(const DepthCoding& coding, double depth) {
+    if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
+    const double shift = coding.shift, deep = 1.0 / (coding.far + shift);
+    const double from_far = coding.kind == DepthCodingKind::inverse
+                                ? (1.0 / (depth + shift) - deep) / (1.0 / (coding.near + shift) - deep)
+                            : coding.kind == DepthCodingKind::log
+                                ? logarithm((coding.far + shift) / (depth + shift)) / coding.log_span()
+                                : (coding.far - depth) / (coding.far - coding.near);
+    return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
+}
+
+/// Whether codes stand for depths at all. Who makes a Scene derives the range before validate has its say.
+bool has_depths(const DepthCoding& coding) {
+    if (coding.code_max == 0) return false;
+    const auto has_inverse = [](double plane) {
+        return plane > 0 && std::isfinite(1.0 / plane) && std::isfinite(plane);
+    };
+    if (coding.kind == DepthCodingKind::log)
+        return has_inverse(coding.near + coding.shift) && has_inverse(coding.far + coding.shift) &&
+               coding.near < coding.far;
+    return coding.kind != DepthCodingKind::inverse || (has_inverse(coding.near) && has_inverse(coding.far));
+}
+
+constexpr std::string_view guess_mark = "guessed: ";
+// Bytes that are no UTF-8 become three each in JSON; even so it can be read again.
+constexpr std::size_t longest_made = longest_remark / 4;
 
 constexpr int max_side = 16384;
 constexpr std::int64_t max_rate_term = 1'000'000'000;
@@ -380,6 +407,84 @@ Result<void> check_video(const Scene& scene) {
 
 }  // namespace
 
+double DepthCoding::log_span() const {
+    return logarithm((far + shift) / (near + shift));
+}
+
+double DepthCoding::log_depth(double share) const {
+    return (near + shift) * exponential((1.0 - share) * log_span()) - shift;
+}
+
+std::uint16_t DepthCoding::code(double depth) const {
+    // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a
+    // few on.
+    constexpr int reach = max_invalid_codes + 2;
+    const double target = depth > near ? std::min(depth, far) : near;  // a number even where depth is none
+    const double estimate = std::floor(real_code(*this, target));
+    int around = valid_min;
+    if (estimate >= valid_max)
+        around = valid_max;
+    else if (estimate > valid_min)
+        around = static_cast<int>(estimate);
+    std::uint16_t best = valid_min;
+    double best_distance = HUGE_VAL;
+    for (int c = std::max<int>(valid_min, around - reach); c <= std::min<int>(valid_max, around + reach);
+         ++c) {
+        const auto candidate = static_cast<std::uint16_t>(c);
+        const double distance = std::fabs(this->depth(candidate) - target);
+        if (is_valid(candidate) && distance < best_distance) {
+            best = candidate;
+            best_distance = distance;
+        }
+    }
+    return best;
+}
+
+void derive_valid_range(DepthCoding& coding) {
+    const auto marked = coding.invalid_codes.begin() +
+                        std::clamp(coding.invalid_code_count, 0, DepthCoding::max_invalid_codes);
+    const auto fits = [&](int code) {
+        const double depth = coding.depth(static_cast<std::uint16_t>(code));
+        return depth > 0.0 && depth >= coding.near && depth <= coding.far &&
+               std::find(coding.invalid_codes.begin(), marked, code) == marked;
+    };
+    int low = 0, high = has_depths(coding) ? coding.code_max : -1;
+    while (low <= high && !fits(low)) ++low;
+    while (high >= low && !fits(high)) --high;
+    if (low > high) low = 1, high = 0;  // no code at all
+    coding.valid_min = static_cast<std::uint16_t>(low);
+    coding.valid_max = static_cast<std::uint16_t>(high);
+}
+
+void add_remark(std::vector<Remark>& remarks, Remark remark) {
+    remark.what = printable(remark.what, longest_made);
+    const std::string text = remark_text(remark);
+    const bool is_there = std::any_of(remarks.begin(), remarks.end(),
+                                      [&](const Remark& other) { return remark_text(other) == text; });
+    if (!is_there && remarks.size() < most_remarks) remarks.push_back(std::move(remark));
+}
+
+std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<Remark>& rest) {
+    for (const Remark& remark : rest) add_remark(first, remark);
+    return first;
+}
+
+std::string remark_text(const Remark& remark) {
+    return (remark.is_guess ? std::string(guess_mark) : std::string()) + remark.what;
+}
+
+Remark remark_of_text(std::string_view text) {
+    const bool is_guess = text.starts_with(guess_mark);
+    if (is_guess) text.remove_prefix(guess_mark.size());
+    return {std::string(text), is_guess};
+}
+
+std::string remark_in_words(const Remark& remark) {
+    const std::string text = printable(remark_text(remark), longest_remark);
+    if (!remark.is_guess && remark.otherwise.empty() && remark.hints.empty()) return text;
+    return text + " (" + (remark.otherwise.empty() ? "a scene file says otherwise" : remark.otherwise) + ")";
+}
+
 bool is_still(std::string_view pattern) {
     return pattern.find_first_of("%*") == std::string_view::npos && !pattern.ends_with(".txt");
 }
@@ -423,6 +528,33 @@ Result<void> validate(const Scene& scene) {
         [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; },
         [&] { return check_one_focal_length(scene); },
         [&] { return scene.video ? check_video(scene) : Result<void>{}; });
+}
+
+Result<void> validate(const SceneDescription& described) {
+    if (!described.unstated.far) return validate(described.scene);
+    // Whether there is room for terrace removal is known with the far plane.
+    Scene scene = described.scene;
+    if (scene.filter.terraces == TerraceRemoval::on) scene.filter.terraces = TerraceRemoval::automatic;
+    return validate(scene);
+}
+
+Result<Scene> settle(const SceneDescription& described, const FoundInClip& found) {
+    SceneDescription settled = described;
+    Scene& scene = settled.scene;
+    const Unstated& open = described.unstated;
+    if (open.camera && !found.camera)
+        return input_error(
+            "camera is missing: must be given in the scene file, as its folder.cameras are of the pictures "
+            "of its folder alone");
+    if (open.camera) scene.camera = *found.camera;
+    if (open.rate && found.rate) scene.rate = *found.rate;
+    if (open.far && found.far) {
+        scene.depth.far = *found.far;
+        derive_valid_range(scene.depth);
+        settled.unstated.far = false;
+    }
+    TRY(validate(settled));
+    return scene;
 }
 
 }  // namespace touchable

@@ -1,23 +1,310 @@
 #pragma once
 
+// What a clip means: a SceneDescription is what a scene file, a format or a guess says of it, and may leave
+// things open; a Scene is whole, valid and does not change.
+//
+// `settle` makes the one of the other with what the clip itself tells (rate, size, far plane). A Scene says
+// by which Camera (and Lens, and ColourCamera beside it) its pictures were taken and where it stood
+// (CameraPath), how stored depth becomes lengths (DepthCoding, along a CodeCurve), how heights and haptic
+// pictures become metres, N/m and friction, which filters a builder applies, and at which times frames are
+// shown (FrameRate). Remarks say to a person what was guessed. docs/conventions.md has the exact definitions,
+// docs/scene_file.md the file (engine/scene/scene_file.hpp).
+//
+// Lengths are in scene units unless a name says metres; pixels have integer coordinates at their centres,
+// rows go down. All are plain values and pure functions, for any thread.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/camera.hpp"
-#include "engine/scene/camera_path.hpp"
-#include "engine/scene/code_curve.hpp"
-#include "engine/scene/colour_camera.hpp"
-#include "engine/scene/depth_coding.hpp"
-#include "engine/scene/frame_rate.hpp"
-#include "engine/scene/lens.hpp"
-#include "engine/scene/remark.hpp"
 
 namespace touchable {
+
+/// What a depth measures: the distance along the pixel's ray (Eq. 3), or along -Z.
+enum class DepthSemantics { range, planar };
+
+/// Pinhole camera at the world's origin looking along -Z (X right, Y up), in the image's pixel frame: column
+/// x to the right, row y down, pixel (i, j) at integer coordinates. Focal lengths and centre in pixels.
+struct Camera {
+    double fx = 0, fy = 0, cx = 0, cy = 0;
+
+    /// The ray of pixel (x, y) is (u, v, -1).
+    double u(double x) const { return (x - cx) / fx; }
+    double v(double y) const { return -((y - cy) / fy); }
+    /// L = |(u, v, -1)|: range divided by planar depth.
+    double ray_length(double x, double y) const {
+        const double a = u(x), b = v(y);
+        return std::sqrt(a * a + b * b + 1.0);
+    }
+    bool operator==(const Camera&) const = default;
+};
+
+/// The paper's camera (Eq. 3): square pixels of `pixel_width`, same unit as `focal_length`; its lower-left
+/// origin with W/2, H/2 becomes cx = W/2, cy = H/2 - 1 once rows are flipped.
+Camera camera_from_focal_length(double focal_length, double pixel_width, int width, int height);
+
+/// Planar depth (along -Z) of a depth of either meaning at pixel (x, y). Scene units.
+double planar_depth(const Camera& camera, DepthSemantics semantics, double x, double y, double depth);
+
+/// World point of pixel (x, y) at a planar depth. Scene units.
+glm::dvec3 unproject(const Camera& camera, double x, double y, double planar_depth);
+
+struct ImagePoint {
+    double x, y;          ///< pixel frame
+    double planar_depth;  ///< scene units, > 0
+};
+/// Where a world point is seen; nothing for a point that is not in front of the camera (Z >= 0).
+std::optional<ImagePoint> project(const Camera& camera, const glm::dvec3& point);
+
+/// A place in the plane at distance 1 of a camera: x to the right, y down.
+struct LensPoint {
+    double x, y;
+};
+
+/// How a lens bends what a pinhole would see, after Brown and Conrady, in OpenCV's terms and order: k1, k2,
+/// p1, p2, k3, k4, k5, k6. All 0: not at all.
+struct LensDistortion {
+    std::array<double, 8> terms{};
+
+    bool any() const { return *this != LensDistortion{}; }
+    /// Where the lens shows what a pinhole shows at `point`.
+    LensPoint distorted(LensPoint point) const;
+    /// So far from the axis distances grow with those of a pinhole. What is farther off would be shown on top
+    /// of what is nearer: no lens does that, the terms only say nothing of it. At most 10.
+    double reach() const;
+    bool operator==(const LensDistortion&) const = default;
+};
+
+/// A rotation, row by row, and then a translation, scene units, between cameras: x to the right, y down, z
+/// forward, as cameras' own files have them.
+struct CameraPose {
+    std::array<double, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::array<double, 3> translation{};
+
+    /// Back again.
+    CameraPose inverse() const;
+    /// This one, after `first`.
+    CameraPose after(const CameraPose& first) const;
+    bool operator==(const CameraPose&) const = default;
+};
+
+/// The camera of colour pictures that has a place of its own beside depth's.
+struct ColourCamera {
+    Camera camera;  ///< its fx, fy, cx, cy; where it stands `from_depth` says
+    int width = 0, height = 0;
+    LensDistortion lens;
+    CameraPose from_depth;  ///< a point of depth's camera is R p + t in this one
+};
+
+/// When frames are shown. Evenly: frame n is at floor(n 1e9 den / num) ns. Or each at a time of its own (a
+/// variable rate): then num / den is the mean, by which frames beyond the last known one follow it.
+struct FrameRate {
+    std::int64_t num = 30, den = 1;
+    std::shared_ptr<const std::vector<std::int64_t>> own_times{};  ///< ns, from 0 up; null: evenly
+
+    std::int64_t time_ns(std::int64_t frame) const;     ///< exact; no overflow for frame < 2^40
+    std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact likewise
+    std::int64_t nearest(std::int64_t time_ns) const;   ///< the frame that is, the earlier of two
+    double per_second() const { return static_cast<double>(num) / static_cast<double>(den); }
+};
+/// Closer frames are told apart by no container's milliseconds, and by no tick.
+inline constexpr std::int64_t shortest_frame_ns = 1'000'000;
+/// Of frames at times of their own, ns; the first is time 0. Nothing where there are fewer than two, where
+/// one is less than `shortest_frame_ns` after the one before, or where all last longer than 126 years.
+std::optional<FrameRate> rate_of_own_times(std::vector<std::int64_t> times_ns);
+
+/// Where a clip's camera stood at each frame, as somebody else measured it: a point of the camera is R p + t
+/// in a world that stands still. Nothing that is seen or felt goes by it.
+struct CameraPath {
+    std::vector<std::optional<CameraPose>> poses;  ///< of frames 0, 1, ...; nothing: not known
+
+    std::size_t known() const;
+    /// The way from each known place to the next one, scene units.
+    double length() const;
+    /// Of frames `first`, `first + every`, ... up to `last`.
+    CameraPath part(std::int64_t first, std::optional<std::int64_t> last, std::int64_t every) const;
+    bool operator==(const CameraPath&) const = default;
+};
+
+/// Most frames of a path, whose text a clip's head has room for; and most poses of a list, which may be more
+/// often than frames.
+inline constexpr std::size_t most_path_frames = 200'000, most_timed_poses = 2'000'000;
+
+/// A camera's pose at a time.
+struct TimedPose {
+    double seconds = 0;
+    CameraPose pose;
+};
+
+/// The rotation of a quaternion, which need not be exactly of length 1; nothing where it is no rotation.
+std::optional<std::array<double, 9>> rotation_of(double x, double y, double z, double w);
+/// At a place in metres; nothing where that is a million kilometres away or more.
+std::optional<CameraPose> pose_at(const std::array<double, 9>& rotation, const std::array<double, 3>& metres,
+                                  double metres_per_unit);
+/// The nearest rotation's matrix is this one but for what digits were rounded off: 1e-3.
+bool is_rotation(const std::array<double, 9>& matrix);
+
+/// Lines "time tx ty tz qx qy qz qw", seconds and metres, as TUM RGB-D's groundtruth.txt; '#' begins a
+/// remark. An error names the line.
+Result<std::vector<TimedPose>> parse_timed_poses(std::string_view text, const std::string& name,
+                                                 double metres_per_unit);
+/// The known poses in that form, at the times of their frames.
+std::string timed_poses_text(const CameraPath& path, const FrameRate& rate, double metres_per_unit);
+/// Poses with the frames of these times; those that are at no frame's time are left out.
+CameraPath path_of_timed_poses(const std::vector<TimedPose>& poses, const FrameRate& rate);
+
+/// How a code becomes a depth in scene units; n = code / code_max where near_is_high, 1 - that otherwise.
+/// - linear:  far + (near - far) n                   (Eq. 3)
+/// - inverse: 1 / (1/far + (1/near - 1/far) n); with a shift s 1 / (1/(far + s) + (1/(near + s) - 1/(far +
+/// s)) n)
+///            - s
+/// - log:     e^(ln(far + shift) + (ln(near + shift) - ln(far + shift)) n) - shift
+/// - metric:  scale * code
+/// - hue:     as linear, of the code that shaders/hue_code.h makes from an RGB pixel
+enum class DepthCodingKind { linear, inverse, metric, hue, log };
+
+struct DepthCoding {
+    static constexpr int max_invalid_codes = 4;
+    /// Hue: codes of the whole colour circle; the last that a pixel can have is one less.
+    static constexpr std::uint16_t hue_circle = 1536;
+
+    DepthCodingKind kind = DepthCodingKind::linear;
+    DepthSemantics semantics = DepthSemantics::range;
+    bool near_is_high = true;      ///< all but metric: the largest code is the near plane
+    double near = 0;               ///< scene units; for metric the smallest depth that is valid (0: any)
+    double far = 0;                ///< scene units, finite; deeper codes are invalid
+    double scale = 0;              ///< metric: scene units per code
+    double shift = 0;              ///< scene units, added to the depth: see the kinds
+    std::uint16_t code_max = 255;  ///< largest native code
+    int least_sum = 0;             ///< hue: pixels with R + G + B below this, 0 to 765, are invalid
+    std::array<std::uint16_t, max_invalid_codes> invalid_codes{};
+    int invalid_code_count = 0;
+    /// The least and the greatest valid code, so codes outside are invalid; derived by `derive_valid_range`
+    /// from the members above. Least > greatest: none is valid.
+    std::uint16_t valid_min = 0, valid_max = 255;
+
+    /// Whether every code from `least` to `greatest` is valid.
+    bool all_valid(std::uint16_t least, std::uint16_t greatest) const {
+        for (int k = 0; k < invalid_code_count; ++k) {
+            const std::uint16_t code = invalid_codes[static_cast<std::size_t>(k)];
+            if (least <= code && code <= greatest) return false;
+        }
+        return least >= valid_min && greatest <= valid_max;
+    }
+    bool is_valid(std::uint16_t code) const { return all_valid(code, code); }
+    /// Depth of a valid code, in scene units, of the coding's own semantics; > 0 and <= far.
+    double depth(std::uint16_t code) const {
+        if (kind == DepthCodingKind::metric) return scale * code;
+        // Share of the way from the far plane (0) to the near plane (1).
+        const double value = code, share = (near_is_high ? value : code_max - value) / code_max;
+        if (share == 0.0) return far;  // the planes exactly, whatever rounding does between them
+        if (share == 1.0) return near;
+        const double deep = far + shift;
+        const double between = kind == DepthCodingKind::inverse
+                                   ? 1.0 / (1.0 / deep + (1.0 / (near + shift) - 1.0 / deep) * share) - shift
+                               : kind == DepthCodingKind::log ? log_depth(share)
+                                                              : far + (near - far) * share;
+        return std::clamp(between, near, far);
+    }
+    /// Log: the depth at a share of the way from the far plane (0) to the near one (1), unclamped.
+    double log_depth(double share) const;
+    /// Log: ln((far + shift)/(near + shift)), the way from plane to plane.
+    double log_span() const;
+    /// Of all valid codes the smallest depth. Needs one.
+    double nearest_depth() const { return depth(deeper_is_higher() ? valid_min : valid_max); }
+    /// Of all valid codes the largest depth. Needs one.
+    double deepest_depth() const { return depth(deeper_is_higher() ? valid_max : valid_min); }
+    /// The valid code whose depth is nearest to `depth` (ties: the lower code).
+    std::uint16_t code(double depth) const;
+    /// True where a larger code is a larger depth.
+    bool deeper_is_higher() const { return kind == DepthCodingKind::metric || !near_is_high; }
+    /// One *level*: (far - near)/255, the paper's grey level as a length.
+    double level() const { return (far - near) / 255.0; }
+
+    bool operator==(const DepthCoding&) const = default;
+};
+
+/// Sets valid_min and valid_max to the least and the greatest code with 0 < depth, near <= depth <= far and
+/// code <= code_max that is none of the invalid ones. All between them fit too, but for invalid ones.
+void derive_valid_range(DepthCoding& coding);
+
+/// A length that grows with depth z: constant + quadratic z^2, scene units.
+struct DepthLength {
+    double constant = 0, quadratic = 0;
+
+    double at(double depth) const { return constant + quadratic * depth * depth; }
+    DepthLength times(double factor) const { return {factor * constant, factor * quadratic}; }
+    bool operator==(const DepthLength&) const = default;
+};
+
+/// Such a length in the place of one that grows as depth does, `share` (z + shift): of those that are off it
+/// by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07, 1:8 1.23,
+/// 1:30 1.5.
+DepthLength length_along_depth(double share, double shift, double near, double far);
+
+/// So twice as much has 16 bits.
+inline constexpr int code_curve_most = 32767;
+
+/// Such a length at a code, told in codes, in integers (docs/conventions.md): a polynomial of second degree
+/// in the code's distance from one end. For inverse depth w it is constant w^2 + quadratic. For log codes it
+/// equals the length at both planes and in the middle. It is not negative. Of its coefficients only the
+/// linear one can be, for log codes and where codes have a shift; then it can be least between the ends.
+struct CodeCurve {
+    std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
+    bool falls = false;                                     ///< the linear coefficient counts as negative
+    std::uint16_t last = 0;                                 ///< largest code
+    int shift = 0;                                          ///< by which a distance fills 16 bits
+    bool from_last = false;                                 ///< distances are taken from `last`, not from 0
+
+    /// At most code_curve_most.
+    int at(std::uint16_t code) const {
+        const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
+        const std::uint32_t sloped = linear * n >> 16;
+        std::uint32_t value = constant + (quadratic * (n * n >> 16) >> 16);
+        value = falls ? value - std::min(value, sloped) : value + sloped;
+        return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
+    }
+    bool is_zero() const { return (constant | linear | quadratic) == 0; }
+    bool operator==(const CodeCurve&) const = default;
+};
+/// `times` the length, in codes of `coding`.
+CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
+
+/// What a person should know of how a scene came to mean what it means.
+struct Remark {
+    std::string what;       ///< "the camera sees 60 degrees from left to right"
+    bool is_guess = false;  ///< neither a person nor a file said it
+    std::string
+        otherwise{};  ///< of one just made: what says another, as in "a scene file's rate says otherwise"
+    Hints hints{};    ///< of one just made: the settings that do
+};
+
+/// What a scene file holds of them at most.
+inline constexpr std::size_t most_remarks = 100, longest_remark = 2000;  ///< bytes
+
+/// Adds one, on one line and short enough for a scene file; once only, and none beyond `most_remarks`.
+void add_remark(std::vector<Remark>& remarks, Remark remark);
+/// `first`, then `rest`, likewise.
+std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<Remark>& rest);
+
+/// As a scene file has it: a guess begins with "guessed: ". What says another is left out, as it may be of
+/// the clip that was guessed alone.
+std::string remark_text(const Remark& remark);
+Remark remark_of_text(std::string_view text);
+
+/// As a person reads it: of a guess that comes from a scene file another scene file says another. Without the
+/// hints, whose names a program knows.
+std::string remark_in_words(const Remark& remark);
 
 /// What a finger feels at a pixel.
 struct HapticProperties {
@@ -189,5 +476,60 @@ struct Scene {
 /// depths of which the deepest is more than a million times the nearest, and a height that could leave less
 /// than a thousandth of the nearest depth or a millionth of the deepest.
 Result<void> validate(const Scene& scene);
+
+/// Filters that nobody stated. Whoever opens a clip to play it chooses them by what its first frames tell
+/// (choose_filters); in the scene they are off.
+struct UnstatedFilters {
+    bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
+    /// Of terrace removal, whether that is stated or not.
+    bool terrace_reach = false;
+    bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
+    bool operator==(const UnstatedFilters&) const = default;
+};
+inline constexpr UnstatedFilters all_unstated{true, true, true, true, true, true};
+
+/// What a description leaves open.
+struct Unstated {
+    bool rate = false;    ///< the frames' own times stand
+    bool camera = false;  ///< the median of the cameras in `folder.cameras` stands
+    bool far = false;     ///< of metric coding: what the frames reach stands (far_plane.hpp)
+    UnstatedFilters filters{};
+    bool operator==(const Unstated&) const = default;
+};
+
+/// What a renderer's material of this index, 0 to 65535, feels like.
+struct Material {
+    int index = 0;
+    HapticProperties properties;
+};
+inline constexpr int largest_material_index = 65535;
+inline constexpr std::size_t most_materials = 256;
+
+/// What a scene file, a format or a person says of a clip. `settle` makes its scene of that, once the clip
+/// itself is there.
+struct SceneDescription {
+    SceneDescription() = default;
+    /// Of a scene, which leaves nothing open.
+    SceneDescription(Scene settled) : scene(std::move(settled)) {}
+
+    Scene scene;  ///< what is stated. Of what is not: a camera that could be, the deepest code as far plane
+    Unstated unstated;
+    /// Where there are any, haptic pictures are of material indices; whoever reads them makes properties of
+    /// them, by Scene::haptic, which holds them all. By index, each once, at most 256.
+    std::vector<Material> materials{};
+};
+
+/// As `validate` of a scene, of what is known already.
+Result<void> validate(const SceneDescription& described);
+
+/// What a clip tells of what its description leaves open.
+struct FoundInClip {
+    std::optional<FrameRate> rate{};  ///< without it 30 frames a second
+    std::optional<Camera> camera{};
+    std::optional<double> far{};  ///< without it the depth of the deepest code
+};
+/// The one place where a description becomes a scene. What is stated stands, and what was found fills in the
+/// rest. Refused without a place: a camera that was neither stated nor found, and what `validate` refuses.
+Result<Scene> settle(const SceneDescription& described, const FoundInClip& found);
 
 }  // namespace touchable

@@ -1,23 +1,207 @@
 #include "engine/scene/scene_file.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
-#include "engine/base/given_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
-#include "engine/scene/folder_json.hpp"
-#include "engine/scene/materials_json.hpp"
-#include "engine/scene/scene_words.hpp"
 
 namespace touchable {
 namespace {
 
 using checked_json::Node;
-using namespace scene_words;
+using OrderedJson = nlohmann::ordered_json;
+
+/// What `depth.coding` can be: a coding of codes, or of what the frames settle
+/// to be one.
+struct Coding {
+    DepthCodingKind kind;
+    StoredDepth::Kind stored = StoredDepth::Kind::codes;
+    bool operator==(const Coding&) const = default;
+};
+constexpr std::pair<const char*, Coding> coding_names[] = {
+    {"linear", {DepthCodingKind::linear}},
+    {"inverse", {DepthCodingKind::inverse}},
+    {"metric", {DepthCodingKind::metric}},
+    {"hue", {DepthCodingKind::hue}},
+    {"log", {DepthCodingKind::log}},
+    {"disparity", {DepthCodingKind::inverse, StoredDepth::Kind::disparity}},
+    {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
+    {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};
+constexpr std::pair<const char*, bool> byte_order_names[] = {{"plain", false}, {"swapped", true}};
+constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
+                                                                      {"planar", DepthSemantics::planar}};
+constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
+constexpr std::pair<const char*, HeightUnits> unit_names[] = {{"levels", HeightUnits::levels},
+                                                              {"world", HeightUnits::world}};
+constexpr std::pair<const char*, FrameInterpolation> interpolation_names[] = {
+    {"hold", FrameInterpolation::hold}, {"linear", FrameInterpolation::linear}};
+constexpr std::pair<const char*, VideoLayout> layout_names[] = {{"alone", VideoLayout::alone},
+                                                                {"left", VideoLayout::left},
+                                                                {"right", VideoLayout::right},
+                                                                {"top", VideoLayout::top},
+                                                                {"bottom", VideoLayout::bottom}};
+constexpr std::pair<const char*, VideoValues> value_names[] = {
+    {"grey", VideoValues::grey}, {"mean", VideoValues::mean}, {"hue", VideoValues::hue}};
+
+constexpr std::pair<const char*, bool> temporal_names[] = {{"off", false}, {"on", true}};
+constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
+    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
+
+std::string read_pictures(const Node& node, PictureNumbers& numbers) {
+    if (!node.is_object()) return node.text();
+    node.allow_only({"files", "first", "step"});
+    if (node.has("first")) numbers.first = node["first"].whole();
+    if (node.has("step")) numbers.step = node["step"].whole();
+    return node["files"].text();
+}
+
+OrderedJson write_pictures(const std::string& pattern, const PictureNumbers& numbers) {
+    if (!numbers.any()) return pattern;
+    OrderedJson json = {{"files", pattern}};
+    if (numbers.first) json["first"] = *numbers.first;
+    if (numbers.step) json["step"] = *numbers.step;
+    return json;
+}
+
+/// The member `folder` of a scene file: a plane is a name, or an object of `files`, `first` and `step`.
+/// Throws `checked_json::Refusal`.
+FolderSource read_folder(const Node& node) {
+    node.allow_only({"depth", "colour", "haptic", "height", "cameras", "first", "count"});
+    FolderSource folder;
+    PictureNumbers of_depth;
+    folder.depth = read_pictures(node["depth"], of_depth);
+    if (of_depth.first && node.has("first"))
+        node["first"].refuse("left out where folder.depth.first is given");
+    folder.first = of_depth.first.value_or(0);
+    folder.step = of_depth.step.value_or(1);
+    if (node.has("colour")) folder.colour = read_pictures(node["colour"], folder.colour_numbers);
+    if (node.has("haptic")) folder.haptic = read_pictures(node["haptic"], folder.haptic_numbers);
+    if (node.has("height")) folder.height = read_pictures(node["height"], folder.height_numbers);
+    if (node.has("cameras")) folder.cameras = read_pictures(node["cameras"], folder.camera_numbers);
+    if (node.has("first")) folder.first = node["first"].whole();
+    if (node.has("count")) folder.count = node["count"].whole();
+    return folder;
+}
+
+OrderedJson write_folder(const FolderSource& folder) {
+    PictureNumbers of_depth;
+    if (folder.step != 1) of_depth.step = folder.step;
+    OrderedJson json = {{"depth", write_pictures(folder.depth, of_depth)}};
+    if (!folder.colour.empty()) json["colour"] = write_pictures(folder.colour, folder.colour_numbers);
+    if (!folder.haptic.empty()) json["haptic"] = write_pictures(folder.haptic, folder.haptic_numbers);
+    if (!folder.height.empty()) json["height"] = write_pictures(folder.height, folder.height_numbers);
+    if (!folder.cameras.empty()) json["cameras"] = write_pictures(folder.cameras, folder.camera_numbers);
+    json["first"] = folder.first;
+    json["count"] = folder.count;
+    return json;
+}
+
+constexpr double stiffest = 1e6;  // N/mm
+
+/// A name of digits as somebody writes a number.
+int read_index(const Node& materials, const std::string& name) {
+    int index = -1;
+    const char* const end = name.data() + name.size();
+    const auto read = std::from_chars(name.data(), end, index);
+    const bool is_plain = read.ec == std::errc() && read.ptr == end && name == std::to_string(index);
+    if (!is_plain || index < 0 || index > largest_material_index)
+        materials.refuse(
+            "an object whose names are material indices from 0 to "
+            "65535, such as \"1\", and not " +
+            in_quotes(name));
+    return index;
+}
+
+void check(const Node& node, const HapticProperties& properties) {
+    const double stiffness = properties.stiffness / 1000;
+    if (!(stiffness > 0 && stiffness <= stiffest)) node.refuse("of a stiffness above 0 and at most 1e6 N/mm");
+    if (!(properties.dynamic_friction >= 0)) node.refuse("of a dynamic_friction of 0 or more");
+    if (!(properties.static_friction >= properties.dynamic_friction))
+        node.refuse("of a static_friction (" + OrderedJson(properties.static_friction).dump() +
+                    ") that is not below dynamic_friction (" +
+                    OrderedJson(properties.dynamic_friction).dump() + ")");
+}
+
+/// Makes room for what the range is to hold, or refuses what is stated.
+void hold(const Node& haptic, const char* member, bool is_first, double value, PropertyRange& range) {
+    if (!haptic.has(member)) {
+        range = is_first ? PropertyRange{value, value}
+                         : PropertyRange{std::min(range.min, value), std::max(range.max, value)};
+    } else if (value < range.min || value > range.max) {
+        haptic[member].refuse("a range that holds " + OrderedJson(value).dump() +
+                              ", which a material or default_properties has (or be left out)");
+    }
+}
+
+/// The member `default_properties`, or an entry of `haptic.materials`: what it leaves out stays.
+void read_properties(const Node& node, HapticProperties& properties) {
+    node.allow_only({"stiffness", "stiffness_n_per_m", "static_friction", "dynamic_friction"});
+    if (node.has("stiffness") && node.has("stiffness_n_per_m"))
+        node["stiffness_n_per_m"].refuse("left out where stiffness (in N/mm) is given");
+    if (node.has("stiffness")) properties.stiffness = node["stiffness"].number() * 1000.0;
+    if (node.has("stiffness_n_per_m")) properties.stiffness = node["stiffness_n_per_m"].number();
+    if (node.has("static_friction")) properties.static_friction = node["static_friction"].number();
+    if (node.has("dynamic_friction")) properties.dynamic_friction = node["dynamic_friction"].number();
+}
+
+OrderedJson write_properties(const HapticProperties& properties) {
+    // Not every double in N/m is a thousand times a double; those are written in
+    // N/m.
+    OrderedJson json;
+    const double in_n_per_mm = properties.stiffness / 1000.0;
+    if (in_n_per_mm * 1000.0 == properties.stiffness)
+        json["stiffness"] = in_n_per_mm;
+    else
+        json["stiffness_n_per_m"] = properties.stiffness;
+    json["static_friction"] = properties.static_friction;
+    json["dynamic_friction"] = properties.dynamic_friction;
+    return json;
+}
+
+/// The member `haptic.materials`: properties by index. What an entry leaves out is as of `otherwise`. A range
+/// that `haptic` does not state becomes that of the materials and of `otherwise`; one that it states has to
+/// hold them.
+std::vector<Material> read_materials(const Node& haptic, const HapticProperties& otherwise,
+                                     HapticRanges& ranges) {
+    const Node node = haptic["materials"];
+    const std::vector<std::string> names = node.members();
+    if (names.empty() || names.size() > most_materials)
+        node.refuse(
+            "an object of 1 to 256 materials, such as {\"1\": "
+            "{\"stiffness\": 0.8}}");
+    std::vector<Material> materials;
+    for (const std::string& name : names) {
+        Material material{read_index(node, name), otherwise};
+        read_properties(node[name.c_str()], material.properties);
+        check(node[name.c_str()], material.properties);
+        materials.push_back(material);
+    }
+    std::sort(materials.begin(), materials.end(),
+              [](const Material& a, const Material& b) { return a.index < b.index; });
+    const auto hold_all = [&](const HapticProperties& properties, bool is_first) {
+        hold(haptic, "stiffness", is_first, properties.stiffness / 1000, ranges.stiffness);
+        hold(haptic, "static_friction", is_first, properties.static_friction, ranges.static_friction);
+        hold(haptic, "dynamic_friction", is_first, properties.dynamic_friction, ranges.dynamic_friction);
+    };
+    hold_all(otherwise, true);
+    for (const Material& material : materials) hold_all(material.properties, false);
+    return materials;
+}
+
+OrderedJson write_materials(const std::vector<Material>& materials) {
+    OrderedJson json = OrderedJson::object();
+    for (const Material& material : materials)
+        json[std::to_string(material.index)] = write_properties(material.properties);
+    return json;
+}
 
 void check_version(const Node& version) {
     if (version.integer(1, std::numeric_limits<int>::max()) > scene_format_version)
@@ -61,7 +245,8 @@ void read_camera(const Node& node, Scene& scene) {
 
 CameraPose read_pose(const Node& node) {
     const char* const right =
-        "a matrix of 16 numbers, row by row: a rotation with its translation, then 0, 0, 0, 1";
+        "a matrix of 16 numbers, row by row: a rotation "
+        "with its translation, then 0, 0, 0, 1";
     const std::vector<Node> terms = node.elements(16, 16, right);
     CameraPose pose;
     for (std::size_t row = 0; row < 3; ++row) {
@@ -200,7 +385,8 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
     unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
                 !node.has("flying_pixels")};
-    // Removal that is stated is as it was before there was a reach, above all where a recording repeats it.
+    // Removal that is stated is as it was before there was a reach, above all
+    // where a recording repeats it.
     unstated.terrace_reach =
         !node.has("terrace_reach") && (unstated.terraces || filter.terraces == TerraceRemoval::automatic);
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
@@ -232,7 +418,8 @@ std::vector<Remark> read_remarks(const Node& node) {
 }
 
 SceneDescription read_scene(const Node& node) {
-    check_version(node["touchable_scene"]);  // first: a newer format may well have more members
+    check_version(node["touchable_scene"]);  // first: a newer format may well have
+                                             // more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
                      "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
@@ -270,6 +457,109 @@ SceneDescription read_scene(const Node& node) {
     return described;
 }
 
+/// Members stay in the order a person would write them.
+
+template <class Choice, std::size_t n>
+const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice sought) {
+    for (const auto& [name, choice] : choices)
+        if (choice == sought) return name;
+    return "";
+}
+
+OrderedJson write_remarks(const std::vector<Remark>& remarks) {
+    OrderedJson json = OrderedJson::array();
+    for (const Remark& remark : remarks) json.push_back(remark_text(remark));
+    return json;
+}
+
+OrderedJson write_camera(const Camera& camera, const LensDistortion& lens) {
+    OrderedJson json = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
+    if (lens.any()) json["distortion"] = lens.terms;
+    return json;
+}
+
+OrderedJson write_colour_camera(const ColourCamera& colour) {
+    OrderedJson json = {{"width", colour.width}, {"height", colour.height}};
+    json.update(write_camera(colour.camera, colour.lens));
+    const auto& r = colour.from_depth.rotation;
+    const auto& t = colour.from_depth.translation;
+    json["from_depth"] = {r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2], 0, 0, 0, 1};
+    return json;
+}
+
+OrderedJson write_depth(const SceneDescription& described) {
+    const Scene& scene = described.scene;
+    const DepthCoding& depth = scene.depth;
+    const StoredDepth& stored = scene.stored;
+    const bool metric = depth.kind == DepthCodingKind::metric;
+    const bool disparity = stored.kind == StoredDepth::Kind::disparity;
+    OrderedJson json = {{"coding", name_of(coding_names, Coding{depth.kind, stored.kind})},
+                        {"semantics", name_of(semantics_names, depth.semantics)}};
+    if (metric) json["scale"] = depth.scale;
+    if (disparity)
+        json.update({{"baseline", stored.baseline}, {"scale", stored.scale}, {"offset", stored.offset}});
+    if (!disparity) json["near"] = depth.near;
+    if (!described.unstated.far && !disparity) json["far"] = depth.far;
+    json["bits"] = scene.depth_bits;
+    if (stored.bytes_swapped) json["bytes"] = "swapped";
+    if (stored.rotated > 0) json["rotated"] = stored.rotated;
+    if (!disparity) json["code_max"] = depth.code_max;
+    if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
+    if (depth.kind == DepthCodingKind::log || depth.shift != 0) json["shift"] = depth.shift;
+    if (depth.kind == DepthCodingKind::hue) json["least_sum"] = depth.least_sum;
+    json["invalid"] =
+        std::vector<int>(depth.invalid_codes.begin(), depth.invalid_codes.begin() + depth.invalid_code_count);
+    return json;
+}
+
+OrderedJson write_height_map(const HeightCoding& height) {
+    int bits = 8;
+    while ((1 << bits) - 1 < height.code_max) ++bits;
+    return {{"max", height.max_height}, {"units", name_of(unit_names, height.units)}, {"bits", bits}};
+}
+
+OrderedJson write_range(const PropertyRange& range) {
+    return OrderedJson::array({range.min, range.max});
+}
+
+OrderedJson write_haptic(const SceneDescription& described) {
+    const HapticRanges& haptic = described.scene.haptic;
+    OrderedJson json = {{"stiffness", write_range(haptic.stiffness)},
+                        {"static_friction", write_range(haptic.static_friction)},
+                        {"dynamic_friction", write_range(haptic.dynamic_friction)}};
+    if (!described.materials.empty()) json["materials"] = write_materials(described.materials);
+    return json;
+}
+
+/// Those that are left open stay open.
+OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& open) {
+    OrderedJson json = OrderedJson::object();
+    if (!open.median) json["median"] = filter.median;
+    if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
+    if (!open.terraces) json["terraces"] = name_of(terrace_names, filter.terraces);
+    if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
+    const bool is_removal_open = open.terraces || filter.terraces == TerraceRemoval::automatic;
+    if (!open.terrace_reach && (filter.terrace_reach != least_terrace_reach || is_removal_open))
+        json["terrace_reach"] = filter.terrace_reach;
+    if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
+    if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
+    if (filter.temporal_noise != DepthLength{})
+        json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
+    if (!open.flying_pixels)
+        json["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
+    return json;
+}
+
+OrderedJson write_video(const VideoSource& video) {
+    OrderedJson json = {{"depth", video.depth}};
+    if (!video.colour.empty()) json["colour"] = video.colour;
+    if (!video.haptic.empty()) json["haptic"] = video.haptic;
+    if (!video.height.empty()) json["height"] = video.height;
+    json["layout"] = name_of(layout_names, video.layout);
+    json["values"] = name_of(value_names, video.values);
+    return json;
+}
+
 }  // namespace
 
 Result<SceneDescription> parse_scene(std::string_view json, std::string_view where) {
@@ -295,6 +585,29 @@ Result<SceneDescription> read_scene_file(const std::filesystem::path& file) {
                read_given_file(file, file.string(), "a scene file (JSON, docs/scene_file.md)",
                                checked_json::largest_text));
     return parse_scene(text, file.string());
+}
+
+std::string scene_to_json(const SceneDescription& described) {
+    const Scene& scene = described.scene;
+    const Unstated& open = described.unstated;
+    OrderedJson json = {{"touchable_scene", scene_format_version}};
+    if (!scene.remarks.empty()) json["remarks"] = write_remarks(scene.remarks);
+    json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
+    if (!open.rate && !scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
+    json["metres_per_unit"] = scene.metres_per_unit;
+    if (!open.camera) json["camera"] = write_camera(scene.camera, scene.lens);
+    if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
+    json.update({{"depth", write_depth(described)},
+                 {"height_map", write_height_map(scene.height_coding)},
+                 {"haptic", write_haptic(described)},
+                 {"default_properties", write_properties(scene.default_properties)},
+                 {"filter", write_filter(scene.filter, open.filters)},
+                 {"interpolation", name_of(interpolation_names, scene.interpolation)}});
+    if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
+    if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
+    if (scene.folder) json["folder"] = write_folder(*scene.folder);
+    if (scene.video) json["video"] = write_video(*scene.video);
+    return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace touchable

@@ -1,11 +1,17 @@
 #pragma once
 
+// The scene file (docs/scene_file.md): JSON that says what a clip means, in and out.
+//
+// read_scene_file and parse_scene take a text from outside: each member is checked, an error names it and
+// says what would be right. The writer gives a text that is read as the same scene. Pure functions, for any
+// thread.
+
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/scene_description.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 

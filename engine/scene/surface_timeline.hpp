@@ -1,5 +1,15 @@
 #pragma once
 
+// The ring of published frames between the thread that builds and the haptic thread.
+//
+// The builder takes a free slot, fills its SurfaceFrame and publishes it at a timestamp; the haptic thread
+// asks for the pair of frames around a moment and holds it, pinned, while it reads. Neither waits for the
+// other, and nothing is allocated after the start. A moment has an epoch: a seek, a loop's way back or
+// another clip begins one, and a pair never reaches across (docs/mechanisms.md, Time). A third thread may
+// look at what the hand holds, to draw it.
+//
+// One thread builds, one reads, one looks.
+
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -9,7 +19,7 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/surface_frame.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 

@@ -1,17 +1,606 @@
-#include "engine/stream/hls_input.hpp"
+// Reading HTTP Live Streaming. HlsInput merges two renditions, touch and colour, by time. Each is read by an
+// HlsLevels, which goes from the full to the low level and back as LevelChoice says; of a level an
+// HlsRendition reads one media playlist and its segments. FFmpeg takes these apart, but fetches nothing
+// itself: it asks for places, and is given bytes that were fetched and judged here.
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
+#include <cstring>
+#include <exception>
 #include <filesystem>
-#include <memory>
-#include <utility>
+#include <limits>
+#include <string_view>
 
+#include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/stream/hls_levels.hpp"
+#include "engine/mpeg4/boxes.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/stream/hls.hpp"
 
 namespace touchable {
 namespace {
 
-/// While a stream is opened: what is felt needs the rest of the time.
+// --- Fetching
+
+/// Bytes of a file, from the first on and before the last.
+struct ByteRange {
+    std::int64_t begin = 0;
+    std::optional<std::int64_t> end;
+};
+
+constexpr std::chrono::seconds longest_fetch{10};
+
+/// When FFmpeg is to stop. The thread that fetches may outlive the one that waits for it.
+struct FetchWait {
+    const std::chrono::steady_clock::time_point until = std::chrono::steady_clock::now() + longest_fetch;
+    std::atomic<bool> is_given_up{false};
+    bool is_late() const { return std::chrono::steady_clock::now() > until; }
+    static int is_over(void* own) {
+        const auto& wait = *static_cast<const FetchWait*>(own);
+        return wait.is_given_up || wait.is_late() ? 1 : 0;
+    }
+};
+
+struct FetchedIoCloser {
+    void operator()(AVIOContext* io) const { avio_closep(&io); }
+};
+
+/// Allows no protocol but the place's own, and no redirection to another host.
+AVDictionary* fetch_options(const std::string& place, const ByteRange& range) {
+    AVDictionary* options = nullptr;
+    const bool is_tls = place.starts_with("https:");
+    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
+    av_dict_set(&options, "max_redirects", "0", 0);
+    av_dict_set(&options, "icy", "0", 0);
+    av_dict_set(&options, "user_agent", "touchable", 0);
+    if (is_tls) av_dict_set(&options, "tls_verify", "1", 0);
+    if (range.begin > 0) av_dict_set_int(&options, "offset", range.begin, 0);
+    if (range.end) av_dict_set_int(&options, "end_offset", *range.end, 0);
+    return options;
+}
+
+Error fetch_failure(const FetchWait& wait, int status) {
+    if (wait.is_late()) return input_error("cannot be fetched: it took longer than 10 s");
+    return input_error("cannot be fetched: " + ffmpeg_text(status));
+}
+
+Result<std::string> fetch_from_web(const std::string& place, std::size_t most, const ByteRange& range,
+                                   FetchWait& wait) {
+    AVDictionary* options = fetch_options(place, range);
+    const AVIOInterruptCB callback{FetchWait::is_over, &wait};
+    AVIOContext* opened = nullptr;
+    int status = avio_open2(&opened, place.c_str(), AVIO_FLAG_READ, &callback, &options);
+    av_dict_free(&options);
+    if (status < 0) return fetch_failure(wait, status);
+    const std::unique_ptr<AVIOContext, FetchedIoCloser> io(opened);
+    std::string bytes;
+    std::array<unsigned char, 1 << 16> some;
+    while (true) {
+        status = avio_read_partial(io.get(), some.data(), static_cast<int>(some.size()));
+        if (status == AVERROR_EOF || status == 0) return bytes;
+        if (status < 0) return fetch_failure(wait, status);
+        bytes.append(reinterpret_cast<const char*>(some.data()), static_cast<std::size_t>(status));
+        if (bytes.size() > most)
+            return input_error("is larger than " + in_bytes(most) + ", which nothing of a stream is");
+    }
+}
+
+/// All that a web server has at a place, or a file. Takes 10 s at most. Refused (ErrorKind::input, behind the
+/// place and a colon): more than `most` bytes, less than the server promised, a redirection.
+/// ErrorKind::interrupted once `is_over` returns true: "did not come in time".
+Result<std::string> fetch_place(const std::string& place, std::size_t most, const WaitIsOver& is_over,
+                                const ByteRange& range = {}) {
+    constexpr std::string_view file = "file:";
+    if (place.starts_with(file))
+        return read_given_file(place.substr(file.size()), "", "a file of a stream", most);
+    silence_ffmpeg();
+    const auto wait = std::make_shared<FetchWait>();
+    auto fetched =
+        unless_stopped([place, most, range, wait] { return fetch_from_web(place, most, range, *wait); },
+                       [&] { return is_over() || wait->is_late(); });
+    wait->is_given_up = true;
+    if (is_over()) return Error{ErrorKind::interrupted, "did not come in time"};
+    if (!fetched) return fetch_failure(*wait, AVERROR_EXIT);
+    return std::move(*fetched);
+}
+
+// --- LevelChoice
+
+constexpr double quick_share = 0.5, slow_share = 0.2;  // of the newest segment in the means
+constexpr double rate_to_spare = 2;
+constexpr int segments_before_up = 4;
+
+double in_seconds(std::int64_t ns) {
+    return static_cast<double>(ns) * 1e-9;
+}
+
+}  // namespace
+
+double LevelChoice::rate() const {
+    return std::min(quick_, slow_);
+}
+
+double LevelChoice::need(bool of_low) const {
+    const OfRenditions& needs = needs_[of_low ? 1 : 0];
+    return needs[0] + needs[1];
+}
+
+void LevelChoice::leave_out_colour() {
+    bytes_[1] = seconds_[1] = needs_[0][1] = needs_[1][1] = 0;
+}
+
+void LevelChoice::add(const FetchedSegment& fetched) {
+    if (fetched.duration_ns <= 0) return;
+    const bool failed = fetched.bytes <= 0;
+    if (failed && fetched.fetch_ns <= fetched.duration_ns)
+        return;  // a missing file tells nothing of the link
+    const std::size_t k = fetched.is_touch ? 0 : 1;
+    bytes_[k] = static_cast<double>(fetched.bytes);
+    seconds_[k] = std::max(in_seconds(fetched.fetch_ns), 1e-9);
+    if (!failed) needs_[fetched.is_low ? 1 : 0][k] = bytes_[k] / in_seconds(fetched.duration_ns);
+    if (!fetched.is_touch) return;  // it is judged together with touch
+    const double seconds = seconds_[0] + seconds_[1], newest = (bytes_[0] + bytes_[1]) / seconds;
+    quick_ += (has_rate_ ? quick_share : 1) * (newest - quick_);
+    slow_ += (has_rate_ ? slow_share : 1) * (newest - slow_);
+    has_rate_ = true;
+    if (!is_low_) {
+        is_low_ = seconds > in_seconds(fetched.duration_ns) || rate() < need(false);
+        good_ = 0;
+        return;
+    }
+    good_ = rate() >= rate_to_spare * need(false) ? good_ + 1 : 0;
+    is_low_ = good_ < segments_before_up;
+}
+
+namespace {
+
+// --- Renditions and levels
+
+class HlsLevels;
+
+/// How a rendition is begun.
+struct HlsBeginning {
+    std::optional<std::string> text{};   ///< of the playlist, where it was fetched already
+    std::optional<std::int64_t> from{};  ///< number of the first segment; else as FFmpeg chooses
+    HlsLevels* levels = nullptr;         ///< null: there is no other level; outlives the rendition
+    bool is_low = false;                 ///< its level
+};
+
+/// A media playlist and its segments, as FFmpeg's reader of HLS takes them.
+class HlsRendition {
+public:
+    /// `place`: of the media playlist. Errors name a place.
+    static Result<std::unique_ptr<HlsRendition>> open(std::string place, WaitIsOver is_over, HlsHosts hosts,
+                                                      HlsBeginning beginning = {});
+    ~HlsRendition();
+    HlsRendition(const HlsRendition&) = delete;
+    HlsRendition& operator=(const HlsRendition&) = delete;
+
+    /// The packet that `take` gives; null at the end, or where the other level goes on.
+    Result<const AVPacket*> peek();
+    PacketPtr take() { return std::move(ahead_); }
+    const AVStream& stream_of(const AVPacket& packet) const {
+        return *context_->streams[packet.stream_index];
+    }
+    /// When it is decoded; the least number where that is not known.
+    std::int64_t time_ns(const AVPacket& packet) const;
+
+    bool has_ended() const { return facts_.has_ended; }
+    std::int64_t segments_lost() const { return segments_lost_; }
+
+private:
+    HlsRendition(std::string place, WaitIsOver is_over, HlsHosts hosts, const HlsBeginning& beginning)
+        : place_(std::move(place)),
+          is_over_(std::move(is_over)),
+          hosts_(hosts),
+          levels_(beginning.levels),
+          is_low_(beginning.is_low) {}
+    Result<void> begin(HlsBeginning beginning);
+    static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
+                       AVDictionary** options);
+    static int close_io(AVFormatContext* context, AVIOContext* io);
+    static int is_over(void* own);
+    Result<void> fetch_playlist();
+    Result<void> take_playlist(Result<std::string> text);
+    Result<std::string> place_named(const std::string& named) const;
+    int open_segment(AVIOContext** io, const std::string& named, const ByteRange& range);
+    Result<std::string> read_segment(const std::string& place, const ByteRange& range);
+    Error failure(int status) const;
+
+    const std::string place_;
+    const WaitIsOver is_over_;
+    const HlsHosts hosts_;
+    HlsLevels* const levels_;
+    const bool is_low_;
+    AVFormatContext* context_ = nullptr;
+    AVIOContext* first_io_ = nullptr;  // of the playlist, as it was opened
+    std::string playlist_;             // the newest that was judged
+    HlsMediaFacts facts_;              // of it
+    std::string header_;               // the initialisation, which FFmpeg asks for with every playlist
+    int held_ = 0;                     // times in a row that there was no newer one
+    std::int64_t segments_lost_ = 0;
+    std::int64_t newest_segment_ = -1;  // its number, where there are levels
+    bool was_ended_ = false;            // where the other level goes on
+    std::optional<Error> fault_;        // after which nothing more is read
+    PacketPtr ahead_;
+    bool at_end_ = false;
+};
+
+/// Shared by both renditions of a stream: the level, and the clock by which it is chosen.
+struct HlsLevelReading {
+    LevelChoice choice;
+    std::function<std::int64_t()> now_ns;
+};
+
+/// The places of a rendition's media playlists.
+struct HlsLevelPlaces {
+    std::string full, low;  ///< low: empty where there is none
+};
+
+/// One rendition, full or low as `reading` chooses. It goes over at a segment's beginning, once the other
+/// level is open there; where that cannot be had, it stays, and tries again before the next segment.
+class HlsLevels {
+public:
+    /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
+    static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
+                                                   HlsHosts hosts, std::shared_ptr<HlsLevelReading> reading,
+                                                   std::optional<std::string> text = {});
+    HlsLevels(const HlsLevels&) = delete;
+    HlsLevels& operator=(const HlsLevels&) = delete;
+
+    /// As HlsRendition has them.
+    Result<const AVPacket*> peek();
+    PacketPtr take() { return read_->take(); }
+    const AVStream& stream_of(const AVPacket& packet) const { return read_->stream_of(packet); }
+    std::int64_t time_ns(const AVPacket& packet) const { return read_->time_ns(packet); }
+    bool has_ended() const { return read_->has_ended(); }
+    std::int64_t segments_lost() const { return lost_before_ + read_->segments_lost(); }
+
+    /// The level of the packet that `peek` gave.
+    bool is_low() const { return is_low_; }
+    std::int64_t changes() const { return changes_; }
+    /// So much of the stream was fetched of a level.
+    std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
+
+    // For the rendition that is read:
+    /// Before a segment is fetched: true ends the rendition there.
+    bool goes_over_before(std::int64_t number, bool from_low);
+    /// `segment`: bytes and times alone.
+    void note(FetchedSegment segment, bool is_low);
+    std::int64_t now_ns() const { return reading_->now_ns(); }
+
+private:
+    HlsLevels(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over, HlsHosts hosts,
+              std::shared_ptr<HlsLevelReading> reading)
+        : places_(std::move(places)),
+          is_touch_(is_touch),
+          is_over_(std::move(is_over)),
+          hosts_(hosts),
+          reading_(places_.low.empty() ? nullptr : std::move(reading)) {}
+
+    const HlsLevelPlaces places_;
+    const bool is_touch_;
+    const WaitIsOver is_over_;
+    const HlsHosts hosts_;
+    const std::shared_ptr<HlsLevelReading> reading_;
+    std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
+    bool is_low_ = false, is_opening_ = false;
+    std::int64_t changes_ = 0, lost_before_ = 0, fetched_ns_[2]{};
+};
+
+// --- HlsRendition
+
+constexpr std::size_t largest_hls_segment = std::size_t{128} << 20;
+/// A cache may give an older playlist, or none, but not more often in a row. FFmpeg asks for it about twice a
+/// second.
+constexpr int most_held_reloads = 6;
+constexpr AVRational rendition_ns{1, 1'000'000'000};
+
+/// Bytes that FFmpeg reads as a file.
+struct BytesIo {
+    std::string bytes;
+    std::size_t at = 0;
+
+    static int read(void* own, std::uint8_t* to, int count) {
+        auto& it = *static_cast<BytesIo*>(own);
+        const std::size_t some = std::min(static_cast<std::size_t>(count), it.bytes.size() - it.at);
+        if (some == 0) return AVERROR_EOF;
+        std::memcpy(to, it.bytes.data() + it.at, some);
+        it.at += some;
+        return static_cast<int>(some);
+    }
+    static std::int64_t seek(void* own, std::int64_t offset, int whence) {
+        auto& it = *static_cast<BytesIo*>(own);
+        const auto size = static_cast<std::int64_t>(it.bytes.size());
+        if ((whence & AVSEEK_SIZE) != 0) return size;
+        whence &= ~AVSEEK_FORCE;
+        const std::int64_t from = whence == SEEK_CUR   ? static_cast<std::int64_t>(it.at)
+                                  : whence == SEEK_END ? size
+                                                       : 0;
+        if (offset < -from || offset > size - from) return AVERROR(EINVAL);
+        it.at = static_cast<std::size_t>(from + offset);
+        return from + offset;
+    }
+};
+
+AVIOContext* io_of(std::string bytes) {
+    auto own = std::make_unique<BytesIo>(BytesIo{std::move(bytes)});
+    constexpr int buffer_bytes = 1 << 15;
+    auto* const buffer = static_cast<unsigned char*>(av_malloc(buffer_bytes));
+    AVIOContext* const io =
+        buffer ? avio_alloc_context(buffer, buffer_bytes, 0, own.get(), BytesIo::read, nullptr, BytesIo::seek)
+               : nullptr;
+    if (io)
+        (void)own.release();
+    else
+        av_free(buffer);
+    return io;
+}
+
+void close_bytes(AVIOContext* io) {
+    if (!io) return;
+    delete static_cast<BytesIo*>(io->opaque);
+    av_freep(&io->buffer);
+    avio_context_free(&io);
+}
+
+/// FFmpeg counts up to a thousand million for each run of samples where a track has no number above 0.
+bool has_number(mpeg4::BytesView track) {
+    const auto parts = mpeg4::boxes_in(track);
+    const mpeg4::Box* const head = parts ? mpeg4::box_named(*parts, "tkhd") : nullptr;
+    if (!head || head->content.empty()) return false;
+    const std::size_t at = head->content[0] == 1 ? 20 : 12;  // behind two times, of 8 bytes or of 4
+    if (head->content.size() < at + 4) return false;
+    constexpr std::uint64_t largest = std::numeric_limits<std::int32_t>::max();
+    const std::uint64_t number = mpeg4::number_at(head->content, at, 4);
+    return number > 0 && number <= largest;
+}
+
+/// Tracks that FFmpeg could find in a box, wherever it looks.
+std::ptrdiff_t tracks_anywhere(mpeg4::BytesView content) {
+    const std::string_view text(reinterpret_cast<const char*>(content.data()), content.size());
+    std::ptrdiff_t count = 0;
+    for (std::size_t at = 0; (at = text.find("trak", at)) != std::string_view::npos; at += 4) ++count;
+    return count;
+}
+
+/// Boxes to their last byte, of the kinds that segments have, whose tables hold what they claim, and tracks
+/// where they belong.
+bool is_whole_mp4(const std::string& bytes) {
+    const mpeg4::BytesView view(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    const auto boxes = mpeg4::boxes_in(view);
+    if (!boxes || boxes->empty()) return false;
+    constexpr std::array<std::string_view, 9> kinds{"ftyp", "styp", "moov", "moof", "mdat",
+                                                    "sidx", "emsg", "prft", "mfra"};
+    for (const mpeg4::Box& box : *boxes) {
+        if (std::ranges::find(kinds, box.type) == kinds.end()) return false;
+        std::ptrdiff_t tracks = 0;
+        const auto parts = box.type == "moov" ? mpeg4::boxes_in(box.content) : std::vector<mpeg4::Box>();
+        if (!parts) return false;
+        for (const mpeg4::Box& part : *parts) tracks += part.type == "trak" && has_number(part.content);
+        if (box.type != "mdat" && tracks_anywhere(box.content) != tracks) return false;
+    }
+    return check_box_tables(*bytes_in_memory(bytes), bytes.size()).ok();
+}
+
+ByteRange range_in(const AVDictionary* options) {
+    const auto number = [options](const char* key) -> std::optional<std::int64_t> {
+        const AVDictionaryEntry* const entry = av_dict_get(options, key, nullptr, 0);
+        return entry ? std::optional<std::int64_t>(std::strtoll(entry->value, nullptr, 10)) : std::nullopt;
+    };
+    return {number("offset").value_or(0), number("end_offset")};
+}
+
+Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, WaitIsOver is_over,
+                                                         HlsHosts hosts, HlsBeginning beginning) {
+    silence_ffmpeg();
+    std::unique_ptr<HlsRendition> rendition(
+        new HlsRendition(std::move(place), std::move(is_over), hosts, beginning));
+    TRY(rendition->begin(std::move(beginning)));
+    return rendition;
+}
+
+HlsRendition::~HlsRendition() {
+    avformat_close_input(&context_);
+    close_bytes(first_io_);
+}
+
+Result<void> HlsRendition::begin(HlsBeginning beginning) {
+    const auto& from = beginning.from;
+    TRY(beginning.text ? take_playlist(std::move(*beginning.text)) : fetch_playlist());
+    auto first = from ? playlist_from(playlist_, *from) : std::optional(playlist_);
+    if (!first) return error_at(place_, input_error("has no segment " + std::to_string(*from) + " yet"));
+    if (from) newest_segment_ = *from - 1;
+    context_ = avformat_alloc_context();
+    if (context_) context_->pb = first_io_ = io_of(std::move(*first));
+    if (!first_io_) return Error{ErrorKind::internal, "out of memory"};
+    context_->opaque = this;
+    context_->io_open = open_io;
+    context_->io_close2 = close_io;
+    context_->interrupt_callback = {is_over, this};
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
+    av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
+    av_dict_set(&options, "http_multiple", "0", 0);
+    if (from) av_dict_set(&options, "live_start_index", "0", 0);
+    const int status = avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
+    av_dict_free(&options);
+    return status < 0 ? failure(status) : Result<void>{};
+}
+
+Error HlsRendition::failure(int status) const {
+    if (fault_) return *fault_;
+    if (is_over_()) return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
+    return error_at(place_, input_error(ffmpeg_text(status)));
+}
+
+int HlsRendition::is_over(void* own) {
+    const auto& it = *static_cast<const HlsRendition*>(own);
+    return it.fault_ || it.was_ended_ || it.is_over_() ? 1 : 0;
+}
+
+int HlsRendition::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
+                          AVDictionary** options) {
+    auto& it = *static_cast<HlsRendition*>(context->opaque);
+    if ((flags & AVIO_FLAG_WRITE) != 0) return AVERROR(EPERM);
+    if (it.was_ended_) return AVERROR_EXIT;
+    try {
+        if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
+        if (auto read = it.fetch_playlist(); !read) {
+            it.fault_ = read.error();
+            return AVERROR_EXIT;
+        }
+        *io = io_of(it.playlist_);
+        return *io ? 0 : AVERROR(ENOMEM);
+    } catch (const std::exception&) {
+        return AVERROR(ENOMEM);
+    }
+}
+
+int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const ByteRange& range) {
+    const auto place = place_named(named);
+    std::optional<HlsListedSegment> listed;
+    if (levels_ && place && *place != facts_.header)
+        listed = segment_in(playlist_, place_, *place, newest_segment_ + 1, hosts_);
+    if (listed && levels_->goes_over_before(listed->number, is_low_)) {
+        was_ended_ = true;
+        return AVERROR_EXIT;
+    }
+    const std::int64_t begin_ns = listed ? levels_->now_ns() : 0;
+    auto segment = place ? read_segment(*place, range) : Result<std::string>(place.error());
+    if (!segment && segment.error().kind == ErrorKind::interrupted) {
+        fault_ = error_at(named, segment.error());
+        return AVERROR_EXIT;
+    }
+    if (listed) {
+        newest_segment_ = listed->number;
+        levels_->note({.bytes = segment ? std::ssize(*segment) : 0,
+                       .fetch_ns = levels_->now_ns() - begin_ns,
+                       .duration_ns = listed->duration_ns},
+                      is_low_);
+    }
+    if (!segment) {
+        ++segments_lost_;
+        return AVERROR(ENOENT);  // FFmpeg goes on with the next one
+    }
+    *io = io_of(std::move(*segment));
+    return *io ? 0 : AVERROR(ENOMEM);
+}
+
+int HlsRendition::close_io(AVFormatContext*, AVIOContext* io) {
+    close_bytes(io);
+    return 0;
+}
+
+Result<void> HlsRendition::fetch_playlist() {
+    return take_playlist(fetch_place(place_, largest_hls_playlist, is_over_));
+}
+
+/// The newest that there is; where there is none, the one before stays.
+Result<void> HlsRendition::take_playlist(Result<std::string> text) {
+    const bool is_first = playlist_.empty();
+    auto facts = text ? check_hls_media(*text, place_, hosts_) : Result<HlsMediaFacts>(text.error());
+    if (text && !facts) return error_at(place_, facts.error());
+    const bool is_older = facts && !is_first && facts->next_segment < facts_.next_segment;
+    if (!facts || is_older) {
+        if (facts)
+            facts = input_error("goes back to segments before those that it had: the sender began anew");
+        if (is_first || facts.error().kind == ErrorKind::interrupted || ++held_ > most_held_reloads)
+            return error_at(place_, facts.error());
+        return {};
+    }
+    if (!is_first && facts->header != facts_.header)
+        return error_at(place_, input_error("has another initialisation: the sender began anew"));
+    held_ = 0;
+    playlist_ = std::move(*text);
+    facts_ = std::move(*facts);
+    return {};
+}
+
+Result<std::string> HlsRendition::place_named(const std::string& named) const {
+    const std::string folder = place_.substr(0, place_.rfind('/') + 1);
+    const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
+    return resolved_place(place_, is_file ? named.substr(folder.size()) : named, hosts_);
+}
+
+Result<std::string> HlsRendition::read_segment(const std::string& place, const ByteRange& range) {
+    const bool is_part = range.begin > 0 || range.end, is_header = place == facts_.header && !is_part;
+    if (is_header && !header_.empty()) return header_;
+    auto bytes = fetch_place(place, largest_hls_segment, is_over_, range);
+    if (!bytes) return bytes;
+    if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
+        return input_error("is no whole segment");
+    if (is_header) header_ = *bytes;
+    return bytes;
+}
+
+std::int64_t HlsRendition::time_ns(const AVPacket& packet) const {
+    const std::int64_t time = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
+    if (time == AV_NOPTS_VALUE) return std::numeric_limits<std::int64_t>::min();
+    return av_rescale_q(time, stream_of(packet).time_base, rendition_ns);
+}
+
+Result<const AVPacket*> HlsRendition::peek() {
+    if (ahead_ || at_end_) return static_cast<const AVPacket*>(ahead_.get());
+    if (fault_) return *fault_;
+    PacketPtr packet(av_packet_alloc());
+    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    const int status = av_read_frame(context_, packet.get());
+    if (fault_ || is_over_()) return failure(status);
+    at_end_ = status == AVERROR_EOF || (status < 0 && was_ended_);
+    if (!at_end_ && status < 0) return failure(status);
+    if (!at_end_) ahead_ = std::move(packet);
+    return static_cast<const AVPacket*>(ahead_.get());
+}
+
+// --- HlsLevels
+
+Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
+                                                   HlsHosts hosts, std::shared_ptr<HlsLevelReading> reading,
+                                                   std::optional<std::string> text) {
+    std::unique_ptr<HlsLevels> levels(
+        new HlsLevels(std::move(places), is_touch, std::move(is_over), hosts, std::move(reading)));
+    HlsLevels* const chooses = levels->reading_ ? levels.get() : nullptr;
+    TRY_ASSIGN(levels->read_, HlsRendition::open(levels->places_.full, levels->is_over_, hosts,
+                                                 {.text = std::move(text), .levels = chooses}));
+    return levels;
+}
+
+/// Asked by the rendition that is read, in the middle of its reading: it is given up in `peek`.
+bool HlsLevels::goes_over_before(std::int64_t number, bool from_low) {
+    const bool to_low = reading_->choice.is_low();
+    if (is_opening_ || next_ || to_low == from_low) return false;
+    is_opening_ = true;
+    auto other = HlsRendition::open(to_low ? places_.low : places_.full, is_over_, hosts_,
+                                    {.from = number, .levels = this, .is_low = to_low});
+    is_opening_ = false;
+    if (other) next_ = std::move(*other);
+    return next_ != nullptr;
+}
+
+void HlsLevels::note(FetchedSegment segment, bool is_low) {
+    segment.is_touch = is_touch_;
+    segment.is_low = is_low;
+    if (segment.bytes > 0) fetched_ns_[is_low ? 1 : 0] += segment.duration_ns;
+    reading_->choice.add(segment);
+}
+
+Result<const AVPacket*> HlsLevels::peek() {
+    auto packet = read_->peek();
+    if (!packet || *packet || !next_) return packet;
+    lost_before_ += read_->segments_lost();
+    read_ = std::move(next_);
+    is_low_ = !is_low_;
+    ++changes_;
+    return read_->peek();
+}
+
+// --- HlsInput
+
+/// While a stream is opened: touch needs the rest of the time.
 constexpr std::chrono::seconds longest_wait_for_colour{4};
 
 class BothRenditions final : public HlsInput {
@@ -64,7 +653,7 @@ void BothRenditions::add_colour(Result<std::unique_ptr<HlsLevels>> colour) {
         leave_out_colour(colour.error());
 }
 
-/// Nothing is felt of colour: the stream goes on without it.
+/// Colour is not felt, so the stream goes on without it.
 Result<const AVPacket*> BothRenditions::next_of_colour() {
     if (!colour_) return static_cast<const AVPacket*>(nullptr);
     auto packet = colour_->peek();
@@ -83,7 +672,7 @@ Result<std::optional<HlsInput::Packet>> BothRenditions::next() {
     return std::optional(Packet{is_touch, of.is_low(), stream, of.take()});
 }
 
-/// As hls_playlist.hpp has places.
+/// The place of a URL or a file.
 std::string place_of(const std::string& named) {
     if (named.starts_with("http://") || named.starts_with("https://")) {
         const auto plain = resolved_place(named, named);

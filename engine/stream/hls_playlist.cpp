@@ -1,18 +1,56 @@
-#include "engine/stream/hls_playlist.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <chrono>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
-#include "engine/stream/hls_text.hpp"
+#include "engine/base/words.hpp"
+#include "engine/stream/hls.hpp"
 
 namespace touchable {
 namespace {
+
+// --- Helpers of writing
+
+std::string playlist_head() {
+    return "#EXTM3U\n#EXT-X-VERSION:7\n" + std::string(hls_mark) + "\n#EXT-X-INDEPENDENT-SEGMENTS\n";
+}
+
+/// "2026-11-23T17:21:13.250Z".
+std::string date_text(std::int64_t ns) {
+    using std::chrono::days, std::chrono::milliseconds;
+    const auto ms = std::chrono::floor<milliseconds>(std::chrono::nanoseconds(ns));
+    const auto whole_days = std::chrono::floor<days>(ms);
+    const std::chrono::year_month_day date{std::chrono::sys_days(whole_days)};
+    const std::chrono::hh_mm_ss time(ms - whole_days);
+    return formatted("%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     static_cast<int>(time.hours().count()), static_cast<int>(time.minutes().count()),
+                     static_cast<int>(time.seconds().count()), static_cast<int>(time.subseconds().count()));
+}
+
+std::string seconds_text(std::int64_t ns) {
+    const std::int64_t us = (ns + 500) / 1000;
+    return formatted("%lld.%06lld", static_cast<long long>(us / 1'000'000),
+                     static_cast<long long>(us % 1'000'000));
+}
+
+std::string planes_text(std::string_view id, std::string_view playlist) {
+    return "#EXT-X-SESSION-DATA:DATA-ID=\"" + std::string(id) + "\",VALUE=\"" + std::string(playlist) +
+           "\"\n";
+}
+
+std::string variant_text(const HlsShown& shown) {
+    return "#EXT-X-STREAM-INF:BANDWIDTH=" + std::to_string(shown.most_bits_s) + ",CODECS=\"" + shown.codecs +
+           "\",RESOLUTION=" + std::to_string(shown.width) + "x" + std::to_string(shown.height) +
+           formatted(",FRAME-RATE=%.3f\n", shown.frames_s) + shown.playlist + "\n";
+}
+
+// --- Helpers of reading
 
 constexpr std::string_view file_scheme = "file:";
 
@@ -101,7 +139,7 @@ private:
     std::string_view rest_;
 };
 
-/// What follows a tag's name; nothing where it is another.
+/// The text behind a tag's name; nothing where the line has another tag.
 std::optional<std::string_view> after_tag(std::string_view line, std::string_view tag) {
     if (!line.starts_with(tag)) return std::nullopt;
     line.remove_prefix(tag.size());
@@ -109,7 +147,7 @@ std::optional<std::string_view> after_tag(std::string_view line, std::string_vie
     return line.front() == ':' ? std::optional(line.substr(1)) : std::nullopt;
 }
 
-/// Of a list KEY=VALUE,KEY="VALUE": the value of a key; nothing where it has none.
+/// The value of a key in a list KEY=VALUE,KEY="VALUE"; nothing where it has none.
 std::optional<std::string_view> attribute(std::string_view list, std::string_view key) {
     while (!list.empty()) {
         const std::size_t equals = list.find('=');
@@ -140,7 +178,7 @@ bool is_master_line(std::string_view line) {
            after_tag(line, "#EXT-X-MEDIA") || after_tag(line, "#EXT-X-SESSION-DATA");
 }
 
-/// What a master playlist names, as it stands there.
+/// The media playlists that a master playlist names, as they stand there.
 struct NamedPlaylists {
     bool is_master = false;
     std::optional<std::string_view> touch, colour, low_touch, low_colour;
@@ -166,7 +204,7 @@ NamedPlaylists named_in(std::string_view text) {
     return named;
 }
 
-/// Where a media playlist begins to count.
+/// The number from which a media playlist counts its segments.
 std::optional<std::int64_t> segment_number(std::string_view text) {
     constexpr std::int64_t most = std::int64_t{1} << 53;
     std::int64_t number = 0;
@@ -176,7 +214,7 @@ std::optional<std::int64_t> segment_number(std::string_view text) {
     return number;
 }
 
-/// Of a media playlist that was checked.
+/// The number of the first segment of a media playlist that was checked.
 std::int64_t first_number_in(std::string_view text) {
     std::int64_t first = 0;
     PlaylistLines lines(text);
@@ -186,7 +224,7 @@ std::int64_t first_number_in(std::string_view text) {
     return first;
 }
 
-/// Of "1.000000,title"; 0 where that is no length of a segment.
+/// The length of a segment in "1.000000,title"; 0 where it is out of range.
 std::int64_t duration_ns(std::string_view text) {
     constexpr double longest_s = 3600;
     double seconds = 0;
@@ -194,7 +232,7 @@ std::int64_t duration_ns(std::string_view text) {
     return seconds > 0 && seconds <= longest_s ? static_cast<std::int64_t>(seconds * 1e9) : 0;
 }
 
-/// Goes with the next segment alone.
+/// A tag that belongs to the next segment alone.
 bool is_of_one_segment(std::string_view tag) {
     return after_tag(tag, "#EXTINF") || after_tag(tag, "#EXT-X-BYTERANGE") || tag == "#EXT-X-DISCONTINUITY" ||
            after_tag(tag, "#EXT-X-PROGRAM-DATE-TIME");
@@ -218,6 +256,52 @@ Result<void> check_media_tag(std::string_view line, const std::string& place, Hl
 }
 
 }  // namespace
+
+std::string text_of(const HlsMedia& media) {
+    std::string text = playlist_head();
+    text += "#EXT-X-TARGETDURATION:" + std::to_string(media.target_s) + "\n";
+    text += "#EXT-X-MEDIA-SEQUENCE:" + std::to_string(media.first) + "\n";
+    if (media.is_whole) text += "#EXT-X-PLAYLIST-TYPE:VOD\n";
+    text += "#EXT-X-MAP:URI=\"" + media.header + "\"\n";
+    for (const HlsSegment& segment : media.segments) {
+        if (segment.is_after_a_break) text += "#EXT-X-DISCONTINUITY\n";
+        if (segment.taken_ns > 0) text += "#EXT-X-PROGRAM-DATE-TIME:" + date_text(segment.taken_ns) + "\n";
+        text += "#EXTINF:" + seconds_text(segment.duration_ns) + ",\n" + segment.name + "\n";
+    }
+    if (media.has_ended) text += "#EXT-X-ENDLIST\n";
+    return text;
+}
+
+std::string master_text(const HlsShown& shown, const std::optional<HlsShown>& low) {
+    std::string text = playlist_head() + planes_text(hls_planes_id, hls_touch_name);
+    if (low) text += planes_text(hls_low_planes_id, hls_low_touch_name);
+    text += variant_text(shown);  // the one that players begin with comes first
+    return low ? text + variant_text(*low) : text;
+}
+
+std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header) {
+    constexpr int sequence_parameters = 7;
+    for (std::size_t at = 0; at + 6 < header.size(); ++at)
+        if (header[at] == 0 && header[at + 1] == 0 && header[at + 2] == 1 &&
+            (header[at + 3] & 31) == sequence_parameters)
+            return formatted("avc1.%02x%02x%02x", static_cast<unsigned>(header[at + 4]),
+                             static_cast<unsigned>(header[at + 5]), static_cast<unsigned>(header[at + 6]));
+    return std::nullopt;
+}
+
+std::int64_t next_segment_of(std::string_view media) {
+    constexpr std::string_view first_key = "\n#EXT-X-MEDIA-SEQUENCE:", segment_key = "\n#EXTINF:";
+    const std::size_t at = media.find(first_key);
+    std::int64_t number = 0;
+    if (at == std::string_view::npos) return 0;
+    const char* const begin = media.data() + at + first_key.size();
+    std::from_chars(begin, media.data() + media.size(), number);
+    constexpr std::int64_t most = std::int64_t{1} << 53;
+    if (number < 0 || number > most) return 0;
+    for (std::size_t next = 0; (next = media.find(segment_key, next)) != std::string_view::npos; ++next)
+        ++number;
+    return number;
+}
 
 bool is_hls_playlist(std::string_view first_bytes) {
     constexpr std::string_view begin = "#EXTM3U";

@@ -4,17 +4,19 @@
 #include <vector>
 
 namespace touchable {
+namespace {
 
-void JitterBuffer::forget() {
-    shortest_ = {};
-}
+/// Moments of a sender's clock that are later count as not known, ns.
+constexpr std::int64_t latest_known_ns = std::int64_t{1} << 61U;
+
+}  // namespace
 
 void JitterBuffer::restart() {
-    forget();
+    shortest_ = {};
     last_sent_ns_ = 0;
 }
 
-/// Of the last ten seconds.
+/// The shortest way of the last ten seconds.
 std::int64_t JitterBuffer::shortest_way(std::int64_t way_ns, std::int64_t arrived_ns) {
     const std::int64_t bucket = arrived_ns / bucket_ns;
     auto& now = shortest_[static_cast<std::size_t>(bucket) % buckets];
@@ -44,15 +46,14 @@ void JitterBuffer::adapt(std::int64_t jitter_ns, std::int64_t arrived_ns) {
 }
 
 JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arrived_ns) {
-    constexpr std::int64_t most_known = std::int64_t{1} << 61U;
-    const bool goes_on = sent_ns > 0 && sent_ns < most_known && sent_ns > last_sent_ns_;
+    const bool goes_on = sent_ns > 0 && sent_ns < latest_known_ns && sent_ns > last_sent_ns_;
     const bool is_first = last_sent_ns_ == 0;
     Moments moments{arrived_ns, arrived_ns};
     if (goes_on) {
         const std::int64_t way_ns = arrived_ns - sent_ns;
         std::int64_t jitter_ns = way_ns - shortest_way(way_ns, arrived_ns);
         if (jitter_ns > most_way_ns) {  // the clock went back, or all was held up on the way
-            forget();
+            shortest_ = {};
             (void)shortest_way(way_ns, arrived_ns);
             jitter_ns = 0;
         } else if (!is_first) {
@@ -61,13 +62,25 @@ JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arriv
         moments.taken_ns = arrived_ns - jitter_ns;
         moments.shown_ns = std::max(arrived_ns, moments.taken_ns + delay_ns_);
     } else {
-        forget();
+        shortest_ = {};
     }
-    last_sent_ns_ = sent_ns > 0 && sent_ns < most_known ? sent_ns : 0;
+    last_sent_ns_ = sent_ns > 0 && sent_ns < latest_known_ns ? sent_ns : 0;
     last_arrived_ns_ = arrived_ns;
     moments.shown_ns = std::max(moments.shown_ns, last_shown_ns_);
     last_shown_ns_ = moments.shown_ns;
     return moments;
+}
+
+JitterBuffer::Moments SegmentPace::add(std::int64_t sent_ns, std::int64_t arrived_ns) {
+    constexpr std::int64_t most_ahead_ns = 60'000'000'000;
+    if (sent_ns <= 0 || sent_ns >= latest_known_ns) return {arrived_ns, arrived_ns};
+    if (!apart_ns_) apart_ns_ = arrived_ns + margin_ns_ - sent_ns;
+    std::int64_t shown_ns = sent_ns + *apart_ns_;
+    if (shown_ns < arrived_ns || shown_ns > arrived_ns + most_ahead_ns) {
+        apart_ns_ = arrived_ns - sent_ns;
+        shown_ns = arrived_ns;
+    }
+    return {shown_ns, shown_ns};
 }
 
 }  // namespace touchable

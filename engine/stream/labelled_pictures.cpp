@@ -1,14 +1,15 @@
+// Pictures that say what they are (LabelledDecoder), out of MPEG-TS or HLS.
+
 #include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/picture/demuxer.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/stream/hls_input.hpp"
-#include "engine/stream/hls_text.hpp"
-#include "engine/stream/labelled_decoder.hpp"
+#include "engine/stream/hls.hpp"
+#include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/stream_pictures.hpp"
 
 namespace touchable {
@@ -26,7 +27,7 @@ public:
     virtual ~LabelledPackets() = default;
     /// Nothing after the last.
     virtual Result<std::optional<Next>> next() = 0;
-    /// Of H.264, as far as it tells beforehand.
+    /// The number of its tracks of H.264, as far as that is known beforehand.
     virtual int tracks() const = 0;
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const { return false; }
@@ -89,7 +90,7 @@ private:
     std::set<int> seen_;
 };
 
-/// Which planes there are only their pictures tell: those of its first frames do.
+/// Only its pictures tell which planes a stream has: those of its first frames are read to know them.
 class LabelledPictures final : public StreamPictures {
 public:
     LabelledPictures(std::unique_ptr<LabelledPackets> packets, std::string name)
@@ -124,16 +125,16 @@ private:
     LabelledDecoder decoder_{most_stream_pixels};
     std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
     std::set<int> colour_streams_;
-    bool is_described_ = false;  // by somebody else
+    bool is_described_ = false;  // by the caller
     std::optional<SceneDescription> described_;
     std::string scene_text_;
     std::vector<TrackInfo> infos_;
-    Came first_;  // those of before it was known what it is
+    Came first_;  // pictures that came before all planes were known
     int depth_pictures_ = 0;
     bool has_ended_ = false;
 };
 
-/// Once of each track is known which plane, or which half of one, it is.
+/// Whether the plane of each track, or the half of one, is known.
 bool LabelledPictures::knows_all() const {
     int known = 0;
     for (const TrackInfo& track : infos_) known += track.pixel_format.ends_with("in two tracks") ? 2 : 1;
@@ -171,8 +172,7 @@ Result<void> LabelledPictures::take_scene(const std::string& json) {
         return input_error(name_ + ": sends another scene than before: begin again to touch it");
     scene_text_ = json;
     if (is_described_) return {};
-    TRY_ASSIGN(auto described, parse_scene(json, name_ + ": its scene"));
-    described_ = std::move(described);
+    TRY_ASSIGN(described_, parse_scene(json, name_ + ": its scene"));
     return {};
 }
 
@@ -191,8 +191,7 @@ void LabelledPictures::know(const LabelledPicture& picture) {
 
 Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came) {
     for (LabelledPicture& picture : pictures) {
-        if (picture.scene)
-            if (auto taken = take_scene(*picture.scene); !taken) return taken;
+        if (picture.scene) TRY(take_scene(*picture.scene));
         know(picture);
         if (picture.plane.view.empty()) continue;
         came.pictures.push_back(

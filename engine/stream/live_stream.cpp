@@ -1,4 +1,4 @@
-#include "engine/stream/live_stream.hpp"
+// A stream as a live source: a thread receives framesets, and the reader gives each when it is to be shown.
 
 #include <poll.h>
 
@@ -8,17 +8,13 @@
 #include <deque>
 #include <mutex>
 #include <thread>
-#include <utility>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/start_thread.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/camera_run.hpp"
-#include "engine/clip/wake.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/stream/jitter_buffer.hpp"
-#include "engine/stream/segment_pace.hpp"
-#include "engine/stream/stream_receiver.hpp"
+#include "engine/stream/receiver.hpp"
 
 namespace touchable {
 namespace {
@@ -31,8 +27,8 @@ std::int64_t now_ns() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// When a frameset was taken, by our clock; `sent_ns` is the sender's word, ns since 1970. Where that cannot
-/// be, because his clock is not set as ours is, as it would have come by the shortest way.
+/// When a frameset was taken, by our clock; `sent_ns` is by the sender's, ns since 1970. Where that cannot
+/// be, because its clock is not set as ours is, the moment at which it would have come by the shortest way.
 std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments, std::int64_t arrived_ns) {
     constexpr std::int64_t longest_way_ns = 60'000'000'000, most_apart_ns = 5'000'000;
     const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -41,7 +37,7 @@ std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments
     return arrived_ns - std::max<std::int64_t>(way_ns, 0);
 }
 
-/// Over connections, one after the other.
+/// Sums up the figures of connections that followed each other.
 std::optional<LevelFigures> sum_of(const std::optional<LevelFigures>& before,
                                    const std::optional<LevelFigures>& now) {
     if (!before || !now) return now ? now : before;
@@ -111,7 +107,7 @@ private:
     JitterBuffer buffer_;
     SegmentPace pace_;
     FramesetCounts before_;                      // of connections that are no more
-    std::optional<LevelFigures> levels_before_;  // likewise
+    std::optional<LevelFigures> levels_before_;  // the same
 
     mutable std::mutex mutex_;
     std::condition_variable stopped_;
@@ -135,8 +131,7 @@ private:
 Result<void> LiveStream::open() {
     if (run_.descriptor() < 0 || came_.descriptor() < 0)
         return Error{ErrorKind::internal, "no event can be made to wait for"};
-    TRY_ASSIGN(auto receiver, StreamReceiver::open(source_));
-    receiver_ = std::move(receiver);
+    TRY_ASSIGN(receiver_, StreamReceiver::open(source_));
     source_.connection.reset();
     scene_ = receiver_->scene();
     scene_.interpolation = FrameInterpolation::hold;
@@ -171,7 +166,7 @@ void LiveStream::is_over(const std::string& why) {
 }
 
 void LiveStream::receive() {
-    const WorkAfterStop until_this_ends;  // which is told otherwise
+    const WorkAfterStop until_this_ends;  // the wait of the stream ends it
     while (true) {
         if (leaves_out_colour_) receiver_->leave_out_colour();
         auto received = receiver_->next(source_.patience.silence);
@@ -191,7 +186,7 @@ void LiveStream::receive() {
     }
 }
 
-/// What is wrong, behind the name that messages begin with.
+/// The message without the stream's name, which it begins with.
 std::string LiveStream::in_short(const Error& error) const {
     const std::string name = source_.url.name() + ": ";
     return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
@@ -205,7 +200,7 @@ std::int64_t LiveStream::overdue(std::int64_t now_ns) const {
     return silent_ns / period_ns - 1;
 }
 
-/// False where it is told to end, or nothing of use is sent any more.
+/// False where the stream is closed, or the sender sends something else now.
 bool LiveStream::connect_again(std::string why) {
     constexpr int most_doublings = 4;
     before_ += receiver_->counts();
@@ -257,7 +252,8 @@ void LiveStream::note(const StreamReceiver& receiver) {
     figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
 }
 
-/// Where nobody takes them, the oldest are left out; segments, which wait at their server, are not fetched.
+/// Where framesets are not taken, the oldest are left out; segments, which wait at their server, are not
+/// fetched.
 void LiveStream::put(Received received) {
     const std::int64_t now = now_ns();
     const bool in_segments = source_.url.is_playlist();
@@ -304,7 +300,7 @@ std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
     return take();
 }
 
-/// Nothing: it was taken before the run.
+/// Nothing where it was taken before the run.
 std::optional<RawFrame> LiveStream::frame_of(Waiting waiting) {
     const auto& [taken_ns, shown_ns] = waiting.moments;
     const auto place = run_.place(static_cast<std::uint32_t>(waiting.received.number), shown_ns);
@@ -335,7 +331,7 @@ Result<std::optional<RawFrame>> LiveStream::next() {
         if (run_.is_gone()) break;
         if (!run_.has_begun() && std::chrono::steady_clock::now() - begun > source_.patience.frameset)
             return input_error(source_.url.name() + ": sent no whole frameset in time");
-        constexpr std::int64_t look_again_ns = 100'000'000;  // a signal wakes nobody
+        constexpr std::int64_t look_again_ns = 100'000'000;  // a signal does not end the wait
         if (!run_.has_begun()) wait_ns = look_again_ns;
         std::array<pollfd, 2> all{pollfd{run_.descriptor(), POLLIN, 0}, {came_.descriptor(), POLLIN, 0}};
         const timespec longest{wait_ns / 1'000'000'000, wait_ns % 1'000'000'000};

@@ -3,6 +3,8 @@
 #include <new>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 Result<std::unique_ptr<MemoryMuxer>> MemoryMuxer::open(const char* format) {
@@ -47,6 +49,21 @@ Result<void> MemoryMuxer::check(int status) const {
     return Error{ErrorKind::internal, "muxer " + format + ": " + ffmpeg_text(status)};
 }
 
+Result<AVStream*> MemoryMuxer::add_stream(AVRational tick) {
+    AVStream* const stream = avformat_new_stream(context_, nullptr);
+    if (!stream) return Error{ErrorKind::internal, "out of memory"};
+    stream->time_base = tick;
+    return stream;
+}
+
+Result<int> MemoryMuxer::add_sound(const AVCodecParameters& codec, AVRational tick) {
+    TRY_ASSIGN(AVStream* const stream, add_stream(tick));
+    if (avcodec_parameters_copy(stream->codecpar, &codec) < 0)
+        return Error{ErrorKind::internal, "out of memory"};
+    stream->codecpar->codec_tag = 0;  // the other container's
+    return stream->index;
+}
+
 Result<void> MemoryMuxer::begin(const std::string& options) {
     AVDictionary* read = nullptr;
     int status = av_dict_parse_string(&read, options.c_str(), "=", ":", 0);
@@ -68,6 +85,32 @@ Result<void> MemoryMuxer::flush() {
 std::vector<std::uint8_t> MemoryMuxer::take() {
     avio_flush(context_->pb);
     return std::exchange(bytes_, {});
+}
+
+Result<StreamSound> StreamSound::open(const SoundPart& part) {
+    TRY_ASSIGN(auto sound, StoredSound::open(part));
+    return StreamSound(part, std::move(sound));
+}
+
+Result<void> StreamSound::give_until(std::int64_t until_ms, const Take& take) {
+    while (true) {
+        TRY_ASSIGN(const auto packet, sound_->next(until_ms - begin_ms_));
+        if (!packet) return {};
+        packet->pts += begin_ms_;
+        packet->dts += begin_ms_;
+        TRY(take(*packet));
+    }
+}
+
+Result<void> StreamSound::give(std::uint64_t epoch, std::int64_t time_ns, const Take& take) {
+    const std::int64_t time_ms = (time_ns + 500'000) / 1'000'000;
+    if (epoch_ && *epoch_ != epoch) {
+        TRY(give_until(time_ms - 1, take));
+        TRY_ASSIGN(sound_, StoredSound::open(part_));
+        begin_ms_ = time_ms;
+    }
+    epoch_ = epoch;
+    return give_until(time_ms, take);
 }
 
 }  // namespace touchable

@@ -1,14 +1,18 @@
 #pragma once
 
-// FFmpeg's muxers, whose bytes come out in memory; for this room's .cpp files only.
+// Used to put a stream into containers (stream_muxers.cpp, hls_output.cpp): FFmpeg's
+// muxers, whose bytes are taken from memory, and the sound of a clip that is sent round by round.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/sound.hpp"
 
 namespace touchable {
 
@@ -21,13 +25,16 @@ public:
     MemoryMuxer(const MemoryMuxer&) = delete;
     MemoryMuxer& operator=(const MemoryMuxer&) = delete;
 
-    /// For its streams, before `begin`.
     AVFormatContext& context() { return *context_; }
+    /// Adds a stream, before `begin`. `tick`: the unit of its times; the muxer may choose another.
+    Result<AVStream*> add_stream(AVRational tick);
+    /// Adds sound as another container has it, and returns the stream's number.
+    Result<int> add_sound(const AVCodecParameters& codec, AVRational tick);
     /// `options`: of the muxer, "key=value:key=value".
     Result<void> begin(const std::string& options);
     /// A packet whose times are in `tick`.
     Result<void> write(AVPacket& packet, int stream, AVRational tick);
-    /// What the muxer holds back.
+    /// Writes what the muxer holds back.
     Result<void> flush();
     /// The bytes of all that was written since the last time.
     std::vector<std::uint8_t> take();
@@ -39,6 +46,30 @@ private:
 
     AVFormatContext* context_;
     std::vector<std::uint8_t> bytes_;
+};
+
+/// The sound of a file, heard from its beginning again and again, as rounds of a loop begin. One thread.
+class StreamSound {
+public:
+    /// Refused (ErrorKind::input) as by StoredSound.
+    static Result<StreamSound> open(const SoundPart& part);
+
+    const AVCodecParameters& codec() const { return sound_->codec(); }
+    /// Gives `take` all packets that are heard up to a frame, times in milliseconds of the stream. With a
+    /// frame of another epoch (RawFrame::epoch) the sound begins anew; what was not heard by then is left
+    /// out.
+    using Take = std::function<Result<void>(AVPacket&)>;
+    Result<void> give(std::uint64_t epoch, std::int64_t time_ns, const Take& take);
+
+private:
+    StreamSound(const SoundPart& part, std::unique_ptr<StoredSound> sound)
+        : part_(part), sound_(std::move(sound)) {}
+    Result<void> give_until(std::int64_t until_ms, const Take& take);
+
+    SoundPart part_;
+    std::unique_ptr<StoredSound> sound_;
+    std::int64_t begin_ms_ = 0;
+    std::optional<std::uint64_t> epoch_;  // of the newest frame
 };
 
 }  // namespace touchable

@@ -1,23 +1,79 @@
-#include "engine/stream/srt_output.hpp"
+// Streams sent by SRT: listeners, each at the pace of its link, and the thread that takes callers, or calls.
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <functional>
 #include <thread>
-#include <utility>
-#include <vector>
 
-#include "engine/base/printable.hpp"
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "engine/stream/sender_time.hpp"
-#include "engine/stream/srt_listener.hpp"
+#include "engine/base/words.hpp"
+#include "engine/stream/listeners.hpp"
+#include "engine/stream/sending.hpp"
+#include "engine/stream/srt.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::int64_t longest_call_ns = 3'000'000'000, ns_per_millisecond = 1'000'000;
+constexpr std::int64_t ns_per_ms = 1'000'000;
+constexpr int longest_srt_call_ms = 3000;
+
+/// One listener by SRT. It is given the stream at the pace of its link; where that is too slow, whole
+/// framesets are left out for it alone. Never waits. Moments are of a steady clock, ns.
+class SrtListener {
+public:
+    /// The socket is connected. The ring and the audience outlive it.
+    SrtListener(SrtSocket socket, std::string name, const StreamRing& ring, StreamAudience& audience,
+                std::int64_t now_ns);
+    ~SrtListener() { end("is cut off"); }
+    SrtListener(const SrtListener&) = delete;
+    SrtListener& operator=(const SrtListener&) = delete;
+
+    /// Gives what there is to give and fits.
+    void go_on(std::int64_t now_ns);
+    /// It can be forgotten.
+    bool is_over() const { return phase_ == Phase::over; }
+    /// Whether it was given anything, and stayed for a second.
+    bool has_stayed(std::int64_t now_ns) const;
+
+private:
+    enum class Phase { listens, leaves, over };
+    void look(std::int64_t now_ns);
+    void read();
+    void probe(std::int64_t now_ns);
+    void write(std::int64_t now_ns);
+    bool take_piece(std::int64_t now_ns);
+    void leave(std::int64_t now_ns);
+    void end(const std::string& why);
+
+    SrtSocket socket_;
+    const std::string name_;
+    const StreamRing& ring_;
+    StreamAudience& audience_;
+    const std::int64_t begin_ns_;
+    Phase phase_ = Phase::listens;
+    StreamRing::Cursor cursor_;
+    LinkRate rate_;
+    LinkFigures link_{};
+    std::int64_t next_figures_ns_ = 0;
+    std::int64_t handed_over_ = 0, arrived_ = 0;  // bytes
+    // The way there and back, timed by one byte after the other: libsrt says 100 ms at first, and for long.
+    std::int64_t timed_byte_ = 0, timed_since_ns_ = 0, rtt_ns_ = 0;
+    std::size_t heard_bytes_ = 0;  // sent by it, though a listener has nothing to send
+    std::int64_t progress_ns_;     // when bytes arrived last, or none were on their way
+    bool is_full_ = false;         // more would be given if more might be on its way
+    std::int64_t next_probe_ns_ = 0;
+    int probes_ = 0;  // since bytes arrived last
+    NarrowLink narrow_;
+    bool is_said_ = false;  // that its colour is left out
+    std::int64_t paced_until_ns_ = 0;
+    std::int64_t sent_ = 0, without_colour_ = 0;  // framesets
+    std::optional<std::int64_t> leaves_at_ns_;
+    // The piece that it is being given.
+    bool has_header_ = false;
+    std::shared_ptr<const void> piece_;
+    std::span<const std::uint8_t> rest_;
+};
 
 class SrtSender final : public SrtOutput {
 public:
@@ -61,7 +117,7 @@ private:
         return may;
     };
     SrtSocket door_;     // where this end listens
-    SrtSocket calling_;  // where it calls, until somebody answers
+    SrtSocket calling_;  // where it calls, until the other end answers
     std::vector<std::unique_ptr<SrtListener>> listeners_;
     int calls_in_vain_ = 0;
     std::int64_t next_call_ns_ = 0, next_refusal_said_ns_ = 0;
@@ -69,11 +125,165 @@ private:
     std::thread thread_;
 };
 
+// --- SrtListener
+
+SrtListener::SrtListener(SrtSocket socket, std::string name, const StreamRing& ring, StreamAudience& audience,
+                         std::int64_t now_ns)
+    : socket_(std::move(socket)),
+      name_(std::move(name)),
+      ring_(ring),
+      audience_(audience),
+      begin_ns_(now_ns),
+      cursor_(ring.join()),
+      progress_ns_(now_ns) {
+    audience_.came(name_);
+}
+
+bool SrtListener::has_stayed(std::int64_t now_ns) const {
+    constexpr std::int64_t short_ns = 1'000'000'000;
+    return sent_ > 0 && now_ns - begin_ns_ >= short_ns;
+}
+
+void SrtListener::go_on(std::int64_t now_ns) {
+    if (phase_ == Phase::over) return;
+    if (socket_.state() == SrtSocket::State::gone) return end("has gone");
+    look(now_ns);
+    read();
+    if (phase_ == Phase::listens) write(now_ns);
+    if (phase_ == Phase::leaves) leave(now_ns);
+    probe(now_ns);
+    if (phase_ != Phase::over && now_ns - progress_ns_ > StreamListener::longest_piece_ns)
+        end("took no whole frameset for 10 s");
+}
+
+/// How quickly bytes arrive.
+void SrtListener::look(std::int64_t now_ns) {
+    constexpr std::int64_t figures_every_ns = 50 * ns_per_ms;
+    if (now_ns >= next_figures_ns_) {
+        next_figures_ns_ = now_ns + figures_every_ns;
+        link_ = socket_.figures().value_or(link_);
+        // A burst overflows the short queue of a narrow link, so its datagrams are spread.
+        const std::int64_t rate = rate_.bytes_per_second();
+        const bool is_paced = now_ns < paced_until_ns_ && !rate_.is_growing();
+        socket_.pace(is_paced ? std::max<std::int64_t>(2 * rate, 1 << 17) : 0);
+    }
+    const std::int64_t before =
+        std::exchange(arrived_, handed_over_ - static_cast<std::int64_t>(socket_.unacknowledged_bytes()));
+    if (arrived_ != before || arrived_ == handed_over_) {
+        progress_ns_ = now_ns;
+        probes_ = 0;
+    }
+    if (timed_byte_ > 0 && arrived_ >= timed_byte_) {
+        rtt_ns_ = now_ns - timed_since_ns_;
+        timed_byte_ = 0;
+    }
+    rate_.look({.now_ns = now_ns,
+                .arrived_bytes = arrived_,
+                .datagrams = link_.datagrams,
+                .lost = link_.lost,
+                .rtt_ns = std::exchange(rtt_ns_, 0),
+                .is_full = std::exchange(is_full_, false)});
+}
+
+/// A receiver knows what is lost by what comes behind it. Of datagrams that are lost with nothing behind
+/// them, as those before the end of its handshake or the last ones of the stream, it would never know.
+void SrtListener::probe(std::int64_t now_ns) {
+    constexpr std::int64_t shortest_ns = 100 * ns_per_ms;
+    constexpr int most_doublings = 4;
+    if (phase_ == Phase::over || !rest_.empty() || arrived_ == handed_over_) return;
+    const auto rtt_ns = static_cast<std::int64_t>(link_.rtt_ms * static_cast<double>(ns_per_ms));
+    const std::int64_t wait_ns = std::max(shortest_ns, 2 * rtt_ns) << std::min(probes_, most_doublings);
+    if (probes_ == 0) next_probe_ns_ = progress_ns_ + wait_ns;
+    if (now_ns < next_probe_ns_) return;
+    const auto done = socket_.send(ring_.padding());
+    handed_over_ += std::max<std::ptrdiff_t>(done, 0);
+    ++probes_;
+    next_probe_ns_ = now_ns + 2 * wait_ns;
+}
+
+/// Nothing is expected, and libsrt keeps little of it.
+void SrtListener::read() {
+    std::array<std::uint8_t, SrtSocket::longest_message> bytes;
+    const auto got = socket_.receive(bytes, 0).bytes;
+    heard_bytes_ += got > 0 ? static_cast<std::size_t>(got) : 0;
+    if (heard_bytes_ > StreamListener::most_heard_bytes) end("sends, but a listener has nothing to send");
+}
+
+/// Takes the next piece; false where there is none, or its turn has not come.
+bool SrtListener::take_piece(std::int64_t now_ns) {
+    constexpr std::int64_t paced_ns = 2'000'000'000;
+    if (!has_header_) {
+        const auto header = ring_.header();
+        if (!header) return false;
+        has_header_ = true;
+        piece_ = header;
+        rest_ = *header;
+        return true;
+    }
+    if (ring_.is_over(cursor_)) {
+        phase_ = Phase::leaves;
+        return false;
+    }
+    if (!ring_.has_next(cursor_)) {
+        narrow_.has_caught_up();
+        return false;
+    }
+    if (handed_over_ - arrived_ > rate_.window_bytes()) {
+        is_full_ = true;
+        const bool loses_colour = narrow_.is_behind(now_ns, rate_.is_growing());
+        if (loses_colour && !std::exchange(is_said_, true)) audience_.goes_without_colour(name_);
+        paced_until_ns_ = now_ns + paced_ns;
+        return false;
+    }
+    if (narrow_.is_far_behind(now_ns) && ring_.go_to_newest_key(cursor_)) narrow_.has_caught_up();
+    const auto block = ring_.next(cursor_);
+    ++sent_;
+    piece_ = block;
+    rest_ = block->given(narrow_.gives_colour(block->is_key, now_ns));
+    without_colour_ += rest_.size() < block->bytes.size() ? 1 : 0;
+    return true;
+}
+
+void SrtListener::write(std::int64_t now_ns) {
+    while (phase_ == Phase::listens && (!rest_.empty() || take_piece(now_ns))) {
+        const auto done = socket_.send(rest_);
+        if (done < 0) return end("has gone");
+        if (timed_byte_ == 0 && done > 0) {
+            timed_byte_ = handed_over_ + 1;
+            timed_since_ns_ = now_ns;
+        }
+        rest_ = rest_.subspan(static_cast<std::size_t>(done));
+        handed_over_ += done;
+        if (!rest_.empty()) return;
+    }
+}
+
+/// Bytes on their way are lost when SRT is closed, and once all have arrived, the receiver holds them for its
+/// latency.
+void SrtListener::leave(std::int64_t now_ns) {
+    constexpr std::int64_t more_ms = 200;
+    if (arrived_ < handed_over_) return;
+    if (!leaves_at_ns_)
+        leaves_at_ns_ =
+            now_ns +
+            (socket_.peer_latency_ms() + 2 * static_cast<std::int64_t>(link_.rtt_ms) + more_ms) * ns_per_ms;
+    if (now_ns >= *leaves_at_ns_) end("");
+}
+
+void SrtListener::end(const std::string& why) {
+    if (phase_ == Phase::over) return;
+    link_ = socket_.figures().value_or(link_);
+    audience_.went({name_, sent_, cursor_.dropped(), without_colour_, why, link_});
+    phase_ = Phase::over;
+    socket_.close();
+}
+
+// --- SrtSender
+
 Result<void> SrtSender::open_door() {
     const auto address = own_address(url_);
     if (!address) return usage_error("right would be an address of this machine in numbers");
-    TRY_ASSIGN(auto door, SrtSocket::create(settings_, SrtSocket::Direction::sends));
-    door_ = std::move(door);
+    TRY_ASSIGN(door_, SrtSocket::create(settings_, SrtSocket::Direction::sends));
     return door_.listen(*address, may_come_);
 }
 
@@ -85,7 +295,7 @@ void SrtSender::serve() {
         const bool is_ended = ring_.is_ended();
         if (is_ended && listeners_.empty()) break;
         if (is_ended)
-            (void)time_.wait_until(time_.now_ns() + turn_of_listeners.count() * ns_per_millisecond);
+            (void)time_.wait_until(time_.now_ns() + turn_of_listeners.count() * ns_per_ms);
         else  // what comes next ends the wait
             (void)ring_.wait_next(newest, listeners_.empty() ? turn_of_none : turn_of_listeners);
     }
@@ -164,12 +374,11 @@ void SrtSender::begin_call(std::int64_t now_ns) {
     auto socket = SrtSocket::create(settings_, SrtSocket::Direction::sends);
     if (!socket) return call_failed(socket.error().message, now_ns);
     calling_ = std::move(*socket);
-    constexpr int longest_call_ms = longest_call_ns / ns_per_millisecond;
-    if (auto called = calling_.call(**address, longest_call_ms); !called)
+    if (auto called = calling_.call(**address, longest_srt_call_ms); !called)
         call_failed(called.error().message, now_ns);
 }
 
-/// That nobody answers is said once, until somebody does.
+/// A call in vain is said once, until the other end answers.
 void SrtSender::call_failed(const std::string& why, std::int64_t now_ns) {
     calling_.close();
     call_later(now_ns);

@@ -1,59 +1,55 @@
-#include "engine/stream/stream_bytes.hpp"
+// Where a received stream's bytes come from: FFmpeg's protocols and pipes (StreamBytes; by SRT: srt.cpp), and
+// files on a server that are read part by part (open_http).
 
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <utility>
+#include <cstring>
+#include <mutex>
+#include <vector>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "engine/stream/srt_bytes.hpp"
+#include "engine/stream/receiving.hpp"
+#include "engine/stream/srt.hpp"
 
 namespace touchable {
 namespace {
+
+std::int64_t steady_now_ns() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// --- FFmpeg's protocols
 
 struct IoCloser {
     void operator()(AVIOContext* io) const { avio_closep(&io); }
 };
 using IoPtr = std::unique_ptr<AVIOContext, IoCloser>;
 
-/// FFmpeg keeps its address as long as the connection is there.
-int is_over(void* wait) {
-    return static_cast<const StreamWait*>(wait)->is_over() ? 1 : 0;
-}
-
-/// As FFmpeg takes it: of UDP without settings, which it would read in units of its own.
-std::string address_of(const StreamUrl& url) {
-    const bool has_settings = url.transport == StreamTransport::udp;
-    return has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
-}
-
-/// What goes with its address.
-struct NetworkOptions {
-    AVDictionary* all = nullptr;
-    explicit NetworkOptions(const StreamUrl& url) {
-        set("protocol_whitelist", url.protocols());
-        if (url.transport == StreamTransport::http) {
-            set("max_redirects", "0");
-            set("icy", "0");
-            set("user_agent", "touchable");
-            if (url.is_tls) set("tls_verify", "1");
-        }
-        if (url.transport == StreamTransport::udp) {
-            set("overrun_nonfatal", "1");
-            set("buffer_size", "4194304");
-            if (const std::string own = url.value("localaddr"); !own.empty()) set("localaddr", own);
-        }
+AVDictionary* network_options(const StreamUrl& url) {
+    AVDictionary* options = nullptr;
+    const auto set = [&](const char* name, const std::string& value) {
+        if (!value.empty()) av_dict_set(&options, name, value.c_str(), 0);
+    };
+    set("protocol_whitelist", url.protocols());
+    if (url.transport == StreamTransport::http) {
+        set("max_redirects", "0");
+        set("icy", "0");
+        set("user_agent", "touchable");
+        if (url.is_tls) set("tls_verify", "1");
     }
-    ~NetworkOptions() { av_dict_free(&all); }
-    NetworkOptions(const NetworkOptions&) = delete;
-    NetworkOptions& operator=(const NetworkOptions&) = delete;
-    void set(const char* name, const std::string& value) { av_dict_set(&all, name, value.c_str(), 0); }
-};
+    if (url.transport == StreamTransport::udp) {
+        set("overrun_nonfatal", "1");
+        set("buffer_size", "4194304");
+        set("localaddr", url.value("localaddr"));
+    }
+    return options;
+}
 
 class NetworkBytes final : public StreamBytes {
 public:
@@ -83,6 +79,44 @@ private:
     const StreamTransport transport_;
 };
 
+Error no_connection(const StreamUrl& url, const std::string& why, int status = 0) {
+    const char* hint = status == AVERROR_HTTP_SERVER_ERROR
+                           ? "; its listeners may be too many, try again later"
+                       : url.transport == StreamTransport::http ? "; is it there, and not elsewhere?"
+                       : url.transport == StreamTransport::udp  ? ""
+                                                                : "; does the sender listen there?";
+    return input_error("no connection: " + why + hint);
+}
+
+/// While FFmpeg looks a name up it waits as long as the system does, so another thread does that.
+Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWait>& wait) {
+    struct Opened {
+        int status = 0;
+        IoPtr io;
+    };
+    auto opened = unless_stopped(
+        [url, wait] {
+            // FFmpeg would read UDP's settings in units of its own.
+            const bool has_settings = url.transport == StreamTransport::udp;
+            const std::string address = has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
+            AVDictionary* options = network_options(url);
+            AVIOContext* io = nullptr;
+            // FFmpeg keeps the wait's address as long as the connection is there.
+            const AVIOInterruptCB is_over{
+                [](void* of) { return static_cast<const StreamWait*>(of)->is_over() ? 1 : 0; }, wait.get()};
+            const int status = avio_open2(&io, address.c_str(), AVIO_FLAG_READ, &is_over, &options);
+            av_dict_free(&options);
+            return Opened{status, IoPtr(io)};
+        },
+        [wait] { return wait->is_over(); });
+    if (wait->is_interrupted()) return interrupted_error();
+    if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
+    if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status), opened->status);
+    return std::move(opened->io);
+}
+
+// --- Pipes
+
 class PipeBytes final : public StreamBytes {
 public:
     PipeBytes(std::shared_ptr<StreamWait> wait, int descriptor)
@@ -104,15 +138,6 @@ private:
     const int descriptor_;
 };
 
-Error no_connection(const StreamUrl& url, const std::string& why, int status = 0) {
-    const char* hint = status == AVERROR_HTTP_SERVER_ERROR
-                           ? "; its listeners may be too many, try again later"
-                       : url.transport == StreamTransport::http ? "; is it there, and not elsewhere?"
-                       : url.transport == StreamTransport::udp  ? ""
-                                                                : "; does the sender listen there?";
-    return input_error("no connection: " + why + hint);
-}
-
 Result<std::shared_ptr<StreamBytes>> open_pipe(const StreamUrl& url, std::shared_ptr<StreamWait> wait) {
     int descriptor = -1;
     const char* const digits = url.text.data() + std::string_view("pipe:").size();
@@ -122,29 +147,118 @@ Result<std::shared_ptr<StreamBytes>> open_pipe(const StreamUrl& url, std::shared
     return std::shared_ptr<StreamBytes>(std::make_shared<PipeBytes>(std::move(wait), descriptor));
 }
 
-/// Where a name is looked up FFmpeg waits as long as the system does: then another thread waits alone.
-Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWait>& wait) {
-    struct Opened {
-        int status = 0;
-        IoPtr io;
-    };
-    auto opened = unless_stopped(
-        [url, wait] {
-            NetworkOptions options(url);
-            AVIOContext* io = nullptr;
-            const AVIOInterruptCB callback{is_over, wait.get()};
-            const int status =
-                avio_open2(&io, address_of(url).c_str(), AVIO_FLAG_READ, &callback, &options.all);
-            return Opened{status, IoPtr(io)};
-        },
-        [wait] { return wait->is_over(); });
-    if (wait->is_interrupted()) return interrupted_error();
-    if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
-    if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status), opened->status);
-    return std::move(opened->io);
-}
+// --- Files on a server
+
+/// A file on a server, shared by all its readers. It holds the part that was read last.
+class HttpFile {
+public:
+    HttpFile(StreamUrl url, const StreamPatience& patience, std::uint64_t size,
+             std::shared_ptr<StreamWait> wait, std::shared_ptr<StreamBytes> connection)
+        : url_(std::move(url)),
+          patience_(patience),
+          size_(size),
+          wait_(std::move(wait)),
+          connection_(std::move(connection)) {}
+
+    /// As GivenFile::Reading.
+    std::ptrdiff_t read(std::uint64_t at, char* to, std::size_t count, bool may_wait) {
+        std::unique_lock held(mutex_, std::defer_lock);
+        if (may_wait)
+            held.lock();
+        else if (!held.try_lock())
+            return -EAGAIN;
+        if (at >= size_) return 0;
+        if (at < at_ || at - at_ >= part_.size()) {
+            if (const int failure = failure_; failure != 0) return -failure;
+            if (!may_wait) return -EAGAIN;
+            if (const int failure = fetch(at); failure != 0) return -failure;
+        }
+        const auto from = static_cast<std::size_t>(at - at_);
+        const std::size_t some = std::min(count, part_.size() - from);
+        std::memcpy(to, part_.data() + from, some);
+        return static_cast<std::ptrdiff_t>(some);
+    }
+
+    std::optional<Error> end_opening() {
+        is_opening_ = false;
+        switch (failure_) {
+            case 0:
+                return std::nullopt;
+            case ETIMEDOUT:
+                return input_error("comes too slowly: its clip was not open within " +
+                                   std::to_string(patience_.opening.count() / 1000) +
+                                   " s; save it first, and open it here");
+            default:
+                return input_error("cannot be read: the connection was lost, and another gave no more of it");
+        }
+    }
+
+private:
+    /// 0, or an errno.
+    int fetch(std::uint64_t at) {
+        constexpr std::uint64_t part_bytes = std::uint64_t{1} << 20;
+        part_.resize(static_cast<std::size_t>(std::min(part_bytes, size_ - at)));
+        at_ = at;
+        if (!is_opening_) wait_->together_at_most(patience_.frameset);
+        for (int go = 0; go < 2; ++go) {
+            if (!connection_) connect();
+            wait_->at_most(patience_.frameset);
+            if (connection_ && connection_->read_at(at, part_.data(), part_.size())) return 0;
+            connection_.reset();
+            if (wait_->is_over()) break;
+        }
+        part_.clear();
+        if (wait_->is_interrupted()) return EIO;
+        failure_ = wait_->is_too_long() ? ETIMEDOUT : EIO;
+        return failure_;
+    }
+
+    /// To a file that is as long as it was.
+    void connect() {
+        auto made = StreamBytes::connect(url_, wait_, patience_);
+        if (made && (*made)->file_size() == size_) connection_ = std::move(*made);
+    }
+
+    const StreamUrl url_;
+    const StreamPatience patience_;
+    const std::uint64_t size_;
+    const std::shared_ptr<StreamWait> wait_;
+    std::atomic<bool> is_opening_{true};
+    std::atomic<int> failure_{0};  // an errno, after which nothing more is read
+    std::mutex mutex_;
+    std::shared_ptr<StreamBytes> connection_;  // guarded by it, as is what follows
+    std::uint64_t at_ = 0;
+    std::vector<std::uint8_t> part_;
+};
 
 }  // namespace
+
+// --- StreamWait
+
+void StreamWait::at_most(std::chrono::milliseconds longest) {
+    until_ns_ = std::min<std::int64_t>(steady_now_ns() + std::chrono::nanoseconds(longest).count(),
+                                       together_until_ns_);
+}
+
+void StreamWait::together_at_most(std::chrono::milliseconds longest) {
+    until_ns_ = together_until_ns_ = steady_now_ns() + std::chrono::nanoseconds(longest).count();
+}
+
+bool StreamWait::is_interrupted() const {
+    return interrupted_ || stop_requested();
+}
+
+bool StreamWait::is_too_long() const {
+    return steady_now_ns() > until_ns_;
+}
+
+Error StreamWait::in_time(Error error) const {
+    if (is_interrupted()) return interrupted_error();
+    if (error.kind == ErrorKind::interrupted) error.kind = ErrorKind::input;
+    return error;
+}
+
+// --- StreamBytes
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
@@ -187,6 +301,23 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
     how_it_ended_ =
         got < 0 ? "was lost (" + ffmpeg_text(static_cast<int>(got)) + ")" : "closed the connection";
     return std::size_t{0};
+}
+
+// --- open_http
+
+Result<HttpSource> open_http(const StreamUrl& url, const StreamPatience& patience) {
+    const auto wait = std::make_shared<StreamWait>();
+    wait->together_at_most(patience.opening);
+    auto connection = StreamBytes::connect(url, wait, patience);
+    if (!connection) return error_at(url.name(), connection.error());
+    const auto size = (*connection)->file_size();
+    if (!size) return HttpSource{.stream = std::move(*connection)};
+    const auto file = std::make_shared<HttpFile>(url, patience, *size, wait, std::move(*connection));
+    const GivenFile given([file](std::uint64_t at, char* to, std::size_t count,
+                                 bool may_wait) { return file->read(at, to, count, may_wait); },
+                          *size);
+    return HttpSource{.file = SourceFile(std::filesystem::path(url.name()), given),
+                      .end_opening = [file] { return file->end_opening(); }};
 }
 
 }  // namespace touchable

@@ -1,14 +1,13 @@
-#include "engine/stream/stream_clip.hpp"
+// A stream as a clip that goes on and not back.
 
-#include <utility>
-
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/stream/receiver.hpp"
 
 namespace touchable {
 namespace {
 
-/// Whoever chooses filters looks at 16 frames.
+/// The choice of filters looks at 16 frames.
 constexpr std::size_t most_kept = 48, most_kept_bytes = std::size_t{512} << 20;
 constexpr std::int64_t most_in_place = 1'000;  // frames in place of those that were lost
 
@@ -39,7 +38,7 @@ private:
     const std::chrono::milliseconds patience_;
     std::unique_ptr<StreamReceiver> receiver_;
     std::optional<Received> coming_;
-    std::optional<Error> fault_;  // for which nothing more is read
+    std::optional<Error> fault_;  // after which nothing more is read
     std::optional<RawFrame> newest_;
     std::int64_t first_number_ = 0;  // the stream's, of frame 0
     std::int64_t read_ = 0;          // frames

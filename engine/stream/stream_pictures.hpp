@@ -1,5 +1,10 @@
 #pragma once
 
+// A stream's pictures out of its container: Matroska (matroska_pictures.cpp), MPEG-TS and HTTP Live Streaming
+// (labelled_pictures.cpp).
+
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,14 +13,35 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/scene/scene_description.hpp"
-#include "engine/stream/frameset_assembler.hpp"
-#include "engine/stream/stream_bytes.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/stream/receiving.hpp"
 
 namespace touchable {
 
-/// What a stream says of itself, and its pictures as they come, whatever container they are in.
+/// A decoded picture of a stream.
+struct StreamPicture {
+    PlaneRole role = PlaneRole::depth;
+    std::int64_t number = 0;    ///< of the first frame that shows it
+    std::int64_t frames = 1;    ///< that show it
+    std::int64_t taken_ns = 0;  ///< of that frame, by the sender's clock; 0: not known
+    Plane plane{};
+    std::int64_t step = 1;  ///< frames from one that was sent to the next
+};
+
+inline std::size_t bytes_of_plane(const PlaneView& plane) {
+    return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height) *
+           static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
+}
+
+/// The most pixels of a picture, and bytes of all pictures that wait for others.
+inline constexpr std::int64_t most_stream_pixels = std::int64_t{1} << 24U;
+inline constexpr std::size_t most_bytes_waiting = std::size_t{512} << 20U;
+
+/// The most bytes that are read of a header, and later up to the next packet.
+inline constexpr std::uint64_t most_of_a_header = std::uint64_t{2} << 20U,
+                               most_of_a_packet = std::uint64_t{256} << 20U;
+
+/// The facts and the pictures of a stream, in any container.
 class StreamPictures {
 public:
     virtual ~StreamPictures() = default;
@@ -23,9 +49,9 @@ public:
     virtual const SceneDescription& described() const = 0;
     virtual const std::string& scene_text() const = 0;
     virtual const FrameRate& rate() const = 0;
-    /// Of its planes, as far as they are known.
+    /// The roles of its planes, as far as they are known.
     virtual std::vector<PlaneRole> roles() const = 0;
-    /// Of those of which a picture came.
+    /// The tracks of which a picture came.
     virtual std::vector<TrackInfo> tracks() const = 0;
     virtual void leave_out_colour() = 0;
 
@@ -33,7 +59,7 @@ public:
         std::vector<StreamPicture> pictures{};  ///< planes as they were sent
         std::int64_t torn = 0;                  ///< pictures whose checksum is wrong
     };
-    /// Those that come next, which may be none; nothing once the sender has ended.
+    /// The pictures that come next, which may be none; nothing once the sender has ended.
     virtual Result<std::optional<Came>> next() = 0;
     /// Once it has ended: how, such as "closed the connection"; and whether that was not its end.
     virtual std::string how_it_ended() const = 0;
@@ -42,13 +68,13 @@ public:
     virtual std::optional<LevelFigures> levels() const { return std::nullopt; }
 };
 
-/// In our clips' own form; what labels its pictures lack, their times say. `described`: in place of its own
+/// In our clips' own form; a picture without a label is known by its time. `described`: in place of its own
 /// scene.
 Result<std::unique_ptr<StreamPictures>> open_matroska_pictures(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described);
 
-/// MPEG-TS, of which each picture says itself what it is (picture_message.hpp).
+/// MPEG-TS, of which each picture says what it is (PictureMessage).
 Result<std::unique_ptr<StreamPictures>> open_transport_stream(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described);
@@ -58,5 +84,44 @@ Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
                                                         std::shared_ptr<StreamWait> wait,
                                                         const std::optional<SceneDescription>& described,
                                                         std::function<std::int64_t()> now_ns = {});
+
+struct MatroskaHead;
+
+/// Stands between a stream in Matroska and FFmpeg, which allocates memory for every element that it meets
+/// before it looks at any. FFmpeg is given a header of which each part is there once and holds no more than a
+/// clip's has (16 tracks), and clusters of blocks, each whole and of bounded size. Anything else between and
+/// in clusters is left out. Where something is missing or damaged it goes on with the next cluster.
+class MatroskaGate final : public ByteFlow {
+public:
+    explicit MatroskaGate(std::shared_ptr<ByteFlow> source) : source_(std::move(source)) {}
+    Result<std::size_t> read(std::uint8_t* to, std::size_t count) override;
+    /// It has ended within an element, of which this is not given.
+    bool is_cut() const { return has_ended_ && there() > 0; }
+
+private:
+    enum class Place { before, segment, clusters };
+    Result<bool> step();
+    Result<bool> pass_beginning(const MatroskaHead& head);
+    Result<bool> pass_header(const MatroskaHead& head);
+    Result<bool> pass_block(const MatroskaHead& head);
+    Result<bool> begin_cluster(const MatroskaHead& head);
+    Result<bool> find_cluster(std::size_t from);
+    Result<bool> look_back();
+    Result<bool> leave_out(const MatroskaHead& head);
+    Result<bool> fill(std::size_t bytes);
+    std::size_t there() const { return in_.size() - at_; }
+    std::optional<std::size_t> cluster_in(std::size_t from, std::size_t end) const;
+    void give(std::size_t bytes);
+    Result<std::optional<MatroskaHead>> head();
+
+    const std::shared_ptr<ByteFlow> source_;
+    Place place_ = Place::before;
+    std::vector<std::uint8_t> in_, out_;
+    std::size_t at_ = 0, given_ = 0;  // bytes of them that are done with
+    std::size_t cluster_at_ = 0;      // behind the head of the last cluster
+    std::uint64_t header_bytes_ = 0;
+    std::array<bool, 4> seen_{};  // of a header's parts
+    bool has_ended_ = false;
+};
 
 }  // namespace touchable

@@ -6,7 +6,7 @@
 #include <optional>
 #include <system_error>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -14,11 +14,11 @@ namespace {
 struct Scheme {
     std::string_view words;
     StreamTransport transport;
-    std::string_view keys;  // that its query may have
+    std::string_view keys;  // allowed in its query
 };
 constexpr std::array schemes{
     Scheme{"tcp://", StreamTransport::tcp, ""},
-    Scheme{"http://", StreamTransport::http, "*"},  // they are the server's
+    Scheme{"http://", StreamTransport::http, "*"},  // the server's own
     Scheme{"https://", StreamTransport::http, "*"},
     Scheme{"srt://", StreamTransport::srt, " mode latency passphrase pbkeylen streamid "},
     Scheme{"udp://", StreamTransport::udp, " localaddr "},
@@ -39,7 +39,7 @@ std::optional<int> port_of(std::string_view digits) {
     return port;
 }
 
-/// What stands before a path and a query: "HOST:PORT", "[::1]:PORT"; of the web also without a port.
+/// The part before path and query: "HOST:PORT", "[::1]:PORT"; for HTTP also without a port.
 bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url) {
     const std::size_t bracket = authority.starts_with('[') ? authority.find(']') : 0;
     if (bracket == std::string_view::npos) return false;
@@ -60,7 +60,7 @@ bool read_authority(std::string_view authority, bool needs_port, StreamUrl& url)
     return true;
 }
 
-/// For messages: without what only both ends shall know.
+/// For messages: without user, password and passphrase.
 std::string without_secrets(std::string_view words) {
     std::string said(words);
     const std::size_t scheme = said.find("://"), user = said.find('@');

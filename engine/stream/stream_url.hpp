@@ -1,5 +1,19 @@
 #pragma once
 
+// Names of streams. A stream is named by a URL: tcp://, http(s)://, srt://, udp://, or pipe: for a
+// descriptor. `read_stream_url` is the only place that parses one, and refuses what no transport can carry
+// out; it opens no connection and asks no name server. A StreamUrl is then handed to what receives
+// (receiving.hpp) or sends (sending.hpp). How it is used:
+//
+//   if (!is_stream_url(word)) ...;  // a file's name
+//   TRY_ASSIGN(const auto url, read_stream_url(word));
+//   open_stream_clip({.url = url});
+//
+// An SRT URL may have a passphrase, which no message, report or recording may show: messages use `name`, and
+// what quotes a word that may be a URL uses `without_passphrase`. FFmpeg and libsrt alone are given `text`.
+//
+// Everything here is a value or a pure function: any thread may call it.
+
 #include <string>
 #include <string_view>
 
@@ -7,41 +21,41 @@
 
 namespace touchable {
 
-/// What carries a stream's bytes.
+/// The transport of a stream's bytes.
 enum class StreamTransport { tcp, http, srt, udp, pipe };
 
-/// A stream as a person names it: "tcp://HOST:PORT", "http://HOST[:PORT]/PATH", "https://...",
+/// A stream's name, taken apart: "tcp://HOST:PORT", "http://HOST[:PORT]/PATH", "https://...",
 /// "srt://HOST:PORT[?key=value&...]", "udp://HOST:PORT", "pipe:" or "pipe:N" (a descriptor), "-".
 struct StreamUrl {
     StreamTransport transport = StreamTransport::tcp;
     std::string text;     ///< as FFmpeg takes it; "-" is "pipe:"
     std::string host;     ///< without brackets; empty: of this machine, or a pipe
-    int port = 0;         ///< 0: a pipe, or where one listens, any that is free
+    int port = 0;         ///< 0: a pipe, or, of an address to listen at, any free port
     std::string path;     ///< of http, with its "/"
     std::string query;    ///< behind "?"
     bool is_tls = false;  ///< https
 
-    /// As messages have it: without a passphrase.
+    /// The name for messages: without a passphrase.
     std::string name() const;
-    /// FFmpeg's protocols that it may use, as `protocol_whitelist`; none for SRT.
+    /// FFmpeg's `protocol_whitelist` for this URL; empty for SRT.
     std::string protocols() const;
-    /// Of HTTP Live Streaming: a playlist (.m3u8).
+    /// A playlist of HTTP Live Streaming (.m3u8).
     bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }
-    /// One of the query's values; empty: it has none.
+    /// The query's value of this key; empty where there is none.
     std::string value(std::string_view key) const;
 };
 
-/// A playlist of HTTP Live Streaming in a folder of this machine, as it lies on its way to a web server.
+/// A playlist of HTTP Live Streaming in a folder of this machine.
 StreamUrl playlist_in_folder(const std::string& file);
 
-/// Whether a person's word is meant as one, whatever its rest looks like: it begins as above.
+/// Whether a word is meant as a stream's URL: it begins like one, however its rest reads.
 bool is_stream_url(std::string_view words);
 
-/// A clip's name for reports: of a stream without its passphrase, of anything else as it is.
+/// A clip's name for reports: a stream's URL without its passphrase, any other name unchanged.
 std::string without_passphrase(const std::string& words);
 
-/// Opens nothing. Refused (ErrorKind::usage), by what would be right: another form, a port out of range, a
-/// key that the transport has not.
+/// Refuses (ErrorKind::usage) another form, a port out of range, and a key that the transport does not have;
+/// the message says what would be right.
 Result<StreamUrl> read_stream_url(std::string_view words);
 
 }  // namespace touchable

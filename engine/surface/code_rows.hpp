@@ -1,13 +1,131 @@
 #pragma once
 
+#ifdef __SSE2__
+#endif
+
+#include <emmintrin.h>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
+#include <vector>
 
-#include "engine/base/row_bands.hpp"
-#include "engine/scene/raw_frame.hpp"
-#include "engine/surface/code_line.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/vectors.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
+
+/// The fast path works in strips of 32 pixels of one row: the pixels of one validity word. Within a strip
+/// validity is a mask of 16 bits per pixel (all ones or none), as wide as a code, so that loops over both
+/// vectorise.
+inline constexpr int strip_pixels = 32;
+
+/// The bits of word `word` that lie inside a row of `width` pixels.
+inline std::uint32_t inside_bits(int width, int word) {
+    const int left = width - word * strip_pixels;
+    return left >= strip_pixels ? ~std::uint32_t{0} : (std::uint32_t{1} << left) - 1;
+}
+
+inline std::uint32_t bits_of_masks(const std::uint16_t* masks) {
+#ifdef __SSE2__
+    __m128i values[4];
+    std::memcpy(values, masks, sizeof(values));
+    const auto low = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(values[0], values[1])));
+    const auto high = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(values[2], values[3])));
+    return low | high << 16;
+#else
+    static constexpr std::uint16_t bit[16] = {1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
+                                              0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    std::uint16_t low = 0, high = 0;
+    for (int k = 0; k < 16; ++k) low = static_cast<std::uint16_t>(low | (masks[k] & bit[k]));
+    for (int k = 0; k < 16; ++k) high = static_cast<std::uint16_t>(high | (masks[16 + k] & bit[k]));
+    return low | std::uint32_t{high} << 16;
+#endif
+}
+
+inline void masks_of_bits(std::uint32_t bits, std::uint16_t* masks) {
+    static constexpr std::uint16_t bit[16] = {1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
+                                              0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    const auto low = static_cast<std::uint16_t>(bits), high = static_cast<std::uint16_t>(bits >> 16);
+    for (int k = 0; k < 16; ++k) masks[k] = (low & bit[k]) ? 0xFFFF : 0;
+    for (int k = 0; k < 16; ++k) masks[16 + k] = (high & bit[k]) ? 0xFFFF : 0;
+}
+
+/// As many values of 32 bits.
+template <class Narrow>
+struct Wide {
+    using Lanes [[gnu::vector_size(2 * sizeof(Narrow))]] = std::uint32_t;
+};
+
+/// The upper half of a product.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes high_product(const Lanes& a, const Lanes& b) {
+    return __builtin_convertvector((__builtin_convertvector(a, typename Wide<Lanes>::Lanes) *
+                                    __builtin_convertvector(b, typename Wide<Lanes>::Lanes)) >>
+                                       16,
+                                   Lanes);
+}
+
+/// CodeCurve::at of every lane.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes curve_at(const CodeCurve& curve, const Lanes& codes) {
+    const Lanes constant = Lanes{} + curve.constant;
+    if ((curve.linear | curve.quadratic) == 0) return constant;
+    const Lanes n = (curve.from_last ? curve.last - codes : codes) << curve.shift;
+    // Wide products are slow, and most curves lack one.
+    Lanes sum = constant;
+    if (curve.quadratic > 0) sum += high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + curve.quadratic);
+    if (curve.linear > 0) {
+        const Lanes sloped = high_product<Lanes>(n, Lanes{} + curve.linear);
+        sum = curve.falls ? sum - lesser<Lanes>(sum, sloped) : sum + sloped;
+    }
+    return lesser<Lanes>(sum, Lanes{} + std::uint16_t{code_curve_most});
+}
+
+/// One row of decoded pixels as windows of a filter read it: the border is repeated on both sides, on the
+/// right to the end of the memory, so that windows need no clamping and vectors no end. Codes of invalid
+/// pixels are 0.
+class CodeLine {
+public:
+    /// Windows reach `reach` pixels to each side, at most a strip. No allocation where it had the size.
+    void resize(int width, int reach);
+
+    /// Stored values of row `y`, by `coding`.
+    void decode(const PlaneView& depth, const DepthCoding& coding, int y, VectorUnit unit);
+    /// Row `y` of decoded pixels.
+    void copy(const SurfaceFrame& decoded, int y);
+
+    /// From the left end of the window around pixel 0; readable for `strips() + 1` strips.
+    const std::uint16_t* codes() const { return codes_.front().pixels; }
+    /// All ones where the pixel is invalid, as long as codes.
+    const std::uint16_t* invalid() const { return invalid_.front().pixels; }
+    /// Invalid pixels as bits, none outside the picture; a word per strip.
+    const std::uint32_t* holes() const { return holes_.data(); }
+    /// Per strip: whether a window around one of its pixels has an invalid one, as not 0.
+    const std::uint32_t* holes_near() const { return holes_near_.data(); }
+    int strips() const { return static_cast<int>(holes_.size()); }
+
+    void write_codes(std::uint16_t* codes) const;
+    void write_validity(std::uint32_t* validity) const;
+
+private:
+    struct alignas(64) Strip {
+        std::uint16_t pixels[strip_pixels];
+    };
+    void load(const PlaneView& depth, const DepthCoding& coding, int y);
+    void repeat_border(std::uint16_t* line) const;
+    void set_clean();
+    void look_near();
+    std::uint16_t* inside(std::vector<Strip>& line) { return line.front().pixels + reach_; }
+
+    int width_ = 0, reach_ = 0;
+    std::vector<Strip> codes_, invalid_;
+    std::vector<std::uint32_t> holes_, holes_near_;
+    bool clean_ = false;
+};
 
 /// What filters have made of a frame so far, by lines, for a window that reads those around its own.
 class LineSource {
@@ -62,5 +180,9 @@ private:
     const std::unique_ptr<LineSource> lines_;
     std::vector<CodeLine> line_;  // of each thread
 };
+
+/// A plan's filters as the CPU has them, one on top of the other: from stored values to codes and validity,
+/// of a whole picture or of any part of one.
+std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit);
 
 }  // namespace touchable

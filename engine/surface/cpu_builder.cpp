@@ -4,15 +4,14 @@
 #include <optional>
 #include <utility>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/surface/code_filters.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/surface/code_rows.hpp"
 #include "engine/surface/frame_changes.hpp"
-#include "engine/surface/patch_filter.hpp"
-#include "engine/surface/raw_check.hpp"
+#include "engine/surface/patches.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "engine/surface/tile_bounds.hpp"
 
 namespace touchable {
+
 namespace {
 
 /// They take about 50 us.

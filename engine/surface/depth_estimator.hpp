@@ -1,15 +1,22 @@
 #pragma once
 
+// What the first frames of a recording tell of the camera's depth, and the filters that suit it.
+//
+// A DepthEstimator looks at up to 16 frames, one call each: the steps in which depth is stored, whether they
+// are terraces, noise in time and over the picture, pixels that fly between surfaces, contours.
+// choose_filters makes of that the filters that a scene leaves open: it tries them on smooth patches of these
+// frames and keeps those with which a pen feels least that is not there.
+//
+// One thread at a time; a stop is heard between steps.
+
 #include <deque>
 #include <optional>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/surface/contour_estimator.hpp"
-#include "engine/surface/filter_search.hpp"
-#include "engine/surface/level_estimator.hpp"
-#include "engine/surface/noise_estimator.hpp"
+#include "engine/surface/estimators.hpp"
 
 namespace touchable {
 
@@ -71,5 +78,22 @@ private:
     std::deque<CodePicture> last_;  // cropped
     int added_ = 0;
 };
+
+/// Whether terrace removal is worth while: enough kappa with the measured levels, and room for it.
+bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
+
+/// Settles the filters that a scene's description leaves open, and TerraceRemoval::automatic, by what was
+/// measured of its frames; nothing measured: they stay off. Terraces are removed and temporal noise is
+/// averaged as the measured levels and noise say, where the scene does not state these. docs/real-depth.md
+/// has the measurements behind each rule.
+void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
+                    Scene& scene);
+
+/// Whether frames have to be measured for `settle_filters`.
+bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene);
+/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered so: by the temporal
+/// filter where neither scene nor frames say how noisy depth is.
+Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
+                            Scene& scene);
 
 }  // namespace touchable

@@ -1,8 +1,14 @@
 #include "engine/surface/mesh.hpp"
 
+#include <bit>
+#include <cerrno>
+#include <fstream>
 #include <limits>
+#include <string>
+#include <system_error>
 
 namespace touchable {
+
 namespace {
 
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
@@ -41,6 +47,66 @@ void add_cells(const std::vector<std::uint32_t>& upper, const std::vector<std::u
     }
 }
 
+/// Appends integers and IEEE floats low byte first, whatever the machine's own order.
+class LittleEndianWriter {
+public:
+    explicit LittleEndianWriter(std::ofstream& stream) : stream_(stream) { bytes_.reserve(block + 64); }
+    void put(std::uint8_t value) { put_bytes(value, 1); }
+    void put(std::uint32_t value) { put_bytes(value, 4); }
+    void put(float value) { put_bytes(std::bit_cast<std::uint32_t>(value), 4); }
+    void put(double value) { put_bytes(std::bit_cast<std::uint64_t>(value), 8); }
+    void flush() {
+        stream_.write(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+        bytes_.clear();
+    }
+
+private:
+    static constexpr std::size_t block = 1 << 16;
+
+    void put_bytes(std::uint64_t value, int count) {
+        for (int k = 0; k < count; ++k) bytes_.push_back(static_cast<char>(value >> (8 * k)));
+        if (bytes_.size() >= block) flush();
+    }
+
+    std::ofstream& stream_;
+    std::string bytes_;
+};
+
+std::string header(const Mesh& mesh, bool coloured, PlyCoordinates coordinates) {
+    const std::string type = coordinates == PlyCoordinates::double_precision ? "double" : "float";
+    std::string text = "ply\nformat binary_little_endian 1.0\n";
+    text += "comment scene units; X right, Y up, camera at the origin looking along -Z\n";
+    text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
+    for (const char* axis : {"x", "y", "z"}) text += "property " + type + " " + axis + "\n";
+    if (coloured)
+        for (const char* channel : {"red", "green", "blue"})
+            text += std::string("property uchar ") + channel + "\n";
+    text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
+    return text + "property list uchar int vertex_indices\nend_header\n";
+}
+
+void write_body(std::ofstream& stream, const Mesh& mesh, const PlaneView& colour,
+                PlyCoordinates coordinates) {
+    LittleEndianWriter out(stream);
+    for (std::size_t n = 0; n < mesh.positions.size(); ++n) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (coordinates == PlyCoordinates::double_precision)
+                out.put(mesh.positions[n][axis]);
+            else
+                out.put(static_cast<float>(mesh.positions[n][axis]));
+        if (colour.empty()) continue;
+        const int pixel = static_cast<int>(mesh.pixels[n]);
+        for (int channel = 0; channel < 3; ++channel)
+            out.put(
+                static_cast<std::uint8_t>(colour.sample(pixel % mesh.width, pixel / mesh.width, channel)));
+    }
+    for (const auto& triangle : mesh.triangles) {
+        out.put(std::uint8_t{3});
+        for (const std::uint32_t vertex : triangle) out.put(vertex);
+    }
+    out.flush();
+}
+
 }  // namespace
 
 Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene) {
@@ -54,6 +120,33 @@ Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene) {
         upper.swap(lower);
     }
     return mesh;
+}
+
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour, PlyCoordinates coordinates) {
+    if (!colour.empty() && (colour.width != mesh.width || colour.height != mesh.height ||
+                            colour.channels != 3 || colour.bytes_per_sample != 1))
+        return input_error(file.target().string() +
+                           ": the colours are not three channels of 8 bits of the mesh's picture, " +
+                           std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
+
+    if (auto usable = file.check(); !usable.ok()) return usable;
+    std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);
+    if (stream) {
+        stream << header(mesh, !colour.empty(), coordinates);
+        write_body(stream, mesh, colour, coordinates);
+        stream.close();
+    }
+    if (!stream)
+        return input_error(file.target().string() + ": cannot be written: " +
+                           std::error_code(errno, std::generic_category()).message());
+    return {};
+}
+
+Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour,
+                       PlyCoordinates coordinates) {
+    NewFile out(file);
+    if (auto written = write_ply(out, mesh, colour, coordinates); !written.ok()) return written;
+    return out.commit();
 }
 
 }  // namespace touchable

@@ -1,12 +1,20 @@
 #pragma once
 
+// A frame's surface as triangles, in memory and as a PLY file, for other programs.
+//
+// The mesh has a vertex for each pixel that is valid and two triangles for each cell, cut as the solver cuts
+// it. Pure functions, for any thread.
+
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 
 namespace touchable {
 
@@ -22,5 +30,15 @@ struct Mesh {
 
 /// Of a frame from any builder; `scene` is the one it was built for.
 Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene);
+
+enum class PlyCoordinates { single_precision, double_precision };
+
+/// Binary little-endian PLY: x, y, z in scene units, red, green, blue where there is a colour plane (3
+/// channels of 8 bits, of the mesh's picture), and triangles. Whoever owns `file` commits it.
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour = {},
+                       PlyCoordinates coordinates = PlyCoordinates::single_precision);
+/// The same, and gives it its name, over an earlier file.
+Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour = {},
+                       PlyCoordinates coordinates = PlyCoordinates::single_precision);
 
 }  // namespace touchable

@@ -3,9 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/scene/stored_code.hpp"
-#include "engine/surface/filter_plan.hpp"
-#include "engine/surface/raw_check.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {

@@ -1,14 +1,104 @@
 #pragma once
 
+// A RawFrame becomes a SurfaceFrame: decoded, filtered, bounded, in integers that are the same for every
+// builder.
+//
+// A FilterPlan is made of a Scene: it is the one place that says which filters there are, in which order, how
+// far each reaches, whether it remembers earlier frames and what its codes mean. Builders go by it:
+// make_reference_builder (plain code, for tests), make_cpu_builder (vectors, rows on several threads, and
+// frames that changed little built in part), make_lazy_builder (the paper's: pixels that are touched, when
+// they are touched), make_fallback_builder (another one, such as the GPU's, until it fails). engine/gpu has
+// the one for Vulkan.
+//
+// A builder is used by one thread at a time, and sees the frames of an epoch in order. It allocates only
+// until the first frames are built. Errors are lines about the frame (what is wrong with its planes).
+
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/base/vector_unit.hpp"
-#include "engine/scene/surface_frame.hpp"
+#include "engine/base/vectors.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
+
+/// Passes that fill holes from their rims.
+struct HoleFilling {
+    int passes = 0;
+    bool operator==(const HoleFilling&) const = default;
+};
+/// The lower median of a window of `side` x `side` pixels, 3 or 5.
+struct MedianWindow {
+    int side = 0;
+    bool operator==(const MedianWindow&) const = default;
+};
+
+/// Every builder has an overload for each, so that none of them can miss a new one.
+using Filter = std::variant<FlyingPixels, HoleFilling, MedianWindow, TemporalFilter, TerraceFilter>;
+
+struct PlannedFilter {
+    Filter filter;
+    /// How far away, along x and along y, a pixel may be that another one depends on; nothing where that may
+    /// be one of a frame before.
+    std::optional<int> reach;
+    DepthCoding coding;  ///< of the codes that it leaves
+    bool operator==(const PlannedFilter&) const = default;
+};
+
+/// What becomes of a scene's stored values: which filters they go through, in what order, how far each of
+/// them looks, what it remembers, and what the codes mean in the end. All builders go by it.
+struct FilterPlan {
+    /// Needs a scene that `validate` accepts.
+    explicit FilterPlan(const Scene& scene);
+
+    DepthCoding stored;                  ///< of the codes that stored values are
+    std::vector<PlannedFilter> filters;  ///< in order; empty: values are only decoded
+
+    const DepthCoding& coding() const { return filters.empty() ? stored : filters.back().coding; }
+    /// Of all filters together; nothing where one remembers frames before.
+    std::optional<int> reach() const;
+    bool remembers() const { return !reach(); }
+    /// Null where the scene does not ask for it.
+    template <class F>
+    const F* find() const {
+        for (const PlannedFilter& planned : filters)
+            if (const F* filter = std::get_if<F>(&planned.filter)) return filter;
+        return nullptr;
+    }
+    bool operator==(const FilterPlan&) const = default;
+};
+
+/// Refuses planes that are not of the scene's size, or whose samples are not what the scene says; the message
+/// names frame and plane.
+Result<void> check_raw_frame(const RawFrame& raw, const Scene& scene);
+
+/// The stored codes of a depth plane, row by row; of invalid pixels `invalid`.
+struct CodePicture {
+    static constexpr int invalid = -1;
+
+    int width = 0, height = 0;
+    std::vector<int> codes;
+
+    const int* row(int y) const {
+        return codes.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
+};
+CodePicture code_picture(const PlaneView& depth, const DepthCoding& coding);
+
+/// Codes of about the same depth are looked at together: 64, or an eighth of the first one where that is
+/// more. The code after those that begin with `first`.
+constexpr int end_of_window(int first) {
+    const int width = first / 8 > 64 ? first / 8 : 64;
+    return first + width < 65536 ? first + width : 65536;
+}
 
 /// RawFrame -> SurfaceFrame: decode, fill holes, median, temporal filter, terrace removal, tile bounds, all
 /// in integers (docs/conventions.md): every builder gives the same bits. An invalid pixel's code is 0, and so
@@ -46,5 +136,21 @@ std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPl
 /// it is asked for: the paper's way. The frame has no codes, validity or tiles of its own; its `vertices`
 /// answer instead. Refuses to build with a temporal filter (ErrorKind::input).
 std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene);
+
+/// Builds with `first` until that fails with ErrorKind::gpu; then with `second`, beginning with the very
+/// frame that failed: the same bits, so no frame and no force is lost. Other errors are passed on. `told` is
+/// called once, with a line for people ("frame 12: vkQueueSubmit2: ...; the cpu builder goes on"); its name
+/// says which of the two builds.
+std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBuilder> first,
+                                                      std::unique_ptr<SurfaceBuilder> second,
+                                                      std::function<void(const std::string&)> told);
+
+/// A frame's valid depths, row by row, scene units; the far plane where none is valid. Of a frame larger than
+/// 4096x4096 every so many pixels, evenly spread. Of a lazy frame all of it is built for that. Unfinished
+/// where it is asked to stop meanwhile.
+std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& frame);
+
+/// So many of them, of all (`share`: 0 to 1), are not above it. Needs one; changes their order.
+double quantile(std::vector<double>& depths, double share);
 
 }  // namespace touchable

@@ -1,10 +1,131 @@
 #include "engine/surface/temporal_filter.hpp"
 
 #include <algorithm>
-
-#include "engine/surface/validity_strip.hpp"
+#include <cstring>
 
 namespace touchable {
+
+namespace {
+
+/// Without comparing, see code_line.cpp: of `above` and `below` one is 0, and so is what is kept of it.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes smoothed(const Lanes& code, const Lanes& before, const Lanes& gate) {
+    const Lanes least = lesser(code, before), above = code - least, below = before - least;
+    const Lanes distance = above | below, narrow = lesser(distance, gate);
+    const Lanes tent = narrow + narrow - lesser<Lanes>(distance, gate + gate);
+    const Lanes kept = tent - ((tent + 3) >> 2);
+    return code - lesser(kept, above) + lesser(kept, below);
+}
+
+/// Of the pixels of a word, as bits: which have a code in this frame, which had one in the frame before,
+/// which keep that.
+struct WordBits {
+    std::uint32_t now, known, held;
+};
+
+/// All ones in lanes whose bit is set, from the lowest bit on. Vectors of their own, because masks that are
+/// written narrow and read wide wait for memory.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes lanes_of_bits(std::uint32_t bits) {
+    static constexpr std::uint16_t low[strip_pixels] = {
+        1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    static constexpr std::uint16_t high[strip_pixels] = {
+        0, 0, 0, 0, 0,    0,    0,    0,    0,      0,      0,      0,      0,      0,      0,      0,
+        1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    Lanes set = load_lanes<Lanes>(low) & (Lanes{} + static_cast<std::uint16_t>(bits));
+    if constexpr (lane_count < Lanes >> 16)
+        set |= load_lanes<Lanes>(high) & (Lanes{} + static_cast<std::uint16_t>(bits >> 16));
+    return Lanes{} - lesser<Lanes>(set, Lanes{} + std::uint16_t{1});
+}
+
+struct RowSmoothing {
+    const TemporalFilter& filter;
+    int width;
+    std::uint16_t* codes;
+    std::uint32_t* validity;
+    const TemporalRow& remembered;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        using Lanes = typename Kind::Lanes;
+        const int whole = width / strip_pixels;
+        for (int word = 0; word < whole; ++word) smooth_word<Lanes>(word, codes + word * strip_pixels);
+        if (const int rest = width % strip_pixels; rest > 0) {
+            std::uint16_t strip[strip_pixels] = {};
+            std::uint16_t* last = codes + whole * strip_pixels;
+            std::copy_n(last, rest, strip);
+            smooth_word<Lanes>(whole, strip);
+            std::copy_n(strip, rest, last);
+        }
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_word(int word, std::uint16_t* at) const {
+        std::uint16_t* before = remembered.codes + word * strip_pixels;
+        const std::uint32_t now = validity[word], known = remembered.known[word];
+        if ((now & known) == ~std::uint32_t{0}) {
+            smooth_all<Lanes>(at, before);
+            remembered.held_low[word] = remembered.held_high[word] = 0;
+            return;
+        }
+        const std::uint32_t held = ~now & known & ~(remembered.held_low[word] & remembered.held_high[word]);
+        smooth_some<Lanes>(at, before, {now, known, held});
+        validity[word] = remembered.known[word] = now | held;
+        count_held(word, held);
+    }
+
+    /// In two bits.
+    [[gnu::always_inline]] void count_held(int word, std::uint32_t held) const {
+        static_assert(temporal_hold_frames == 3);
+        std::uint32_t &low = remembered.held_low[word], &high = remembered.held_high[word];
+        high = held & (high ^ low);
+        low = held & ~low;
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_all(std::uint16_t* at, std::uint16_t* before) const {
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes code = finer_codes<Lanes>(at + k);
+            store<Lanes>(smoothed(code, load_lanes<Lanes>(before + k), curve_at(filter.gate, code)), at + k,
+                         before + k);
+        }
+    }
+    /// A pixel that is new, held or invalid is as far from itself as nothing.
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_some(std::uint16_t* at, std::uint16_t* before,
+                                            const WordBits& bits) const {
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes now = lanes_of_bits<Lanes>(bits.now >> k),
+                        held = lanes_of_bits<Lanes>(bits.held >> k);
+            const Lanes both = now & lanes_of_bits<Lanes>(bits.known >> k);
+            const Lanes old = load_lanes<Lanes>(before + k);
+            const Lanes code = (finer_codes<Lanes>(at + k) & now) | (old & held);
+            store<Lanes>(smoothed<Lanes>(code, (old & both) | (code & ~both), curve_at(filter.gate, code)),
+                         at + k, before + k);
+        }
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] Lanes finer_codes(const std::uint16_t* at) const {
+        const WorkingCodes& working = filter.working;
+        if (!working.table) return load_lanes<Lanes>(at) * static_cast<std::uint16_t>(working.factor);
+        std::uint16_t found[lane_count<Lanes>];
+        working.row(at, lane_count<Lanes>, found);
+        return load_lanes<Lanes>(found);
+    }
+    template <class Lanes>
+    [[gnu::always_inline]] void store(const Lanes& result, std::uint16_t* at, std::uint16_t* before) const {
+        store_lanes(result, at);
+        store_lanes(result, before);
+    }
+};
+
+}  // namespace
+
+void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
+                std::uint32_t* validity, const TemporalRow& remembered) {
+    run_vectors(unit, RowSmoothing{filter, width, codes, validity, remembered});
+}
 
 void TemporalSmoother::begin(const RawFrame& raw, RowBands& bands) {
     before_->begin(raw, bands);

@@ -4,10 +4,23 @@
 #include <optional>
 #include <vector>
 
+#include "engine/base/vectors.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/code_rows.hpp"
-#include "engine/surface/temporal_rows.hpp"
 
 namespace touchable {
+
+/// What is remembered of a row: finer codes, whole words of 32 of them, and a bit for each in words: whether
+/// there is one, and for how many frames it has only been held (low and high bit).
+struct TemporalRow {
+    std::uint16_t* codes;
+    std::uint32_t *known, *held_low, *held_high;
+};
+
+/// One row of a frame, `width` codes and their validity: codes as many times finer, smoothed, 0 where
+/// invalid. The row that is remembered becomes the same.
+void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
+                std::uint32_t* validity, const TemporalRow& remembered);
 
 /// Averages noise from frame to frame (docs/conventions.md). Remembers one frame: it must see all of them, in
 /// order.

@@ -1,12 +1,139 @@
 #include "engine/surface/terrace_filter.hpp"
 
-#include <algorithm>
 #include <cstring>
 
-#include "engine/surface/validity_strip.hpp"
-
 namespace touchable {
+
 namespace {
+
+/// As many values with a sign.
+template <class Bits>
+struct WithSign {
+    using Lanes [[gnu::vector_size(sizeof(Bits))]] = std::int16_t;
+};
+
+// 16 bits are enough, though second differences may leave them (terrace_range).
+
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes clamped(const Lanes& value, const Lanes& most) {
+    const Lanes below = value < most ? value : most;
+    return below > -most ? below : -most;
+}
+
+template <class Lanes>
+struct SecondDifferences {
+    Lanes across, down, falling, rising;
+};
+
+/// 16 times what a pass adds to a code. Tents are 2 clamped(d, gate) - clamped(d, 2 gate), summed before they
+/// are multiplied.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes levelling(const SecondDifferences<Lanes>& d, const Lanes& gate) {
+    const Lanes wide = gate + gate;
+    const Lanes straight = clamped(d.across, gate) + clamped(d.down, gate);
+    const Lanes straight_wide = clamped(d.across, wide) + clamped(d.down, wide);
+    const Lanes diagonal = clamped(d.falling, gate) + clamped(d.rising, gate);
+    const Lanes diagonal_wide = clamped(d.falling, wide) + clamped(d.rising, wide);
+    const Lanes half = straight + straight + diagonal - straight_wide;
+    return half + half - diagonal_wide;
+}
+
+/// The same place in three rows.
+struct Place {
+    const std::int16_t *up, *mid, *down;
+};
+
+/// Without a sign sums may wrap around.
+template <class Bits, class Lanes>
+[[gnu::always_inline]] inline Lanes pair_difference(const std::int16_t* a, const std::int16_t* b,
+                                                    const Bits& twice) {
+    return reinterpret_cast<Lanes>(load_lanes<Bits>(a) + load_lanes<Bits>(b) - twice);
+}
+
+template <class Bits, class Lanes>
+[[gnu::always_inline]] inline void find_differences(const Place& at, int step, SecondDifferences<Lanes>& d) {
+    const Bits centre = load_lanes<Bits>(at.mid), twice = centre + centre;
+    d.across = pair_difference<Bits, Lanes>(at.mid - step, at.mid + step, twice);
+    d.down = pair_difference<Bits, Lanes>(at.up, at.down, twice);
+    d.falling = pair_difference<Bits, Lanes>(at.up - step, at.down + step, twice);
+    d.rising = pair_difference<Bits, Lanes>(at.up + step, at.down - step, twice);
+}
+
+/// 0 where a tap does not count; `at`: masks.
+template <class Lanes>
+[[gnu::always_inline]] inline void leave_out_holes(const Place& at, int step, SecondDifferences<Lanes>& d) {
+    d.across &= ~(load_lanes<Lanes>(at.mid - step) | load_lanes<Lanes>(at.mid + step));
+    d.down &= ~(load_lanes<Lanes>(at.up) | load_lanes<Lanes>(at.down));
+    d.falling &= ~(load_lanes<Lanes>(at.up - step) | load_lanes<Lanes>(at.down + step));
+    d.rising &= ~(load_lanes<Lanes>(at.up + step) | load_lanes<Lanes>(at.down - step));
+}
+
+/// `away`: words from that of a centre to those of its taps.
+[[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word, int away) {
+    return (word[-away] | word[0] | word[away]) != 0;
+}
+
+/// TerraceFilter::gate_at and most_at of a row.
+struct RowGates {
+    const TerraceFilter& filter;
+    const std::int16_t* codes;
+    int words;
+    std::int16_t *gates, *most;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        using Bits = typename Kind::Lanes;
+        const Bits step = Bits{} + static_cast<std::uint16_t>(filter.step);
+        const Bits largest = Bits{} + std::uint16_t{TerraceFilter::most_level};
+        const Bits noise = Bits{} + static_cast<std::uint16_t>(3 * filter.noise);
+        for (int x = 0; x < words * strip_pixels; x += lane_count<Bits>) {
+            const Bits code = load_lanes<Bits>(codes + x);
+            Bits level = curve_at(filter.levels, code);
+            if (!filter.steps.is_zero()) level = greater<Bits>(level, curve_at(filter.steps, code));
+            level = lesser<Bits>(greater<Bits>(level >> filter.fraction, step), largest);
+            const Bits four = (level << 2) + noise, gate = (four + level) >> 2, limit = four >> 2;
+            std::memcpy(gates + x, &gate, sizeof(gate));
+            std::memcpy(most + x, &limit, sizeof(limit));
+        }
+    }
+};
+
+/// `has_levels`: gates differ from pixel to pixel.
+template <bool has_levels>
+struct RowLevelling {
+    const TerraceRow &above, &here, &below;
+    int words;
+    const TerracePass& pass;
+    std::int16_t* out;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        using Bits = typename Kind::Lanes;
+        using Lanes = typename WithSign<Bits>::Lanes;
+        static_assert(strip_pixels % lane_count<Bits> == 0);
+        const TerraceFilter& filter = pass.filter;
+        const Lanes even_gate = Lanes{} + static_cast<std::int16_t>(filter.gate_at(0, pass.step));
+        const int away = words_beyond(pass.step);
+        for (int word = 0; word < words; ++word) {
+            const bool has_holes = any_hole_near(above.holes + word, away) ||
+                                   any_hole_near(here.holes + word, away) ||
+                                   any_hole_near(below.holes + word, away);
+            for (int x = word * strip_pixels; x < (word + 1) * strip_pixels; x += lane_count<Bits>) {
+                SecondDifferences<Lanes> d;
+                find_differences<Bits>({above.codes + x, here.codes + x, below.codes + x}, pass.step, d);
+                if (has_holes)
+                    leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
+                const Bits centre = load_lanes<Bits>(here.codes + x);
+                Lanes gate = even_gate;
+                if constexpr (has_levels) gate = load_lanes<Lanes>(here.gates + x);
+                const Lanes sum = levelling(d, gate);
+                const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
+                                                : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
+                std::memcpy(out + x, &after, sizeof(after));
+            }
+        }
+    }
+};
 
 /// The finer codes of a strip, held near what they were before the passes, and 0 where they are not valid.
 /// All in 16 bits, as CPUs like it: passes cannot move a code by more than fits them.
@@ -32,6 +159,19 @@ void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const s
 }
 
 }  // namespace
+
+void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
+                std::int16_t* gates, std::int16_t* most) {
+    run_vectors(unit, RowGates{filter, codes, words, gates, most});
+}
+
+void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
+               int words, const TerracePass& pass, std::int16_t* out) {
+    if (pass.filter.is_even())
+        run_vectors(unit, RowLevelling<false>{above, here, below, words, pass, out});
+    else
+        run_vectors(unit, RowLevelling<true>{above, here, below, words, pass, out});
+}
 
 void TerraceRemover::begin(const RawFrame& raw, RowBands& bands) {
     before_->make_all(raw, bands, with_terraces_);
@@ -130,5 +270,67 @@ std::int16_t* TerraceRemover::codes(Work& work, int pass, int y) const {
     Ring& ring = work.rings[pass];
     return ring.codes.data() + pitch_ * (y % ring.count) + margin_;
 }
+
+template <int reach>
+TerracePatch<reach>::TerracePatch(int width, int height, int bx, int by)
+    : left_(std::max(bx * block - reach, 0)),
+      right_(std::min(bx * block + block - 1 + reach, width - 1)),
+      top_(std::max(by * block - reach, 0)),
+      bottom_(std::min(by * block + block - 1 + reach, height - 1)) {
+    std::memset(masks_, 0xFF, sizeof(masks_));
+    std::memset(holes_, 0xFF, sizeof(holes_));
+}
+
+template <int reach>
+void TerracePatch<reach>::set(int x, int y, std::uint16_t code, const TerraceFilter& filter) {
+    const int column = x - left_, line = y - top_;
+    before_[line][margin + column] = static_cast<std::int16_t>(filter.working.of(code));
+    masks_[line][margin + column] = 0;
+    holes_[line][beyond + column / strip_pixels] &= ~(std::uint32_t{1} << (column % strip_pixels));
+}
+
+/// What lies beyond the patch counts as outside. That is wrong where the picture goes on, and each pass
+/// carries it inward by its step: in all by the reach, which is just not to the block.
+template <int reach>
+void TerracePatch<reach>::level(const TerraceFilter& filter) {
+    const VectorUnit unit = usable_vector_units().front();
+    std::memcpy(codes_, before_, sizeof(codes_));
+    for (int line = 0; line <= bottom_ - top_; ++line)
+        find_gates(unit, filter, before_[line] + margin, words, gates_[line], most_[line]);
+    for (int pass = 0; pass < filter.passes(); ++pass) {
+        const int step = filter.tap_of(pass);
+        const bool is_last = pass + 1 == filter.passes();
+        for (int y = top_; y <= bottom_; ++y)
+            level_row(unit, row(codes_, step, y - step), row(codes_, step, y), row(codes_, step, y + step),
+                      words, {step, filter, is_last}, next_[y - top_] + margin);
+        std::memcpy(codes_, next_, sizeof(codes_));
+    }
+}
+
+template <int reach>
+bool TerracePatch<reach>::is_set(int x, int y) const {
+    return masks_[y - top_][margin + x - left_] == 0;
+}
+
+template <int reach>
+std::uint16_t TerracePatch<reach>::code(int x, int y) const {
+    const int line = y - top_, column = margin + x - left_;
+    const std::uint16_t was = static_cast<std::uint16_t>(before_[line][column]);
+    const int most = most_[line][x - left_], after = static_cast<std::uint16_t>(codes_[line][column]);
+    return static_cast<std::uint16_t>(std::clamp(after, 2 * (was - most), 2 * (was + most)));
+}
+
+template <int reach>
+TerraceRow TerracePatch<reach>::row(const std::int16_t (&codes)[side][pitch], int tap, int y) const {
+    const bool inside = y >= top_ && y <= bottom_;
+    const int line = inside ? y - top_ : 0, known = inside ? line : side;
+    return {codes[line] + margin, masks_[known] + margin, holes_[known] + beyond,
+            TerraceFilter::is_wide(tap) ? most_[line] : gates_[line]};
+}
+
+template class TerracePatch<16>;
+template class TerracePatch<32>;
+template class TerracePatch<64>;
+template class TerracePatch<128>;
 
 }  // namespace touchable

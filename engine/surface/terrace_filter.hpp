@@ -1,13 +1,42 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "engine/scene/terraces.hpp"
+#include "engine/base/vectors.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/code_rows.hpp"
-#include "engine/surface/terrace_rows.hpp"
 
 namespace touchable {
+
+/// A row of working codes, for one pass of terrace removal. Which pixels do not count, because they are
+/// invalid or outside, is said twice: as a mask for each (-1: does not count), and as a bit for each in words
+/// of 32. Codes and masks may be read as far as a tap is beyond both ends, which lie on whole words, where
+/// codes mean nothing and masks are -1; words_beyond words there may be read too, and are not 0.
+struct TerraceRow {
+    const std::int16_t *codes, *masks;
+    const std::uint32_t* holes;
+    const std::int16_t* gates;  ///< of the codes before all passes, in this one; unused where all are alike
+};
+/// Words of holes to either side of a row for taps up to so far away.
+constexpr int words_beyond(int tap) {
+    return (tap + 31) / 32;
+}
+
+/// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
+void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
+                std::int16_t* gates, std::int16_t* most);
+
+/// One pass over a row of `words` times 32 pixels: `above` and `below` are `step` rows away. Fills all of
+/// `out`; codes that do not count mean nothing. The last pass doubles codes, to 16 bits without a sign.
+struct TerracePass {
+    int step;
+    const TerraceFilter& filter;
+    bool is_last;
+};
+void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
+               int words, const TerracePass& pass, std::int16_t* out);
 
 /// Takes the terraces off quantised depth (docs/conventions.md). The passes go down a band of rows together,
 /// each as far behind the one before it as its taps reach, so that a row is still in the cache when it is
@@ -63,6 +92,48 @@ private:
     int words_ = 0;
     std::ptrdiff_t pitch_ = 0;
     std::vector<Work> work_;  // of each thread
+};
+
+/// The side of the blocks from which terraces are removed at a time. What is around a block costs as it does
+/// itself, so blocks grow with the reach. At half of it the few pixels below a finger, which lie in a block
+/// or two each way, cost the least.
+constexpr int terrace_block(int reach) {
+    return std::max(least_terrace_reach, reach / 2);
+}
+
+/// Terrace removal of a block of pixels, with all the pixels that it depends on, on the stack. `reach`: the
+/// filter's; of the farthest a patch takes 1.6 MB.
+template <int reach>
+class TerracePatch {
+public:
+    static constexpr int block = terrace_block(reach);
+
+    /// Block (bx, by) of a picture; its pixels and those of the patch are named as the picture's.
+    TerracePatch(int width, int height, int bx, int by);
+    int left() const { return left_; }
+    int right() const { return right_; }  ///< the last column of the patch
+    int top() const { return top_; }
+    int bottom() const { return bottom_; }
+
+    /// To be called for every valid pixel of the patch, with its code by the scene's coding.
+    void set(int x, int y, std::uint16_t code, const TerraceFilter& filter);
+    void level(const TerraceFilter& filter);
+    bool is_set(int x, int y) const;
+    /// After `level`: the finer code of a pixel of the block that was set.
+    std::uint16_t code(int x, int y) const;
+
+private:
+    static constexpr int side = block + 2 * reach, margin = reach / 2, beyond = words_beyond(margin);
+    static constexpr int words = (side + strip_pixels - 1) / strip_pixels;
+    static constexpr int pitch = words * strip_pixels + 2 * margin;
+
+    TerraceRow row(const std::int16_t (&codes)[side][pitch], int tap, int y) const;
+
+    int left_, right_, top_, bottom_;
+    std::int16_t before_[side][pitch] = {}, codes_[side][pitch] = {}, next_[side][pitch] = {};
+    std::int16_t gates_[side][words * strip_pixels], most_[side][words * strip_pixels];
+    std::int16_t masks_[side + 1][pitch];  // the last row of both: outside
+    std::uint32_t holes_[side + 1][words + 2 * beyond];
 };
 
 }  // namespace touchable

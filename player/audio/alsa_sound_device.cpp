@@ -1,3 +1,7 @@
+#include "player/audio/window_sound.hpp"
+
+#ifdef TOUCHABLE_HAS_ALSA
+
 #include <alsa/asoundlib.h>
 
 #include <cmath>
@@ -7,8 +11,6 @@
 #include <vector>
 
 #include "engine/base/try.hpp"
-
-#include "player/audio/sound_device.hpp"
 
 namespace touchable {
 namespace {
@@ -83,3 +85,15 @@ Result<std::unique_ptr<SoundDevice>> SoundDevice::open() {
 }
 
 }  // namespace touchable
+
+#else
+
+namespace touchable {
+
+Result<std::unique_ptr<SoundDevice>> SoundDevice::open() {
+    return Error{ErrorKind::device, "built without it (ALSA: libasound2-dev)"};
+}
+
+}  // namespace touchable
+
+#endif

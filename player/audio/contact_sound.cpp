@@ -1,12 +1,11 @@
 #include "player/audio/contact_sound.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
+
 namespace {
 
 constexpr double rate = ContactSound::rate;

@@ -2,12 +2,110 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
-#include <utility>
 
-#include "engine/base/start_thread.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
+
+namespace {
+
+constexpr std::size_t samples_read = 4096;
+
+std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
+    const auto whole = [](float value) {
+        const float bounded = std::isfinite(value) ? std::clamp(value, -1.0F, 1.0F) : 0;
+        return static_cast<std::int16_t>(std::lround(bounded * 32767));
+    };
+    return {whole(sample.left), whole(sample.right)};
+}
+
+constexpr double samples_per_ns = SoundTrack::rate * 1e-9;
+constexpr double farthest = 0.06 * SoundTrack::rate;  // from where it should be, samples: beyond, it jumps
+constexpr double most_correction = 0.003, correction_s = 1;
+
+/// Between the second and the third of four, by Catmull and Rom's cubic.
+float between(const float* four, float share) {
+    const float a = four[3] - 3 * four[2] + 3 * four[1] - four[0];
+    const float b = 2 * four[0] - 5 * four[1] + 4 * four[2] - four[3];
+    const float c = four[2] - four[0];
+    return four[1] + 0.5F * share * (c + share * (b + share * a));
+}
+
+StereoSample at(std::span<const StereoSample> samples, double place) {
+    const auto first = static_cast<std::size_t>(place);
+    const auto share = static_cast<float>(place - static_cast<double>(first));
+    std::array<float, 4> left{}, right{};
+    for (std::size_t k = 0; k < 4; ++k) {
+        left[k] = samples[first + k].left;
+        right[k] = samples[first + k].right;
+    }
+    return {between(left.data(), share), between(right.data(), share)};
+}
+
+constexpr std::int64_t fade_ms = 60;            // of what sounded when a session ended
+constexpr std::int64_t longest_skip_ms = 1000;  // of ticks that are not known: longer, and the computer slept
+
+}  // namespace
+
+/// A track does not say how long it is: behind its end it is silent.
+Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesystem::path& file) {
+    const auto refuse = [&file](const std::string& why) {
+        return input_error(file.string() + ": " + why +
+                           "; right would be a sound of up to 60 s, such as a WAV file");
+    };
+    if (const auto there = GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file");
+        !there.ok())
+        return there.error();
+    TRY_ASSIGN(const auto track, SoundTrack::open(file));
+    if (!track) return refuse("has no sound");
+    auto sound = std::make_shared<SpokenSound>();
+    const auto most = static_cast<std::size_t>(longest_s * SoundTrack::rate);
+    std::size_t end = 0;  // behind the last that is heard
+    std::array<StereoSample, samples_read> samples{};
+    while (sound->samples.size() <= most) {
+        track->read(samples);
+        for (const StereoSample& sample : samples) {
+            sound->samples.push_back(in_16_bits(sample));
+            if (sound->samples.back() != std::array<std::int16_t, 2>{}) end = sound->samples.size();
+        }
+    }
+    if (track->is_damaged()) return refuse("its sound is damaged");
+    if (end > most) return refuse("is longer than 60 s");
+    if (end == 0) return refuse("is silent");
+    sound->samples.resize(end);
+    sound->samples.shrink_to_fit();
+    return std::shared_ptr<const SpokenSound>(std::move(sound));
+}
+
+void SpokenVoice::add(const SpokenSound* sound, std::uint32_t number, bool is_muted,
+                      ContactSound::Samples& to) {
+    constexpr float rise = 1.0F / 96, soften = 1.0F / 2400;  // shares of a sample: 2 ms and 50 ms
+    const bool is_another = sound && number != number_;
+    if (!is_another && !sound_ && others_ == 1) return;
+    for (StereoSample& sample : to) {
+        // What is said fades before another one begins.
+        if (is_another && volume_ == 0 && number_ != number) {
+            sound_ = sound;
+            number_ = number;
+            next_ = 0;
+        }
+        const bool goes_on = sound_ && number_ == (sound ? number : number_) && !is_muted;
+        volume_ = std::clamp(volume_ + (goes_on ? rise : -rise), 0.0F, 1.0F);
+        others_ = std::clamp(others_ + (goes_on ? -soften : soften), beside, 1.0F);
+        sample.left *= others_;
+        sample.right *= others_;
+        if (!sound_) continue;
+        const auto& [left, right] = sound_->samples[next_];
+        sample.left += volume_ * static_cast<float>(left) / 32767;
+        sample.right += volume_ * static_cast<float>(right) / 32767;
+        if (++next_ == sound_->samples.size()) {
+            sound_ = nullptr;
+            volume_ = 0;
+        }
+    }
+}
 
 ClipSound::~ClipSound() {
     {
@@ -109,33 +207,6 @@ void ClipSound::run() {
     }
 }
 
-namespace {
-
-constexpr double samples_per_ns = SoundTrack::rate * 1e-9;
-constexpr double farthest = 0.06 * SoundTrack::rate;  // from where it should be, samples: beyond, it jumps
-constexpr double most_correction = 0.003, correction_s = 1;
-
-/// Between the second and the third of four, by Catmull and Rom's cubic.
-float between(const float* four, float share) {
-    const float a = four[3] - 3 * four[2] + 3 * four[1] - four[0];
-    const float b = 2 * four[0] - 5 * four[1] + 4 * four[2] - four[3];
-    const float c = four[2] - four[0];
-    return four[1] + 0.5F * share * (c + share * (b + share * a));
-}
-
-StereoSample at(std::span<const StereoSample> samples, double place) {
-    const auto first = static_cast<std::size_t>(place);
-    const auto share = static_cast<float>(place - static_cast<double>(first));
-    std::array<float, 4> left{}, right{};
-    for (std::size_t k = 0; k < 4; ++k) {
-        left[k] = samples[first + k].left;
-        right[k] = samples[first + k].right;
-    }
-    return {between(left.data(), share), between(right.data(), share)};
-}
-
-}  // namespace
-
 /// Samples of the clip for one that is heard; brings the place to where the tick is.
 double ClipVoice::step_to(const HeardTick& tick) {
     const HeardClip& clip = tick.clip;
@@ -192,6 +263,66 @@ void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Sa
         sample.left = std::isfinite(sample.left) ? loudness * std::clamp(sample.left, -1.0F, 1.0F) : 0;
         sample.right = std::isfinite(sample.right) ? loudness * std::clamp(sample.right, -1.0F, 1.0F) : 0;
     }
+}
+
+void HeardTicks::push(const HeardTick& tick) {
+    const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
+    if (at - popped_.load(std::memory_order_acquire) >= ticks_.size()) return;
+    ticks_[at % ticks_.size()] = tick;
+    pushed_.store(at + 1, std::memory_order_release);
+}
+
+/// The tick to be heard now, where `wanted` more are to follow in this call.
+HeardTick HeardTicks::next(std::uint64_t wanted) {
+    std::uint64_t at = popped_.load(std::memory_order_relaxed);
+    const std::uint64_t end = pushed_.load(std::memory_order_acquire);
+    if (at == end) {
+        return ++bridged_ <= longest_bridge ? going_on(last_) : silence_after(last_);
+    }
+    HeardTick tick = ticks_[at++ % ticks_.size()];
+    while (end - at > wanted + slack) tick = merged(tick, ticks_[at++ % ticks_.size()]);
+    popped_.store(at, std::memory_order_release);
+    last_ = tick;
+    bridged_ = 0;
+    return tick;
+}
+
+void HeardTicks::fill(std::span<StereoSample> samples) {
+    if (!begun_) popped_.store(pushed_.load(std::memory_order_acquire), std::memory_order_release);
+    begun_ = true;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (played_ == samples_.size()) {
+            sound_.render(next((samples.size() - k) / samples_.size()), *clip_, samples_);
+            played_ = 0;
+        }
+        samples[k] = samples_[played_++];
+    }
+}
+
+void FilmedSound::render(const HeardTick& tick, ClipSound& clip) {
+    sound_.render(tick, clip, samples_);
+    keep_(next_ms_++ * ContactSound::samples_per_tick, samples_);
+}
+
+void FilmedSound::skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound& clip) {
+    const HeardTick silence = silence_after(tick);
+    for (std::int64_t k = 0; k < fade_ms && next_ms_ < now_ms; ++k) render(silence, clip);
+    next_ms_ = std::max(next_ms_, now_ms);
+}
+
+/// No tick comes before its time. Where one would be placed later than now, an earlier one had come late, so
+/// it is left out, but for what happened in it.
+void FilmedSound::take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms) {
+    if (aligns_.exchange(false, std::memory_order_relaxed) || passed > longest_skip_ms)
+        skip_to(now_ms, tick, clip);
+    else
+        for (std::int64_t k = passed; k > 1; --k) render(going_on(tick), clip);
+    const HeardTick now = early_ ? merged(*early_, tick) : tick;
+    early_.reset();
+    if (next_ms_ > now_ms)
+        early_ = now;
+    else
+        render(now, clip);
 }
 
 }  // namespace touchable

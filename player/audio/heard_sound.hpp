@@ -1,22 +1,60 @@
 #pragma once
 
+// The parts of what is heard, and their mixture.
+//
+// ClipSound decodes a clip's own track ahead on a thread of its own, and ClipVoice plays it at the clip's
+// moments and speed; SpokenSound is a short sound that is said, SpokenVoice says it; ContactSound is what
+// fingers feel. HeardSound is all three, a millisecond at a time. HeardTicks brings ticks from a session's
+// thread to the loudspeakers' thread, FilmedSound keeps a film's sound in step with its pictures.
+//
+// Each object is one thread's, but for what says "any thread".
+
 #include <array>
+#include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "engine/picture/sound_track.hpp"
+#include "engine/base/result.hpp"
+#include "engine/picture/sound.hpp"
 #include "player/audio/contact_sound.hpp"
-#include "player/audio/spoken_sound.hpp"
 
 namespace touchable {
+
+/// A short sound, whole in memory: two channels of 16 bits at 48 kHz. Never changed.
+struct SpokenSound {
+    static constexpr double longest_s = 60;
+    std::vector<std::array<std::int16_t, 2>> samples;
+
+    /// Of any file whose sound FFmpeg decodes, such as a WAV file. Refused (ErrorKind::input): one without
+    /// sound, or of more than `longest_s`.
+    static Result<std::shared_ptr<const SpokenSound>> read(const std::filesystem::path& file);
+};
+
+/// Says one sound after the other, each from its begin; what is heard besides is softer meanwhile.
+class SpokenVoice {
+public:
+    /// Adds the next millisecond to `to`. `sound` outlives it; null: none. `number`: another one begins it.
+    void add(const SpokenSound* sound, std::uint32_t number, bool is_muted, ContactSound::Samples& to);
+
+private:
+    static constexpr float beside = 0.35F;  // of what is heard besides
+    const SpokenSound* sound_ = nullptr;
+    std::uint32_t number_ = 0;
+    std::size_t next_ = 0;  // sample
+    float volume_ = 0;      // of what is said
+    float others_ = 1;      // of what is not
+};
 
 /// The sound track of the clip in the window. A thread decodes it, from where it was read last to two seconds
 /// after that.
@@ -91,6 +129,66 @@ private:
     ClipVoice clip_;
     float loudness_ = 1;  // of the tick before
     SpokenVoice spoken_;
+};
+
+/// Ticks on their way from a session's thread to a sound device's, where they become sound. Neither waits for
+/// the other, and neither allocates. Their clocks differ: where the device lags, ticks are merged; where it
+/// is ahead, the last one goes on for a little, and then fades.
+class HeardTicks {
+public:
+    explicit HeardTicks(std::shared_ptr<ClipSound> clip) : clip_(std::move(clip)) {}
+    /// What is said lives as long as this. Before anything else.
+    void keep(std::vector<std::shared_ptr<const SpokenSound>> sounds) { spoken_ = std::move(sounds); }
+    /// The session's thread. What finds no room is not heard.
+    void push(const HeardTick& tick);
+    /// The device's thread: the next samples. What came before the first call is not heard.
+    void fill(std::span<StereoSample> samples);
+
+    static constexpr std::size_t most_waiting = 256;
+    /// More than what a call needs waits for the next: sessions give ticks a few at a time.
+    static constexpr std::uint64_t slack = 12;
+    static constexpr int longest_bridge = 20;  ///< ticks that the last one goes on for
+
+private:
+    HeardTick next(std::uint64_t wanted);
+
+    std::array<HeardTick, most_waiting> ticks_{};
+    alignas(64) std::atomic<std::uint64_t> pushed_{0};
+    alignas(64) std::atomic<std::uint64_t> popped_{0};
+    // The device's.
+    alignas(64) HeardSound sound_;
+    std::shared_ptr<ClipSound> clip_;
+    std::vector<std::shared_ptr<const SpokenSound>> spoken_;
+    ContactSound::Samples samples_{};
+    std::size_t played_ = ContactSound::samples_per_tick;  // of `samples_`
+    HeardTick last_;
+    int bridged_ = longest_bridge;
+    bool begun_ = false;
+};
+
+/// Keeps the sound of a film in step with its pictures, while sessions end and others begin. Within a session
+/// ticks count the time, and come a few at a time; between two sessions the film's own clock does.
+class FilmedSound {
+public:
+    /// Takes samples; `first`: the number of the first of them in the film.
+    using Keep = std::function<void(std::int64_t first, std::span<const StereoSample>)>;
+    explicit FilmedSound(Keep keep) : keep_(std::move(keep)) {}
+
+    /// Another session begins, after a time without ticks. Any thread.
+    void align() { aligns_.store(true, std::memory_order_relaxed); }
+    /// As WindowSound::take has it; `now_ms`: of the film.
+    void take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);
+
+private:
+    void render(const HeardTick& tick, ClipSound& clip);
+    void skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound& clip);
+
+    Keep keep_;
+    std::atomic<bool> aligns_{true};
+    HeardSound sound_;
+    std::int64_t next_ms_ = 0;
+    std::optional<HeardTick> early_;  // what happened in ticks that were left out
+    ContactSound::Samples samples_{};
 };
 
 }  // namespace touchable

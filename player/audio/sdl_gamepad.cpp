@@ -1,3 +1,7 @@
+#include "player/audio/rumble.hpp"
+
+#ifdef TOUCHABLE_HAS_SDL2
+
 #define SDL_MAIN_HANDLED
 #include <SDL.h>
 
@@ -6,8 +10,6 @@
 #include <memory>
 #include <set>
 #include <string>
-
-#include "player/audio/gamepad.hpp"
 
 namespace touchable {
 namespace {
@@ -62,3 +64,15 @@ Result<std::unique_ptr<Gamepad>> Gamepad::open() {
 }
 
 }  // namespace touchable
+
+#else
+
+namespace touchable {
+
+Result<std::unique_ptr<Gamepad>> Gamepad::open() {
+    return Error{ErrorKind::device, "built without it (SDL2: libsdl2-dev)"};
+}
+
+}  // namespace touchable
+
+#endif

@@ -1,18 +1,11 @@
 #include "player/audio/window_sound.hpp"
 
-#include <algorithm>
-#include <array>
-#include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <mutex>
-#include <string>
-#include <utility>
-#include <vector>
+#include <glm/geometric.hpp>
 
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/audio/sound_device.hpp"
 
 namespace touchable {
 
@@ -71,6 +64,41 @@ void open_and_play(SoundOutput::Shared& shared) {
         shared.say("no sound any more: " + played.error().message);
 }
 
+constexpr std::uint32_t header_bytes = 44, sample_bytes = 4;
+constexpr std::uint32_t most_wav_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
+
+void put(std::string& to, std::uint32_t value, int bytes) {
+    for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 0xFFU);
+}
+
+void put(std::string& to, float value) {
+    put(to, static_cast<std::uint32_t>(std::lround(value * 32767)), 2);
+}
+
+std::string header_of(std::uint32_t bytes) {
+    std::string header = "RIFF";
+    put(header, header_bytes - 8 + bytes, 4);
+    header += "WAVEfmt ";
+    put(header, 16, 4);  // bytes of what follows
+    put(header, 1, 2);   // integers
+    put(header, 2, 2);   // channels
+    put(header, ContactSound::rate, 4);
+    put(header, ContactSound::rate * sample_bytes, 4);
+    put(header, sample_bytes, 2);
+    put(header, 16, 2);  // bits
+    header += "data";
+    put(header, bytes, 4);
+    return header;
+}
+
+constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is no sound
+
+constexpr double seconds_per_tick = 0.001;
+constexpr double creep = 1e-4;  // m/s: slower than that it is stuck
+/// From a session's begin on, in which forces come back by the guard's ramp: what is new then is the surface,
+/// and no finger has met it.
+constexpr std::int64_t settling_ticks = 100;
+
 }  // namespace
 
 SoundOutput::SoundOutput(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
@@ -99,37 +127,6 @@ std::string SoundOutput::state() const {
     const std::lock_guard lock(shared_->mutex);
     return shared_->state;
 }
-
-namespace {
-
-constexpr std::uint32_t header_bytes = 44, sample_bytes = 4;
-constexpr std::uint32_t most_wav_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
-
-void put(std::string& to, std::uint32_t value, int bytes) {
-    for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 0xFFU);
-}
-
-void put(std::string& to, float value) {
-    put(to, static_cast<std::uint32_t>(std::lround(value * 32767)), 2);
-}
-
-std::string header_of(std::uint32_t bytes) {
-    std::string header = "RIFF";
-    put(header, header_bytes - 8 + bytes, 4);
-    header += "WAVEfmt ";
-    put(header, 16, 4);  // bytes of what follows
-    put(header, 1, 2);   // integers
-    put(header, 2, 2);   // channels
-    put(header, ContactSound::rate, 4);
-    put(header, ContactSound::rate * sample_bytes, 4);
-    put(header, sample_bytes, 2);
-    put(header, 16, 2);  // bits
-    header += "data";
-    put(header, bytes, 4);
-    return header;
-}
-
-}  // namespace
 
 Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing,
                                                      std::string name) {
@@ -167,12 +164,6 @@ Result<void> SoundFile::finish() {
     if (auto begun = file_->write_over(0, header_of(samples)); !begun.ok()) return begun;
     return file_->finish();
 }
-
-namespace {
-
-constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is no sound
-
-}  // namespace
 
 Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          const std::optional<std::filesystem::path>& file,
@@ -236,6 +227,60 @@ std::string WindowSound::state() const {
 
 Result<void> WindowSound::finish() {
     return file_ ? file_->finish() : Result<void>();
+}
+
+HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
+    const Contact& contact = tick.contacts[finger];
+    const glm::dvec3& force = tick.forces[finger].force;
+    Before& before = before_[finger];
+    const double metres = tick.metres_per_scene_unit;
+    const double seconds = std::max(contact.ticks, 1) * seconds_per_tick;
+    const double newtons = glm::length(force), changed = glm::length(force - before.force);
+    HeardFinger heard;
+    heard.touching = contact.touching;
+    heard.share = static_cast<float>(tick.share(finger));
+    heard.newtons = static_cast<float>(newtons);
+    heard.stiffness = static_cast<float>(contact.properties.stiffness);
+    heard.side = static_cast<float>(2 * contact.pixel_x / width_ - 1);
+    if (contact.touching && !before.touching) {
+        // As fast as the finger came, or the surface to one that rests: how deep it is after a tick.
+        const glm::dvec3 depth = contact.proxy - contact.goal;
+        const double length = glm::length(depth);
+        const double came = length > 0 ? glm::dot(before.goal - contact.goal, depth) / length : 0;
+        heard.met = static_cast<float>(metres * std::max(came, length) / seconds);
+    }
+    const bool stays = contact.touching && before.touching && !contact.jumped && contact.carried_stiffness;
+    if (stays) {
+        const glm::dvec3 slipped = contact.proxy - contact.carried;
+        const double way = glm::length(slipped);
+        heard.slip = static_cast<float>(metres * way / seconds);
+        heard.change = static_cast<float>(changed / std::max(contact.ticks, 1));
+        // Friction is along the way, and what presses is across it.
+        const double along = way > 0 ? glm::dot(force, slipped) / way : 0;
+        heard.newtons = static_cast<float>(std::sqrt(std::max(newtons * newtons - along * along, 0.0)));
+        if (before.stuck && heard.slip > creep) heard.let_go = static_cast<float>(changed);
+    }
+    if (tick.tick < settling_ticks) heard.met = heard.change = heard.let_go = 0;
+    before = {contact.touching, stays && heard.slip <= creep, contact.goal, force};
+    return heard;
+}
+
+HeardClip TouchListener::hear_clip(std::int64_t tick) {
+    const PlaybackState state = clock_->state_at(tick);
+    return {state.playing && state.moment.time_ns < end_ns_, state.moment.time_ns, state.moment.epoch,
+            static_cast<float>(static_cast<double>(state.rate) / 1000)};
+}
+
+Result<void> TouchListener::take(const TouchTick& tick) {
+    HeardTick heard;
+    const std::size_t fingers = std::min(tick.contacts.size(), heard.fingers.size());
+    for (std::size_t k = 0; k < fingers; ++k) heard.fingers[k] = hear(tick, k);
+    const std::int64_t passed = tick.tick - last_tick_;
+    last_tick_ = tick.tick;
+    if (!begun_.load(std::memory_order_acquire)) return {};
+    heard.clip = hear_clip(tick.tick);
+    sound_.take(heard, passed);
+    return {};
 }
 
 }  // namespace touchable

@@ -1,27 +1,55 @@
 #pragma once
 
+// What is heard of a window, and what a gamepad's motors do.
+//
+// A session's TouchListener is its sink of ticks: it tells the WindowSound what each finger feels (a
+// HeardTick, as of contact_sound.hpp). WindowSound makes a sound of that and of the clip's own track, for
+// loudspeakers (SoundOutput, which a thread of its own feeds), for a WAV file, for a film (FilmedSound), and
+// hands the ticks to the gamepad (GamepadRumble).
+//
+// Ticks come by a session's thread, one session at a time; it neither waits nor allocates there. The window's
+// thread calls everything else, unless it says "any thread". A machine without sound or gamepad loses only
+// these: `state` says why in a few words.
+
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "player/audio/contact_sound.hpp"
-#include "player/audio/filmed_sound.hpp"
-#include "player/audio/gamepad_rumble.hpp"
-#include "player/audio/heard_ticks.hpp"
+#include "player/audio/heard_sound.hpp"
+#include "player/audio/rumble.hpp"
 #include "player/run/output_file.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
+
+/// Where samples at 48 kHz are heard: two channels of the system's own output. One thread's.
+class SoundDevice {
+public:
+    static constexpr int buffer = 1920;  ///< samples that wait in it: 40 ms
+
+    /// May take long where the system's sound does. Errors (ErrorKind::device) are a few words; so it is
+    /// where the program was built without ALSA.
+    static Result<std::unique_ptr<SoundDevice>> open();
+    virtual ~SoundDevice() = default;
+    /// Whether there is room for so many samples, after `longest` at most.
+    virtual Result<bool> wait_for(int samples, std::chrono::milliseconds longest) = 0;
+    virtual Result<void> write(std::span<const StereoSample> samples) = 0;
+};
 
 /// The system's loudspeakers (ALSA's "default", which PipeWire and PulseAudio stand behind where they run),
 /// on a thread of its own. Nobody waits for them, and nobody minds where there are none.
@@ -135,6 +163,39 @@ private:
     HeardSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
     ContactSound::Samples samples_{};
     std::optional<SoundOutput> output_;
+};
+
+/// Hears what the fingers of one session do.
+class TouchListener final : public TouchSink {
+public:
+    /// `sound` outlives it. `width`: of the clip, pixels.
+    TouchListener(WindowSound& sound, int width) : sound_(sound), width_(width) {}
+    /// Until then nothing is heard: one clip at a time, each after the session of the one before has ended.
+    /// `clock` is the clip's, which ends at `end_ns`.
+    void begin(PlaybackClock clock, std::int64_t end_ns) {
+        clock_ = std::move(clock);
+        end_ns_ = end_ns;
+        sound_.begin_session();
+        begun_.store(true, std::memory_order_release);
+    }
+    Result<void> take(const TouchTick& tick) override;
+
+private:
+    /// Of a finger, the tick before.
+    struct Before {
+        bool touching = false, stuck = false;
+        glm::dvec3 goal{0.0}, force{0.0};
+    };
+    HeardFinger hear(const TouchTick& tick, std::size_t finger);
+    HeardClip hear_clip(std::int64_t tick);
+
+    WindowSound& sound_;
+    int width_;
+    std::atomic<bool> begun_{false};
+    std::optional<PlaybackClock> clock_;  // once it has begun
+    std::int64_t end_ns_ = 0;
+    std::array<Before, HeardTick::most_fingers> before_{};
+    std::int64_t last_tick_ = -1;
 };
 
 }  // namespace touchable

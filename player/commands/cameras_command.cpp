@@ -4,7 +4,7 @@
 #include <iostream>
 #include <string>
 
-#include "engine/camera/camera_list.hpp"
+#include "engine/camera/camera.hpp"
 
 namespace touchable {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/commands/check_commands.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -16,15 +16,11 @@
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/commands/device_check.hpp"
-#include "player/commands/file_option.hpp"
 #include "player/commands/machine_facts.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/touch_trial.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/commands/vulkan_facts.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/run/interrupt.hpp"
-#include "player/run/memory.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 namespace {

@@ -3,13 +3,48 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "player/commands/camera_options.hpp"
+#include "engine/formats/source_description.hpp"
 #include "player/session/clip_choice.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
+
+/// What stands in for the scene file of pictures, as typed.
+struct CameraTyped {
+    std::optional<std::string> intrinsics, preset;
+    std::optional<double> fov, depth_unit;
+    std::optional<double> least_confidence;  ///< of add_clip_options
+};
+
+/// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.
+std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed);
+
+/// Nothing where none was typed. Refused (ErrorKind::usage) where numbers are none; a camera's file is read.
+Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed);
+
+/// --temporal, instead of the scene's own: as typed.
+CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& typed);
+
+/// The whole of a text; nothing where it is no number.
+std::optional<double> as_number(std::string_view text);
+/// C, or C and Q with `separator` between.
+std::optional<DepthLength> as_depth_length(std::string_view text, char separator);
+
+/// off, on (the noise is the scene's, or measured), or on with this noise: CONSTANT or CONSTANT,QUADRATIC.
+/// Refused (ErrorKind::usage) where it is none of these.
+Result<TemporalChoice> read_temporal(const std::string& typed);
+
+/// --filters, all at once instead of the scene's own: as typed.
+CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed);
+
+/// auto, off, or those that shall be on: `median[=3|5]`, `holes[=PASSES]`, `terraces`, `temporal[=C[+Q]]`,
+/// `flying=C[+Q]`,
+/// with commas between. Refused (ErrorKind::usage) where it is none of these.
+Result<FiltersChoice> read_filters(const std::string& typed);
 
 /// Which clip, and as what: as typed.
 struct ClipTyped {
@@ -27,5 +62,22 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 
 /// Refused (ErrorKind::usage) where words are not what they should be.
 Result<ClipChoice> read_clip(const ClipTyped& typed);
+
+/// --camera: what is touched in place of CLIP.
+CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session);
+
+/// --stale-after, ms.
+CLI::Option* add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds);
+
+/// --latency.
+CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session);
+
+/// CLIP, where it is a stream and the run is live, as the session's camera. A file on a web server stays a
+/// clip. Refused (ErrorKind::usage) is a latency of anything else.
+Result<void> read_live_stream(bool has_latency, SessionOptions& session);
+
+/// The camera that was typed, if one was, as the session's clip. Refused (ErrorKind::usage) beside a CLIP.
+Result<void> read_live_camera(bool has_clip, const std::optional<double>& stale_after_ms,
+                              SessionOptions& session);
 
 }  // namespace touchable

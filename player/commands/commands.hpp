@@ -1,12 +1,21 @@
 #pragma once
 
-#include "player/commands/command.hpp"
-
+namespace CLI {
+class App;
+}
 namespace CLI {
 class App;
 }
 
+#include <functional>
+
+#include "engine/base/result.hpp"
+
 namespace touchable {
+
+/// What the command line asked for, with its options filled in; an `add_*_command` sets it once its words are
+/// read.
+using Command = std::function<Result<void>()>;
 
 // Each adds the subcommand of its name to `app`; where a person types that one, it sets `command` to what
 // does it.
@@ -34,5 +43,12 @@ void add_compare_command(CLI::App& app, Command& command);
 void add_plot_command(CLI::App& app, Command& command);
 /// Which cameras are plugged in, and how they are touched.
 void add_cameras_command(CLI::App& app, Command& command);
+
+// As in player/commands/commands.hpp.
+
+/// What this machine is and whether it can do the work, or what a device does.
+void add_check_command(CLI::App& app, Command& command);
+/// Which devices are connected and whether they are ready, and every word that --device takes.
+void add_devices_command(CLI::App& app, Command& command);
 
 }  // namespace touchable

@@ -5,11 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/run/force_comparison.hpp"
-#include "player/run/memory.hpp"
+#include "engine/base/words.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/run/force_table.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 

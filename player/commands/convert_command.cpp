@@ -2,23 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
 #include <limits>
-#include <memory>
-#include <string>
 #include <string_view>
 
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/mp4_writer.hpp"
+#include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/fragmented_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/word_option.hpp"
 
 namespace touchable {
 
@@ -57,7 +48,7 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
 }
 
 /// "X,Y,WxH".
-Result<PixelBox> read_crop(const std::string& text) {
+Result<CropBox> read_crop(const std::string& text) {
     const auto refused = [&] {
         return usage_error(
             "--crop '" + printable(text) +
@@ -71,7 +62,7 @@ Result<PixelBox> read_crop(const std::string& text) {
     const auto y = read_whole_number("--crop", view.substr(first + 1, second - first - 1), 0, 16383);
     const auto size = read_pixel_size("--crop", view.substr(second + 1), 1, 16384);
     if (!x.ok() || !y.ok() || !size.ok()) return refused();
-    return PixelBox{*x, *y, size->width, size->height};
+    return CropBox{*x, *y, size->width, size->height};
 }
 
 Result<ClipForm> read_form(const std::filesystem::path& out) {

@@ -1,19 +1,24 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_part.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "player/commands/typed_numbers.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/run/force_table.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {
@@ -47,7 +52,7 @@ struct ConvertOptions {
     std::optional<ClipMoment> from;  ///< the first frame; nothing: the clip's
     std::optional<ClipMoment> to;    ///< the last frame, or the time at which it ends
     std::int64_t every = 1;
-    std::optional<PixelBox> crop;
+    std::optional<CropBox> crop;
     std::optional<PixelSize> size;
     /// What is made of the clip before it is written, such as relief; nothing: the clip as it is.
     std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};
@@ -62,5 +67,47 @@ struct ConvertOptions {
 /// is read once. What would lose
 /// more is refused (ErrorKind::usage) unless that is allowed, and then what is lost is told.
 Result<void> run_convert(const ConvertOptions& options);
+
+/// What values of one plane became: of each pixel as it was, and the nearest one that there is now.
+struct PlaneLoss {
+    std::int64_t samples = 0, changed = 0;
+    int largest = 0;     ///< of a stored value
+    double squares = 0;  ///< of them, summed up
+    // Of depth.
+    bool is_recoded = false;                        ///< values mean something else now: depths are compared
+    std::int64_t pixels = 0;                        ///< that have a depth in both
+    double largest_metres = 0, squares_metres = 0;  ///< of these
+    std::int64_t appeared = 0, disappeared = 0;     ///< pixels that have a depth, and had none; and had one
+
+    double rms() const { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0; }
+    double rms_metres() const {
+        return pixels > 0 ? std::sqrt(squares_metres / static_cast<double>(pixels)) : 0;
+    }
+};
+
+/// By PlaneRole.
+using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
+
+/// Adds what became of a frame of the scene `before` in one of the scene `now`, whose values mean the same;
+/// sizes may differ.
+void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
+
+/// The same of depth alone, whose values mean something else in each of both scenes (of one unit): what
+/// changes is a depth.
+void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
+                      PlaneLosses& losses);
+
+/// What was done, for a person.
+struct Converted {
+    std::vector<std::string> notes;  ///< what is told of the clip that was read
+    Scene scene;                     ///< of what was written
+    std::vector<TrackInfo> tracks;   ///< that it has
+    std::int64_t frames = 0;
+    PlaneLosses losses;
+    std::string sound;                      ///< what became of it; empty: there is none
+    std::optional<ForceComparison> forces;  ///< where values of what is touched were lost
+};
+
+std::string report_to_text(const ConvertOptions& options, const Converted& done);
 
 }  // namespace touchable

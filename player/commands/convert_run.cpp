@@ -1,41 +1,153 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "engine/base/byte_hash.hpp"
-#include "engine/base/number_words.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/mp4_writer.hpp"
-#include "engine/clip/plane_role.hpp"
-#include "engine/clip/resized_frame.hpp"
-#include "engine/formats/gltf_clip_writer.hpp"
-#include "engine/formats/image_folder_writer.hpp"
-#include "engine/formats/lerobot_coding.hpp"
-#include "engine/formats/lerobot_writer.hpp"
-#include "engine/formats/mp4_stills_writer.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/formats/scene_text_still.hpp"
-#include "engine/formats/video_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/picture/stored_sound.hpp"
+#include "engine/picture/sound.hpp"
+#include "engine/scene/frames.hpp"
 #include "player/commands/convert_command.hpp"
-#include "player/commands/convert_report.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/plane_loss.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
-#include "player/run/interrupt.hpp"
-#include "player/run/memory.hpp"
-#include "player/run/progress.hpp"
-#include "player/session/standard_stroke.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
 namespace {
+
+void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
+    loss.samples += std::int64_t{before.width} * before.height * before.channels;
+    if (same_samples(before, now)) return;
+    // The pixel of a smaller picture that stands for one of a larger.
+    const std::vector<int> columns = nearest_samples(now.width, before.width),
+                           rows = nearest_samples(now.height, before.height);
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x)
+            for (int channel = 0; channel < before.channels; ++channel) {
+                const int was = before.sample(x, y, channel),
+                          is = now.sample(columns[static_cast<std::size_t>(x)],
+                                          rows[static_cast<std::size_t>(y)], channel);
+                const int error = std::abs(is - was);
+                loss.changed += error != 0;
+                loss.largest = std::max(loss.largest, error);
+                loss.squares += static_cast<double>(error) * error;
+            }
+}
+
+/// Of a length along a pixel's ray, what of it is along the optical axis.
+double axis_share(const Camera& camera, int x, int y) {
+    const double right = (x - camera.cx) / camera.fx, down = (y - camera.cy) / camera.fy;
+    return 1 / std::sqrt(1 + right * right + down * down);
+}
+
+void add_depths(const PlaneView& before, const Scene& scene, const PlaneView& now, const Scene& recoded,
+                PlaneLoss& loss) {
+    const bool turns_to_axis = scene.depth.semantics != recoded.depth.semantics;
+    const std::vector<int> columns = nearest_samples(now.width, before.width),
+                           rows = nearest_samples(now.height, before.height);
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            const auto was = stored_code(before, scene.depth, x, y),
+                       is = stored_code(now, recoded.depth, columns[static_cast<std::size_t>(x)],
+                                        rows[static_cast<std::size_t>(y)]);
+            const bool was_there = scene.depth.is_valid(was), is_there = recoded.depth.is_valid(is);
+            loss.appeared += is_there && !was_there;
+            loss.disappeared += was_there && !is_there;
+            if (!was_there || !is_there) continue;
+            const double share = turns_to_axis ? axis_share(scene.camera, x, y) : 1;
+            const double metres =
+                std::abs(recoded.depth.depth(is) - scene.depth.depth(was) * share) * scene.metres_per_unit;
+            loss.changed += loss.is_recoded && metres > 0;
+            ++loss.pixels;
+            loss.largest_metres = std::max(loss.largest_metres, metres);
+            loss.squares_metres += metres * metres;
+        }
+}
+
+std::string how_stored(const TrackInfo& track, bool is_still) {
+    return track.codec + (is_still ? ", one picture for all frames" : "");
+}
+
+/// `may_be_exact`: the command has an option for that.
+std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
+    if (loss.changed == 0 && !resized) return "every value kept";
+    const std::string share =
+        formatted("%.3g %% of the values differ, by %d at most, RMS %.3g",
+                  100.0 * static_cast<double>(loss.changed) / static_cast<double>(loss.samples), loss.largest,
+                  loss.rms());
+    if (role == PlaneRole::colour)
+        return (resized ? "averaged: " : "as good as the eye can tell: ") + share +
+               (resized || !may_be_exact ? "" : " (--exact-colour keeps every value)");
+    std::string words = "LOST: of the pixels before, " + share + "; ";
+    if (role != PlaneRole::depth) return words.substr(0, words.size() - 2);
+    if (loss.is_recoded) words = "LOST: stored as other codes; ";
+    words += formatted("depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
+                       1000 * loss.rms_metres());
+    if (loss.appeared + loss.disappeared > 0)
+        words += formatted("; %lld pixels lost their depth, %lld without one have one now",
+                           static_cast<long long>(loss.disappeared), static_cast<long long>(loss.appeared));
+    return words;
+}
+
+std::string forces_in_words(const ForceComparison& forces) {
+    if (forces.both == 0) return "a standard stroke never touches both: what it feels cannot be compared";
+    return formatted(
+        "on a standard stroke %.2g degrees off on average, 95 %% at most %.2g; %.2g N, at most %.2g "
+        "of %.2g N (mean)",
+        forces.direction_degrees.mean, forces.direction_degrees.p95, forces.difference_n.mean,
+        forces.difference_n.max, forces.mean_a_n);
+}
+
+std::string line(const std::string& name, const std::string& words) {
+    return "  " + name + std::string(name.size() < 8 ? 8 - name.size() : 1, ' ') + words + "\n";
+}
+
+/// A still's files beside the one that was named.
+std::string files_beside(const ConvertOptions& options, const Converted& done) {
+    const bool is_text = options.form == ClipForm::scene_text;
+    const auto opens_it = is_text ? options.out : still_files(options.out)[1];
+    std::string words = opens_it.string() + " describes it, and is what opens it";
+    for (const TrackInfo& track : done.tracks)
+        if (is_text || track.role != "depth")
+            words += "; " + options.out.stem().string() + "_" + track.role + ".png is its " + track.role;
+    return words;
+}
+
+/// Those that a glTF scene names.
+std::string files_of_scene(const ConvertOptions& options, const Converted& done) {
+    const std::string stem = options.out.stem().string();
+    const bool has_colour = std::any_of(done.tracks.begin(), done.tracks.end(),
+                                        [](const TrackInfo& track) { return track.role == "colour"; });
+    std::string words = stem + ".bin";
+    if (done.frames > 1) words += ", " + stem + ".mp4";
+    if (done.frames > 1 || !has_colour) words += ", " + stem + ".png";
+    if (done.frames == 1)
+        for (const TrackInfo& track : done.tracks) words += ", " + stem + "_" + track.role + ".png";
+    return words + " lie beside it and belong to it";
+}
+
+std::string beside_lerobot_video(const ConvertOptions& options) {
+    return lerobot_info_file(options.out).string() +
+           " says what its codes are, for the features of a data set's meta/info.json; colour, haptic, "
+           "height "
+           "and sound are not in it";
+}
+
 namespace fs = std::filesystem;
 
 /// A folder that is there already: an empty one is filled, one that such a run wrote may be replaced.
@@ -479,6 +591,56 @@ Result<void> Conversion::run(std::string& at_work) {
 }
 
 }  // namespace
+
+void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses) {
+    for (const PlaneRole role : all_roles) {
+        const PlaneView &was = plane_of(before, role), &is = plane_of(now, role);
+        if (was.empty() || is.empty()) continue;
+        PlaneLoss& loss = losses[static_cast<std::size_t>(role)];
+        add_values(was, is, loss);
+        if (role == PlaneRole::depth && !same_samples(was, is)) add_depths(was, scene, is, scene, loss);
+    }
+}
+
+void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
+                      PlaneLosses& losses) {
+    PlaneLoss& loss = losses[static_cast<std::size_t>(PlaneRole::depth)];
+    loss.is_recoded = true;
+    loss.samples += std::int64_t{before.depth.width} * before.depth.height;
+    add_depths(before.depth, scene, now.depth, recoded, loss);
+}
+
+std::string report_to_text(const ConvertOptions& options, const Converted& done) {
+    const Scene& scene = done.scene;
+    const bool resized = options.size.has_value();
+    std::string text = options.out.string() + ": " + std::to_string(done.frames) +
+                       (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
+                       std::to_string(scene.height);
+    if (!is_one_frame(options.form))
+        text += formatted(
+            scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
+            scene.rate.per_second());
+    text += "\n";
+    for (const TrackInfo& track : done.tracks) {
+        const auto role = role_named(track.role);
+        if (!role) continue;
+        const bool is_still = done.frames > 1 && scene.folder && options.form == ClipForm::folder &&
+                              ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
+                               (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
+                               (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
+        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
+                                               !options.content) +
+                                     " (" + how_stored(track, is_still) + ")");
+    }
+    if (!done.sound.empty()) text += line("sound", done.sound);
+    if (done.forces) text += line("force", forces_in_words(*done.forces));
+    if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
+        text += line("scene", files_beside(options, done));
+    if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
+    if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
+    for (const std::string& note : done.notes) text += line("note", note);
+    return text;
+}
 
 Result<void> run_convert(const ConvertOptions& options) {
     std::string at_work = "the frames of " + options.clip.file.string();

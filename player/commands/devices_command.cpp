@@ -1,10 +1,10 @@
-#include "player/commands/check_commands.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 
-#include "device/device_list.hpp"
+#include "device/device_catalog.hpp"
 #include "device/udev_rules.hpp"
 
 namespace touchable {

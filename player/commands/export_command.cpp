@@ -1,5 +1,3 @@
-#include "player/commands/commands.hpp"
-
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstddef>
@@ -7,45 +5,115 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/picture/image_file.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/surface_frame.hpp"
-#include "engine/scene/temporal.hpp"
 #include "engine/surface/mesh.hpp"
-#include "engine/surface/mesh_file.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/commands.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/picture_options.hpp"
-#include "player/commands/staged_folder.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/run/interrupt.hpp"
-#include "player/run/memory.hpp"
-#include "player/run/progress.hpp"
-#include "player/session/builder_choice.hpp"
+#include "player/commands/run_options.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/session/filter_words.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 namespace {
+
+/// A folder whose files appear together: until `commit` nothing is to be seen of them, and a folder that was
+/// not there appears with all of them in it. Where it is there already, an error half-way puts back what was
+/// there before.
+class StagedFolder {
+public:
+    /// `place`: where the files shall be; made, with its parents, where it does not exist.
+    static Result<StagedFolder> create(const std::filesystem::path& place, Existing existing);
+
+    /// A file that shall have this name there: written to and closed before `commit`.
+    NewFile& add(const std::string& name);
+    std::size_t count() const { return files_.size(); }
+    /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
+    /// They are replaced from the last to the first and appear from the first to the last.
+    Result<void> commit(std::span<const char* const> names);
+
+private:
+    StagedFolder(std::filesystem::path place, std::filesystem::path ground, Existing existing);
+    Result<void> appear(std::span<const char* const> names);
+    Result<void> replace(std::span<const char* const> names);
+    /// Gives the files their names in `folder`.
+    Result<void> name_in(const std::filesystem::path& folder, std::span<const char* const> names);
+
+    std::filesystem::path place_;
+    std::filesystem::path ground_;  ///< the nearest folder that was there: `place_` or one above it
+    Existing existing_;
+    std::map<std::string, std::unique_ptr<NewFile>> files_;
+};
+
+namespace fs = std::filesystem;
+
+Error unwritable(const fs::path& place, const std::error_code& why) {
+    return input_error(place.string() + " cannot be written: " + why.message() + "; name a folder that can");
+}
+
+/// Files of a folder that make room for others; they go back unless `discard` says that they are not needed.
+class Aside {
+public:
+    explicit Aside(fs::path place) : place_(std::move(place)), folder_(hidden_name(place_)) {}
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+    ~Aside() {
+        std::error_code ignored;
+        for (const char* name : names_) fs::rename(folder_ / name, place_ / name, ignored);
+        if (made_) fs::remove(folder_, ignored);
+    }
+
+    /// Takes the file of that name, if there is one.
+    Result<void> take(const char* name, Existing existing) {
+        std::error_code failure;
+        const auto status = fs::symlink_status(place_ / name, failure);
+        if (!fs::exists(status)) return {};
+        if (existing == Existing::keep)
+            return input_error((place_ / name).string() + ": is there by now; it stays as it is");
+        if (fs::is_directory(status))
+            failure = std::make_error_code(std::errc::is_a_directory);
+        else if (!made_)
+            made_ = fs::create_directory(folder_, failure);
+        if (made_ && !failure) fs::rename(place_ / name, folder_ / name, failure);
+        if (failure) return unwritable(place_ / name, failure);
+        names_.push_back(name);
+        return {};
+    }
+
+    void discard() {
+        std::error_code ignored;
+        for (const char* name : std::exchange(names_, {})) fs::remove(folder_ / name, ignored);
+    }
+
+private:
+    fs::path place_, folder_;
+    bool made_ = false;
+    std::vector<const char*> names_;
+};
 
 /// Every file `write_frame_files` may write.
 constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
@@ -327,6 +395,71 @@ Result<void> run_export(const ExportOptions& options) {
 }
 
 }  // namespace
+
+Result<StagedFolder> StagedFolder::create(const fs::path& place, Existing existing) {
+    std::error_code failure;
+    fs::path whole = fs::absolute(place, failure).lexically_normal();
+    if (!whole.has_filename()) whole = whole.parent_path();
+    fs::path ground = whole;
+    while (!fs::exists(ground, failure) && ground.has_relative_path()) ground = ground.parent_path();
+    if (!fs::is_directory(ground, failure))
+        return unwritable(place, std::make_error_code(std::errc::not_a_directory));
+    return StagedFolder(whole, ground, existing);
+}
+
+StagedFolder::StagedFolder(fs::path place, fs::path ground, Existing existing)
+    : place_(std::move(place)), ground_(std::move(ground)), existing_(existing) {}
+
+NewFile& StagedFolder::add(const std::string& name) {
+    return *(files_[name] = std::make_unique<NewFile>(place_ / name, Existing::keep, ground_));
+}
+
+Result<void> StagedFolder::name_in(const fs::path& folder, std::span<const char* const> names) {
+    for (const char* name : names)
+        if (const auto file = files_.find(name); file != files_.end())
+            if (auto named = file->second->commit_as(folder / name); !named.ok()) return named;
+    return {};
+}
+
+Result<void> StagedFolder::appear(std::span<const char* const> names) {
+    std::error_code failure;
+    const fs::path above = place_.parent_path(), hidden = hidden_name(above);
+    fs::create_directories(above, failure);
+    if (!failure) fs::create_directory(hidden, failure);
+    Result<void> done;
+    if (failure) done = unwritable(place_, failure);
+    if (done.ok()) done = name_in(hidden, names);
+    if (done.ok())
+        if (const int why = move_to_free_name(hidden, place_))
+            done = unwritable(place_, std::error_code(why, std::generic_category()));
+    if (done.ok()) {
+        sync_folder(above);
+        return {};
+    }
+    fs::remove_all(hidden, failure);
+    // The folders made for it go again: remove() refuses those that are somebody's by now.
+    for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);
+    return done;
+}
+
+Result<void> StagedFolder::replace(std::span<const char* const> names) {
+    Aside aside(place_);
+    for (auto name = names.rbegin(); name != names.rend(); ++name)
+        if (auto taken = aside.take(*name, existing_); !taken.ok()) return taken;
+    auto done = name_in(place_, names);
+    if (done.ok()) {
+        aside.discard();
+        return {};
+    }
+    std::error_code ignored;
+    for (const auto& [name, file] : files_)
+        if (file->committed()) fs::remove(place_ / name, ignored);
+    return done;
+}
+
+Result<void> StagedFolder::commit(std::span<const char* const> names) {
+    return place_ == ground_ ? replace(names) : appear(names);
+}
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/formats/presets.hpp"
+#include "engine/formats/source_description.hpp"
 #include "player/commands/setting_words.hpp"
 
 namespace touchable {

@@ -12,26 +12,18 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/base/printable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/scene_text.hpp"
-#include "engine/scene/terraces.hpp"
-#include "engine/surface/filter_choice.hpp"
-#include "player/commands/camera_options.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/filter_facts.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/picture_options.hpp"
-#include "player/commands/verdict.hpp"
-#include "player/commands/verify_run.hpp"
-#include "player/run/memory.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/session/filter_words.hpp"
 
 namespace touchable {
 namespace {

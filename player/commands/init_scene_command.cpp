@@ -6,14 +6,13 @@
 #include <memory>
 #include <optional>
 
-#include "engine/base/new_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/commands/camera_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
 
 namespace touchable {

@@ -5,14 +5,11 @@
 #include <memory>
 #include <system_error>
 
-#include "engine/authoring/segment_names.hpp"
-#include "engine/base/given_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/authoring/segments.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/number_option.hpp"
-#include "player/window/plain_line.hpp"
-#include "player/window/touch_screens.hpp"
+#include "engine/base/words.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
 namespace {

@@ -1,3 +1,9 @@
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/avutil.h>
+}
+
 #include "player/commands/machine_facts.hpp"
 
 #include <pthread.h>
@@ -6,24 +12,144 @@
 #include <sys/prctl.h>
 #include <time.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <ostream>
 #include <thread>
+#include <utility>
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-#include <libavutil/avutil.h>
-}
-
-#include "engine/base/start_thread.hpp"
-#include "haptics_cpu/realtime.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
+#include "shaders/self_check.h"
+#include "shaders/self_check.spv.h"
 
 namespace touchable {
+
 namespace {
+
+constexpr std::uint32_t texels = 16384, words = 4 * texels;
+
+struct Bench {
+    std::shared_ptr<GpuDevice> gpu;
+    GpuProgram program;
+    GpuBuffer in, out;
+};
+
+Result<Bench> make_bench(const std::string& request) {
+    TRY_ASSIGN(auto gpu, GpuDevice::open({request, false}));
+    const GpuLayout layout = {sizeof(SelfCheckPush),
+                              {GpuBindingKind::uniform_texels, GpuBindingKind::storage_buffer},
+                              {SELF_CHECK_GROUP, 1, 1}};
+    TRY_ASSIGN(auto program, GpuProgram::create(*gpu, "self_check", self_check_spv, layout));
+    TRY_ASSIGN(auto in, GpuBuffer::create(*gpu, "self-check in", words * 4, GpuMemory::shared));
+    TRY_ASSIGN(auto out, GpuBuffer::create(*gpu, "self-check out", words * 4, GpuMemory::shared));
+    for (std::uint32_t i = 0; i < words; ++i) in.mapped<std::uint32_t>()[i] = i * i;
+    return Bench{std::move(gpu), std::move(program), std::move(in), std::move(out)};
+}
+
+Result<KernelRun> run(const Bench& bench, std::uint32_t salt) {
+    const auto begun = std::chrono::steady_clock::now();
+    TRY_ASSIGN(auto commands, GpuCommands::begin(bench.gpu, "self-check"));
+    commands.dispatch(bench.program, SelfCheckPush{texels, salt}, {bench.in, bench.out},
+                      {groups_for(texels, SELF_CHECK_GROUP)});
+    commands.mark("self_check");
+    TRY_ASSIGN(const auto submission, std::move(commands).submit());
+    TRY(submission.wait());
+
+    KernelRun facts;
+    facts.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
+    if (const auto times = submission.times(); !times.empty()) facts.device_ms = times.front().ms;
+    const auto in = bench.in.mapped<std::uint32_t>(), out = bench.out.mapped<std::uint32_t>();
+    facts.same_bits = true;
+    for (std::uint32_t i = 0; i < words; ++i)
+        if (out[i] != self_check_word(in[i], salt)) facts.same_bits = false;
+    return facts;
+}
+
+Result<KernelFacts> run_often(const Bench& bench) {
+    TRY_ASSIGN(const auto first, run(bench, 0));
+    std::array<KernelRun, KernelFacts::runs> later;
+    for (std::size_t i = 0; i < later.size(); ++i) {
+        TRY_ASSIGN(const auto next, run(bench, static_cast<std::uint32_t>(i) + 1));
+        later[i] = next;
+    }
+    return facts_of(first, later);
+}
+
+constexpr const char* indent = "          ";
+
+double mebibytes(std::uint64_t bytes) {
+    return static_cast<double>(bytes) / (1024 * 1024);
+}
+
+void print_device(std::ostream& out, const GpuFacts& gpu) {
+    out << gpu.name << ", " << name_of(gpu.kind);
+    if (const auto nickname = nickname_of(gpu.name); !nickname.empty()) out << " (" << nickname << ')';
+    out << ", Vulkan " << gpu.api;
+    if (!gpu.driver.empty()) out << ", driver " << gpu.driver << ' ' << gpu.driver_info;
+    for (const std::string& missing : gpu.missing)
+        out << (&missing == &gpu.missing.front() ? "; lacks " : ", ") << missing;
+    out << '\n';
+}
+
+void print_abilities(std::ostream& out, const GpuFacts& gpu) {
+    const GpuLimits& limits = gpu.limits;
+    out << indent << (gpu.unified_memory ? "memory shared with the CPU" : "memory of its own")
+        << (gpu.import_alignment > 0 ? ", imports the CPU's" : ", does not import the CPU's")
+        << (gpu.draws_triangles ? ", draws triangles" : ", draws no triangles")
+        << (gpu.int64_atomics ? ", 64-bit atomics" : ", no 64-bit atomics")
+        << (gpu.float64 ? ", doubles\n" : ", no doubles\n");
+    out << indent << "at most " << mebibytes(limits.max_allocation) << " MiB in a buffer, "
+        << mebibytes(limits.max_storage_buffer_range) << " MiB in a binding, "
+        << limits.max_texel_buffer_elements << " texels, " << limits.max_push_constants
+        << " bytes of push constants, workgroups of " << limits.max_group_invocations << ", subgroups of "
+        << limits.subgroup_size << '\n';
+}
+
+void print_kernel(std::ostream& out, const KernelFacts& kernel) {
+    out << indent << "a small kernel: " << (kernel.same_bits ? "the same bits" : "OTHER bits")
+        << " as the CPU's, " << kernel.least_ms << " ms at best and " << kernel.p50_ms
+        << " ms at the median of " << KernelFacts::runs << ", " << kernel.first_ms << " ms the first time";
+    if (kernel.least_device_ms) out << "; " << *kernel.least_device_ms << " ms on the device";
+    out << '\n';
+}
+
+nlohmann::ordered_json device_json(const GpuFacts& gpu) {
+    const GpuLimits& limits = gpu.limits;
+    return {{"name", gpu.name},
+            {"kind", name_of(gpu.kind)},
+            {"software", gpu.kind == GpuKind::software},
+            {"api", gpu.api},
+            {"driver", gpu.driver},
+            {"driver_info", gpu.driver_info},
+            {"missing", gpu.missing},
+            {"features",
+             {{"unified_memory", gpu.unified_memory},
+              {"import_alignment", gpu.import_alignment},
+              {"draws_triangles", gpu.draws_triangles},
+              {"int64_atomics", gpu.int64_atomics},
+              {"float64", gpu.float64}}},
+            {"limits",
+             {{"max_allocation", limits.max_allocation},
+              {"max_storage_buffer_range", limits.max_storage_buffer_range},
+              {"max_texel_buffer_elements", limits.max_texel_buffer_elements},
+              {"max_push_constants", limits.max_push_constants},
+              {"max_group_invocations", limits.max_group_invocations},
+              {"max_group_size", limits.max_group_size},
+              {"max_group_count", limits.max_group_count},
+              {"max_shared_memory", limits.max_shared_memory},
+              {"subgroup_size", limits.subgroup_size},
+              {"min_storage_buffer_alignment", limits.min_storage_buffer_alignment},
+              {"min_texel_buffer_alignment", limits.min_texel_buffer_alignment},
+              {"timestamp_period_ns", limits.timestamp_period_ns},
+              {"timestamp_bits", limits.timestamp_bits}}}};
+}
 
 constexpr long nanoseconds_per_second = 1'000'000'000;
 
@@ -46,6 +172,81 @@ bool may_run_realtime() {
 }
 
 }  // namespace
+
+KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later) {
+    KernelFacts facts;
+    facts.first_ms = first.ms;
+    facts.same_bits = first.same_bits;
+    facts.least_device_ms = first.device_ms;
+    std::vector<double> ms;
+    for (const KernelRun& run : later) {
+        ms.push_back(run.ms);
+        facts.same_bits = facts.same_bits && run.same_bits;
+        if (run.device_ms)
+            facts.least_device_ms = std::min(facts.least_device_ms.value_or(*run.device_ms), *run.device_ms);
+    }
+    std::sort(ms.begin(), ms.end());
+    facts.least_ms = ms.front();
+    facts.p50_ms = ms[ms.size() / 2];
+    return facts;
+}
+
+VulkanFacts vulkan_facts() {
+    VulkanFacts facts;
+    auto gpus = list_gpus();
+    if (!gpus.ok()) {
+        facts.unusable = gpus.error().message;
+        return facts;
+    }
+    facts.gpus = std::move(*gpus);
+    const auto chosen = choose_gpu(facts.gpus, "auto");
+    if (!chosen.ok()) {
+        facts.unusable = chosen.error().message;
+        return facts;
+    }
+    facts.used = *chosen;
+    const auto bench = make_bench(std::to_string(*chosen));
+    const Result<KernelFacts> kernel = bench.ok() ? run_often(*bench) : bench.error();
+    if (!kernel.ok()) {
+        facts.unusable = kernel.error().message;
+        return facts;
+    }
+    facts.kernel = *kernel;
+    if (!kernel->same_bits)
+        facts.unusable = "a kernel gives other bits than the CPU on " + facts.gpus[*chosen].name;
+    return facts;
+}
+
+void print_vulkan(std::ostream& out, const VulkanFacts& facts) {
+    for (std::size_t i = 0; i < facts.gpus.size(); ++i) {
+        out << (i == 0 ? "vulkan    " : indent) << i << ' ';
+        print_device(out, facts.gpus[i]);
+    }
+    if (facts.used) {
+        if (facts.gpus.size() > 1) out << indent << "auto is " << *facts.used << '\n';
+        print_abilities(out, facts.gpus[*facts.used]);
+    }
+    if (facts.kernel) print_kernel(out, *facts.kernel);
+    if (!facts.unusable.empty())
+        out << (facts.gpus.empty() ? "vulkan    " : indent) << facts.unusable << '\n';
+}
+
+nlohmann::ordered_json vulkan_json(const VulkanFacts& facts) {
+    nlohmann::ordered_json out;
+    out["usable"] = facts.unusable.empty();
+    if (!facts.unusable.empty()) out["unusable"] = facts.unusable;
+    out["devices"] = nlohmann::ordered_json::array();
+    for (const GpuFacts& gpu : facts.gpus) out["devices"].push_back(device_json(gpu));
+    if (facts.used) out["used"] = *facts.used;
+    if (facts.kernel) {
+        out["kernel"] = {{"same_bits", facts.kernel->same_bits},
+                         {"first_ms", facts.kernel->first_ms},
+                         {"least_ms", facts.kernel->least_ms},
+                         {"p50_ms", facts.kernel->p50_ms}};
+        if (facts.kernel->least_device_ms) out["kernel"]["least_device_ms"] = *facts.kernel->least_device_ms;
+    }
+    return out;
+}
 
 std::vector<std::string> ways_to_realtime(const std::string& user, const std::string& program) {
     const std::string priority = std::to_string(haptic_priority);

@@ -11,16 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/nearest_word.hpp"
-#include "engine/base/printable.hpp"
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/words.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "player/commands/check_commands.hpp"
-#include "player/commands/command.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/setting_words.hpp"
-#include "player/run/interrupt.hpp"
-#include "player/run/standard_output.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <system_error>
 
-#include "engine/base/printable.hpp"
 #include "engine/base/try.hpp"
-#include "player/commands/file_option.hpp"
+#include "engine/base/words.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
 namespace {

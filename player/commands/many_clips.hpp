@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 
 namespace CLI {

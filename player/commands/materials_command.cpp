@@ -1,25 +1,258 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "engine/base/given_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/authoring/materials.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
-#include "engine/picture/coded_image.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/picture/image.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "player/commands/file_option.hpp"
+#include "player/commands/convert_command.hpp"
 #include "player/commands/many_clips.hpp"
-#include "player/commands/materials_run.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/window/brush_words.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/run/terminal.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/window_command.hpp"
 
 namespace touchable {
 namespace {
+
+struct MaterialsOptions {
+    ClipChoice clip;
+    std::filesystem::path out;   ///< NAME.mkv, NAME.png; empty: segments are only told
+    std::filesystem::path save;  ///< where the segments' names are written; empty: nowhere
+    Existing existing = Existing::keep;
+    MaterialSettings materials{};             ///< of which `ranges` does not count
+    std::optional<std::int64_t> frame;        ///< that is told, or becomes NAME.png; nothing: the first
+    std::vector<std::filesystem::path> read;  ///< files that were read for this, beside the clip
+};
+
+/// Smaller segments that nobody named are not told one by one.
+constexpr std::int64_t told_permille = 5;
+
+std::string values_in_words(const HapticProperties& properties) {
+    return formatted("%.3g N/mm, friction %.3g and %.3g", properties.stiffness / 1000,
+                     properties.static_friction, properties.dynamic_friction);
+}
+
+std::string segment_line(const SeenSegment& segment, double of_pixels) {
+    std::string at = std::to_string(segment.at.x) + ',' + std::to_string(segment.at.y);
+    if (segment.at.frame > 0) at += ',' + std::to_string(segment.at.frame);
+    const std::string material = segment.paint.material.empty() ? "own values" : segment.paint.material;
+    std::string line = formatted("  %5d  %-14s %6.1f %%  #%02x%02x%02x  %-10s ", segment.label, at.c_str(),
+                                 100 * segment.pixels / of_pixels, segment.colour[0], segment.colour[1],
+                                 segment.colour[2], material.c_str());
+    line += segment.paint.is_guess       ? "guess"
+            : segment.paint.name.empty() ? "all others"
+                                         : printable(segment.paint.name);
+    return line + ": " + values_in_words(segment.paint.feel.properties) + '\n';
+}
+
+/// With cuts the segments were found before, and their time is not known.
+std::string report_in_words(const MaterialReport& report, const Scene& scene, bool has_cuts) {
+    const double of_pixels = static_cast<double>(scene.width) * scene.height;
+    std::vector<SeenSegment> told = report.segments;
+    std::erase_if(told, [&](const SeenSegment& segment) {
+        return (segment.paint.name.empty() || segment.paint.is_guess) &&
+               std::int64_t{1000} * segment.pixels < told_permille * scene.width * scene.height;
+    });
+    std::stable_sort(told.begin(), told.end(),
+                     [](const SeenSegment& a, const SeenSegment& b) { return a.pixels > b.pixels; });
+    std::string words = "  label  --at            share  colour   material\n";
+    bool guessed = false;
+    for (const SeenSegment& segment : told) {
+        words += segment_line(segment, of_pixels);
+        guessed = guessed || segment.paint.is_guess;
+    }
+    if (const std::size_t small = report.segments.size() - told.size(); small > 0)
+        words += "  and " + std::to_string(small) + " of less than half a per cent of the picture\n";
+    if (guessed)
+        words +=
+            "  Guesses are by colour and roughness alone. --material NAME=MATERIAL --at X,Y says what a "
+            "segment is; --list has the materials.\n";
+    if (report.compared > 0)
+        words +=
+            formatted("  steady   %.3f %% of the pixels change their segment from frame to frame\n",
+                      100.0 * static_cast<double>(report.changed) / static_cast<double>(report.compared));
+    if (report.seconds > 0 && !has_cuts)
+        words += formatted("  speed    %.1f frames/s for segments and materials\n",
+                           static_cast<double>(report.frames) / report.seconds);
+    return words;
+}
+
+/// What was used, so that --segments does the same: the names, and the guesses of the first frame, to be
+/// corrected.
+SegmentNames used_names(const MaterialReport& report, const SegmentNames& given) {
+    SegmentNames used;
+    used.otherwise = given.otherwise;
+    used.cuts = given.cuts;
+    for (const SeenSegment& segment : report.segments) {
+        const bool is_first_guess = segment.paint.is_guess && segment.at.frame == 0;
+        if (segment.paint.name.empty() && !is_first_guess) continue;
+        const auto known = std::find_if(used.segments.begin(), used.segments.end(), [&](const auto& name) {
+            return !segment.paint.name.empty() && name.name == segment.paint.name &&
+                   name.feel == segment.paint.feel && name.is_guess == segment.paint.is_guess;
+        });
+        if (known != used.segments.end()) {
+            known->at.push_back(segment.at);
+            continue;
+        }
+        NamedSegment name;
+        name.name =
+            segment.paint.name.empty() ? "segment " + std::to_string(segment.label) : segment.paint.name;
+        name.material = segment.paint.material;
+        name.feel = segment.paint.feel;
+        name.at = {segment.at};
+        name.is_guess = segment.paint.is_guess;
+        used.segments.push_back(std::move(name));
+    }
+    return used;
+}
+
+/// What is cut of materials that a clip's own ranges do not hold.
+void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
+    for (const SeenSegment& segment : report.segments) {
+        const auto say = [&](const char* what, double value, const PropertyRange& range) {
+            const double felt = std::clamp(value, range.min, range.max);
+            if (formatted("%.3g", felt) == formatted("%.3g", value)) return;
+            std::cout << "  note: segment " << segment.label << ": " << what << ' '
+                      << formatted("%.3g becomes %.3g", value, felt)
+                      << ", as the clip's haptic ranges have it; NAME.mkv keeps it\n";
+        };
+        const HapticProperties& properties = segment.paint.feel.properties;
+        say("stiffness", properties.stiffness / 1000, ranges.stiffness);
+        say("static friction", properties.static_friction, ranges.static_friction);
+        say("dynamic friction", properties.dynamic_friction, ranges.dynamic_friction);
+    }
+}
+
+class MaterialsRun {
+public:
+    explicit MaterialsRun(const MaterialsOptions& options) : options_(options) {}
+    Result<void> run();
+
+private:
+    Result<void> check_places(const ClipReader& clip);
+    Result<void> write_clip();
+    Result<void> look();
+    Result<Image> haptic_of(ClipReader& clip);
+    Result<void> save();
+
+    const MaterialsOptions& options_;
+    const std::shared_ptr<MaterialReport> report_ = std::make_shared<MaterialReport>();
+    std::unique_ptr<NewFile> saved_;
+    Scene scene_;              // as it was read
+    bool had_haptic_ = false;  // likewise
+};
+
+Result<void> MaterialsRun::check_places(const ClipReader& clip) {
+    std::vector<NamedFile> inputs, outputs;
+    if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+    for (const auto& file : options_.read) inputs.push_back({"a file that is read", file});
+    add_inputs(inputs, options_.clip.file, clip);
+    if (!options_.out.empty()) outputs.push_back({"OUT", options_.out});
+    if (!options_.save.empty()) outputs.push_back({"--save", options_.save});
+    if (auto free = check_outputs({outputs, options_.existing}, inputs); !free.ok()) return free;
+    if (options_.save.empty()) return {};
+    saved_ = std::make_unique<NewFile>(options_.save, options_.existing);
+    return saved_->check();
+}
+
+Result<void> MaterialsRun::write_clip() {
+    ConvertOptions convert;
+    convert.clip = options_.clip;
+    convert.out = options_.out;
+    convert.existing = options_.existing;
+    convert.made = {PlaneRole::haptic};
+    if (options_.materials.scale_relief) convert.made.push_back(PlaneRole::height);
+    convert.content = [this](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
+        TRY(check_places(*clip));
+        scene_ = clip->scene();
+        for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
+        return with_materials(std::move(clip), options_.materials, begin_segments, report_);
+    };
+    if (auto written = run_convert(convert); !written.ok()) return written;
+    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
+    if (options_.materials.scale_relief && had_haptic_)
+        std::cout
+            << "  note: CLIP has haptic pictures already: where --scale-relief made them with its heights, "
+               "these are scaled twice now\n";
+    return {};
+}
+
+/// The picture of the frame that is asked for; all before it are followed.
+Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
+    const std::int64_t wanted = options_.frame.value_or(0);
+    Progress progress("looking at frame", wanted + 1);
+    for (std::int64_t number = 0;; ++number) {
+        if (interrupted()) return interrupted_error();
+        progress.at(number + 1);
+        TRY_ASSIGN(const auto frame, clip.next());
+        if (!frame)
+            return usage_error("--frame " + std::to_string(wanted) + " is beyond the clip, which has " +
+                               std::to_string(number) + " frames");
+        if (number < wanted) continue;
+        const PlaneView& haptic = frame->haptic;
+        Image image{haptic.width, haptic.height, 1, 3, {}};
+        for (int y = 0; y < haptic.height; ++y)
+            image.samples.insert(image.samples.end(), haptic.row(y), haptic.row(y) + 3 * haptic.width);
+        return image;
+    }
+}
+
+/// Tells of one frame, and writes its haptic picture where that is asked for.
+Result<void> MaterialsRun::look() {
+    TRY_ASSIGN(auto clip, options_.clip.open());
+    if (auto free = check_places(*clip); !free.ok()) return free;
+    if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
+        return usage_error("OUT " + options_.out.string() +
+                           " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
+                           "holds them all");
+    scene_ = clip->scene();
+    MaterialSettings settings = options_.materials;
+    if (!options_.out.empty()) settings.ranges = scene_.haptic;
+    TRY_ASSIGN(auto felt, with_materials(std::move(clip), settings, begin_segments, report_));
+    TRY_ASSIGN(const auto haptic, haptic_of(*felt));
+    if (!options_.out.empty()) {
+        NewFile file(options_.out, options_.existing);
+        if (auto fits = file.check(); !fits.ok()) return fits;
+        if (auto written = write_png(file, haptic.view(), PngColours::indexed_if_few); !written.ok())
+            return written;
+        if (auto named = file.commit(); !named.ok()) return named;
+        std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)
+                  << " feels like, for touchable play " << shell_word(options_.clip.file.string())
+                  << " --haptic " << shell_word(options_.out.string()) << '\n';
+        say_what_is_cut(*report_, scene_.haptic);
+    }
+    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
+    return {};
+}
+
+Result<void> MaterialsRun::save() {
+    if (!saved_) return {};
+    const auto text = segment_names_to_json(used_names(*report_, options_.materials.names));
+    if (auto written = saved_->write(text); !written.ok()) return written;
+    if (auto named = saved_->commit(); !named.ok()) return named;
+    std::cout << "  saved    " << options_.save.string() << ", for --segments\n";
+    return {};
+}
+
+Result<void> MaterialsRun::run() {
+    const bool is_clip = options_.out.extension() == ".mkv";
+    if (auto done = is_clip ? write_clip() : look(); !done.ok()) return done;
+    return save();
+}
 
 constexpr std::int64_t last_segment_frame = 999'999'999;
 
@@ -109,6 +342,31 @@ Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& op
             "--haptic does nothing here: materials make haptic pictures of their own; touchable convert lays "
             "a "
             "map under a clip");
+    return {};
+}
+
+/// Writes the clip with what its segments feel like, or one frame's haptic picture, or nothing; and tells of
+/// the segments, their materials and how steady they are.
+Result<void> run_materials(const MaterialsOptions& options) {
+    return MaterialsRun(options).run();
+}
+
+/// The palette, a line for each material.
+Result<void> print_palette() {
+    std::cout << "material    stiffness  static, dynamic friction  relief  from\n";
+    for (const PaletteMaterial& material : palette())
+        std::cout << formatted("%-10s  %4.2f N/mm             %4.2f, %5.3f    %3d %%  ",
+                               std::string(material.name).c_str(), material.stiffness,
+                               material.static_friction, material.dynamic_friction, material.relief)
+                  << "stiffness: " << material.stiffness_source << "; friction: " << material.friction_source
+                  << '\n';
+    std::cout
+        << "As stiff as the device can: " << as_stiff_as_the_device
+        << " N/mm, and what a device renders less of is limited to what it does.\n"
+           "HaTT: medians of the kinetic friction of a tool's tip, Culbertson, Lopez Delgado and "
+           "Kuchenbecker, IEEE Haptics Symposium 2014. Zhang and Mak: In vivo friction properties of human "
+           "skin, Prosthetics and Orthotics International 23, 1999.\n"
+           "Static friction, four thirds of the dynamic one, and relief are estimates.\n";
     return {};
 }
 

@@ -6,10 +6,7 @@
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/commands/word_option.hpp"
-#include "player/draw/scale_bar.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
 namespace {

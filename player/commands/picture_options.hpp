@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/draw/scene_picture.hpp"
-#include "player/session/builder_choice.hpp"
+#include "player/draw/pictures.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace CLI {
 class App;

@@ -14,28 +14,20 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/authoring/segment_names.hpp"
-#include "engine/base/given_file.hpp"
-#include "engine/base/printable.hpp"
+#include "engine/authoring/segments.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/stream/stream_url.hpp"
-#include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/device_options.hpp"
-#include "player/commands/file_option.hpp"
 #include "player/commands/kiosk_options.hpp"
-#include "player/commands/live_camera_option.hpp"
-#include "player/commands/number_option.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/picture_options.hpp"
-#include "player/commands/playback_options.hpp"
+#include "player/commands/run_options.hpp"
 #include "player/commands/setting_words.hpp"
-#include "player/commands/typed_numbers.hpp"
 #include "player/session/touch_figures.hpp"
-#include "player/window/kept_settings.hpp"
-#include "player/window/own_folder.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/playlist.hpp"
+#include "player/window/user_files.hpp"
 
 namespace touchable {
 namespace {

@@ -16,11 +16,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/given_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/picture_options.hpp"
 
 namespace touchable {

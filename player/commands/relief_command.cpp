@@ -8,10 +8,8 @@
 #include "player/commands/commands.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/many_clips.hpp"
-#include "player/commands/number_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/session/relief_choice.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 namespace {

@@ -1,27 +1,409 @@
+#include <poll.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <ctime>
 #include <filesystem>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/stream/stream_audience.hpp"
+#include "engine/base/words.hpp"
+#include "engine/picture/sound.hpp"
+#include "engine/stream/sending.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/number_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/serve_run.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/session/camera_words.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/run/output_file.hpp"
+#include "player/run/terminal.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 namespace {
+
+/// What is sent, and where to.
+struct ServeOptions {
+    ClipChoice clip;  ///< of which filters do not count
+    std::vector<StreamUrl> urls;
+    bool loop = false;
+    int listeners = 0;  ///< that are there before it begins
+    std::optional<std::int64_t> longest_ns;
+    bool mpegts = false;  ///< over SRT: as stock tools read it
+    std::optional<HlsSettings> hls;
+    std::optional<std::filesystem::path> json;
+    Existing existing = Existing::keep;  ///< of `json`
+};
+
+constexpr std::chrono::milliseconds serve_look_again{5};
+
+std::int64_t cpu_ns() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
+}
+
+/// Listeners do not wait for whoever reads these lines, or does not.
+void say_served(const std::string& line) {
+    constexpr std::size_t longest = 500;
+    pollfd errors{STDERR_FILENO, POLLOUT, 0};
+    if (poll(&errors, 1, 0) != 1) return;
+    std::cerr << printable(line, longest) + '\n';
+}
+
+/// As whoever listens has to name it: of all addresses of this machine one.
+std::string to_be_played(std::string address) {
+    for (const std::string_view any : {"//0.0.0.0:", "//[::]:", "//:"})
+        if (const auto at = address.find(any); at != std::string::npos)
+            return address.replace(at, any.size(), "//HOST:");
+    return address;
+}
+
+/// Of an address in figures: what listens there is reached from this machine alone.
+bool is_own_machine(const std::string& address) {
+    for (const std::string_view own : {"//127.", "//localhost:", "//[::1]:", "//[::ffff:127."})
+        if (address.find(own) != std::string::npos) return true;
+    return false;
+}
+
+/// After the line that says where it listens.
+void say_who_may_listen(const std::string& address) {
+    if (is_own_machine(address)) return;
+    say_served(address +
+               " is open to ANY machine that reaches it: each program that connects gets all that "
+               "is sent (127.0.0.1 keeps it on this machine)");
+}
+
+/// A stream of one form.
+struct ServedForm {
+    StreamRing ring;
+    std::unique_ptr<StreamMuxer> muxer;  // until the sender has it
+};
+
+class Serving {
+public:
+    explicit Serving(const ServeOptions& options) : options_(options) {}
+    ~Serving();
+    Serving(const Serving&) = delete;
+    Serving& operator=(const Serving&) = delete;
+    Result<void> run();
+
+private:
+    Result<void> open_clip();
+    Result<void> open_forms();
+    Result<void> open_places();
+    std::optional<SoundPart> sound();
+    void say_where() const;
+    Result<void> send();
+    std::optional<Error> lost_camera() const;
+    void wait_for_the_last() const;
+    bool is_all_given() const;
+    nlohmann::ordered_json hls_as_json() const;
+    nlohmann::ordered_json report_as_json() const;
+    std::string report_in_words() const;
+    Result<void> report();
+
+    const ServeOptions& options_;
+    std::unique_ptr<OutputFile> json_;
+    std::unique_ptr<ClipReader> clip_;
+    bool is_live_ = false;
+    std::vector<std::string> notes_;
+    StreamAudience audience_{say_served};
+    std::optional<ServedForm> matroska_, mpegts_;
+    std::unique_ptr<HlsWriter> hls_;
+    StreamRing nobody_;  // listens to what goes into a folder
+    std::unique_ptr<StreamServer> server_;
+    std::vector<std::unique_ptr<SrtOutput>> outputs_;
+    SteadySenderTime time_;
+    std::unique_ptr<StreamSender> sender_;
+    std::thread thread_;
+    std::int64_t cpu_ns_ = 0, begin_ns_ = 0, end_ns_ = 0;
+};
+
+Serving::~Serving() {
+    if (sender_) sender_->end();
+    if (thread_.joinable()) thread_.join();
+}
+
+Result<void> Serving::open_clip() {
+    TRY_ASSIGN(auto clip, options_.clip.open());
+    clip_ = std::move(clip);
+    is_live_ = clip_->is_live();
+    notes_ = remarks_with_options(remarks_of(*clip_));
+    if (!options_.json) return {};
+    std::vector<NamedFile> inputs;
+    if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+    add_inputs(inputs, options_.clip.file, *clip_);
+    const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
+    if (auto checked = check_outputs(outputs, inputs); !checked.ok()) return checked;
+    TRY_ASSIGN(auto json, OutputFile::create("--json", *options_.json, options_.existing));
+    json_ = std::move(json);
+    return {};
+}
+
+/// That goes along, in Matroska.
+std::optional<SoundPart> Serving::sound() {
+    const std::filesystem::path file = is_live_ ? std::filesystem::path() : sound_file_of(*clip_);
+    const auto found = sound_of(file);
+    if (!found) return std::nullopt;
+    if (!found->storable || mpegts_)
+        notes_.push_back("its sound (" + found->codec + ") " +
+                         (found->storable ? "goes along in Matroska, not in MPEG-TS"
+                                          : "does not go along: Matroska cannot hold it"));
+    if (!found->storable) return std::nullopt;
+    const std::int64_t frames = clip_->frame_count().value_or(std::int64_t{1} << 32);
+    return SoundPart{file, 0, clip_->scene().rate.time_ns(frames)};
+}
+
+Result<void> Serving::open_forms() {
+    bool has_matroska = false, has_mpegts = false;
+    for (const StreamUrl& url : options_.urls) {
+        const bool is_mpegts = options_.mpegts && url.transport == StreamTransport::srt;
+        (is_mpegts ? has_mpegts : has_matroska) = true;
+    }
+    const SceneDescription described = clip_->described();
+    if (has_mpegts) {
+        TRY_ASSIGN(auto muxer, make_mpegts_muxer(described));
+        mpegts_.emplace().muxer = std::move(muxer);
+    }
+    const auto heard = sound();
+    if (options_.hls) {
+        TRY_ASSIGN(auto writer, HlsWriter::open(*options_.hls, described, heard));
+        hls_ = std::move(writer);
+    }
+    if (!has_matroska) return {};
+    TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
+    matroska_.emplace().muxer = std::move(muxer);
+    return {};
+}
+
+Result<void> Serving::open_places() {
+    std::vector<StreamUrl> listened;
+    for (const StreamUrl& url : options_.urls) {
+        if (url.transport != StreamTransport::srt) {
+            listened.push_back(url);
+            continue;
+        }
+        TRY_ASSIGN(auto output,
+                   SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_));
+        outputs_.push_back(std::move(output));
+    }
+    if (!listened.empty()) {
+        TRY_ASSIGN(auto server, StreamServer::open(listened, matroska_->ring, audience_));
+        server_ = std::move(server);
+        if (auto started = server_->start(); !started.ok()) return started;
+    }
+    say_where();
+    for (const auto& output : outputs_)
+        if (auto started = output->start(); !started.ok()) return started;
+    return {};
+}
+
+void Serving::say_where() const {
+    if (hls_) {
+        const auto master = options_.hls->folder / hls_master_name;
+        say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
+    }
+    if (server_)
+        for (const std::string& address : server_->addresses()) {
+            say_served("listening on " + address + ": touchable play " + to_be_played(address));
+            say_who_may_listen(address);
+        }
+    for (const auto& output : outputs_) {
+        const std::string& address = output->address();
+        say_served(output->calls() ? "sending to " + address
+                                   : "listening on " + address + ": touchable play " +
+                                         to_be_played(address.substr(0, address.find('?'))));
+        if (!output->calls() && !output->is_encrypted()) say_who_may_listen(address);
+    }
+}
+
+Result<void> Serving::send() {
+    while (audience_.there() < options_.listeners) {
+        if (interrupted()) return interrupted_error();
+        std::this_thread::sleep_for(serve_look_again);
+    }
+    std::vector<StreamChannel> channels;
+    for (auto* const form : {&matroska_, &mpegts_})
+        if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
+    if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
+    const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
+    const SendSettings settings{options_.loop, options_.longest_ns, is_paced};
+    sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
+    begin_ns_ = time_.now_ns();
+    cpu_ns_ = cpu_ns();
+    Result<void> sent;
+    std::atomic<bool> is_over{false};
+    const auto work = [this, &sent, &is_over] {
+        sent = sender_->run();
+        is_over = true;
+    };
+    if (auto started = start_thread(thread_, "stream-sender", "that reads and encodes", work); !started.ok())
+        return started;
+    while (!is_over && !interrupted()) std::this_thread::sleep_for(serve_look_again);
+    if (interrupted()) sender_->end();
+    thread_.join();
+    for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
+    if (hls_ && sender_->figures().framesets > 0 && (sent.ok() || interrupted()))
+        if (auto finished = hls_->finish(); !finished.ok() && sent.ok()) sent = finished;
+    if (!interrupted() && sent.ok()) wait_for_the_last();
+    cpu_ns_ = cpu_ns() - cpu_ns_;
+    end_ns_ = time_.now_ns();
+    return interrupted() ? interrupted_error() : std::move(sent);
+}
+
+bool Serving::is_all_given() const {
+    for (const auto& output : outputs_)
+        if (!output->is_over()) return false;
+    return !server_ || server_->connections() == 0;
+}
+
+/// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT with
+/// the longest latency.
+void Serving::wait_for_the_last() const {
+    const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
+    const auto until = std::chrono::steady_clock::now() + longest;
+    while (!is_all_given() && !interrupted() && std::chrono::steady_clock::now() < until)
+        std::this_thread::sleep_for(serve_look_again);
+}
+
+/// A camera has no end of its own, as a recording that plays one has.
+std::optional<Error> Serving::lost_camera() const {
+    if (!options_.clip.plugged || !sender_->figures().clip_ended || interrupted()) return std::nullopt;
+    const auto remarks = sender_->remarks();
+    return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
+}
+
+/// What each viewer fetches, a live one with both playlists once a segment.
+nlohmann::ordered_json Serving::hls_as_json() const {
+    const HlsFigures& all = hls_->figures();
+    const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
+    const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
+    const bool is_live = options_.hls->window_ns > 0;
+    const std::int64_t renditions = all.colour_bytes > 0 ? 2 : 1;
+    nlohmann::ordered_json json{
+        {"folder", options_.hls->folder.string()},
+        {"segments", all.segments},
+        {"seconds", seconds},
+        {"colour_bytes_per_second", each(all.colour_bytes)},
+        {"touch_bytes_per_second", each(all.touch_bytes)},
+        {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
+        {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
+    if (options_.hls->has_low) {
+        json["low_colour_bytes_per_second"] = each(all.low_colour_bytes);
+        json["low_touch_bytes_per_second"] = each(all.low_touch_bytes);
+    }
+    return json;
+}
+
+nlohmann::ordered_json Serving::report_as_json() const {
+    const SendFigures& sent = sender_->figures();
+    const auto each = [&sent](double all) {
+        return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
+    };
+    constexpr double ms = 1e-6;
+    std::int64_t folder_bytes = 0;
+    if (hls_) {
+        const HlsFigures& all = hls_->figures();
+        folder_bytes = all.colour_bytes + all.touch_bytes + all.low_colour_bytes + all.low_touch_bytes;
+    }
+    nlohmann::ordered_json report{
+        {"format", 1},
+        {"clip", options_.clip.file.string()},
+        {"notes", notes_},
+        {"seconds", static_cast<double>(end_ns_ - begin_ns_) * 1e-9},
+        {"framesets", sent.framesets},
+        {"keys", sent.keys},
+        {"rounds", sent.rounds},
+        {"bytes_per_frameset", each(static_cast<double>(sent.bytes + folder_bytes))},
+        {"cpu_ms_per_frameset", each(static_cast<double>(cpu_ns_) * ms)},
+        {"latest_ms", static_cast<double>(sent.latest_ns) * ms},
+        {"held_up_ms", static_cast<double>(sent.held_up_ns) * ms},
+        {"listeners_in_all", audience_.all()},
+    };
+    auto listeners = nlohmann::ordered_json::array();
+    for (const ListenerFigures& each_one : audience_.gone()) {
+        nlohmann::ordered_json figures{{"name", each_one.name},
+                                       {"sent", each_one.sent},
+                                       {"dropped", each_one.dropped},
+                                       {"without_colour", each_one.without_colour},
+                                       {"end", each_one.end}};
+        if (each_one.link)
+            figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},
+                               {"datagrams", each_one.link->datagrams},
+                               {"lost", each_one.link->lost},
+                               {"sent_again", each_one.link->sent_again}};
+        listeners.push_back(std::move(figures));
+    }
+    report["listeners"] = std::move(listeners);
+    if (hls_) report["hls"] = hls_as_json();
+    return report;
+}
+
+std::string Serving::report_in_words() const {
+    const auto report = report_as_json();
+    const SendFigures& sent = sender_->figures();
+    std::string text;
+    for (const std::string& note : notes_) text += "note: " + note + '\n';
+    text += "sent " + std::to_string(sent.framesets) + " framesets in " +
+            formatted("%.1f s, ", report["seconds"].get<double>()) +
+            formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
+            formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +
+            std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
+    if (sent.held_up_ns > 0)
+        text += "warning: they went " + formatted("%.1f s", report["held_up_ms"].get<double>() / 1000) +
+                " later than they were to: this machine encodes them too slowly, or stood still\n";
+    if (hls_)
+        text += "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
+                formatted(" segments; a viewer fetches %.1f KB/s",
+                          (report["hls"]["colour_bytes_per_second"].get<double>() +
+                           report["hls"]["touch_bytes_per_second"].get<double>() +
+                           report["hls"]["playlist_bytes_per_second"].get<double>()) /
+                              1000) +
+                formatted(" by %.1f requests a second\n", report["hls"]["requests_per_second"].get<double>());
+    for (const ListenerFigures& one : audience_.gone())
+        text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
+                " left out\n";
+    return text;
+}
+
+Result<void> Serving::report() {
+    if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
+    const bool is_standard = options_.json && is_standard_output(*options_.json);
+    (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
+    if (!json_) return {};
+    if (auto written = json_->write(report_as_json().dump(2) + '\n'); !written.ok()) return written;
+    return json_->finish();
+}
+
+Result<void> Serving::run() {
+    if (auto opened = open_clip(); !opened.ok()) return opened;
+    if (auto opened = open_forms(); !opened.ok()) return opened;
+    if (auto opened = open_places(); !opened.ok()) return opened;
+    const auto sent = send();
+    if (!sent.ok() && !interrupted()) return sent;
+    for (const auto& output : outputs_) output->end();
+    server_.reset();
+    if (!sender_) return sent;
+    outputs_.clear();
+    if (auto told = report(); !told.ok()) return told;
+    if (auto lost = lost_camera()) return std::move(*lost);
+    const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
+    return has_no_end ? Result<void>{} : sent;
+}
 
 struct ServeTyped {
     ClipTyped clip;
@@ -113,6 +495,12 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     options.listeners = typed.listeners.value_or(waits_for_nobody ? 0 : 1);
     if (typed.seconds) options.longest_ns = std::llround(*typed.seconds * 1e9);
     return options;
+}
+
+/// Sends until the clip ends, it was sent for long enough, or a person asks to stop, which is no error; then
+/// says what was sent, and to whom.
+Result<void> run_serve(const ServeOptions& options) {
+    return Serving(options).run();
 }
 
 }  // namespace

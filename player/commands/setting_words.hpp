@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/remark.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 

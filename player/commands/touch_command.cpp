@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "engine/base/try.hpp"
-#include "haptics_cpu/tick_velocity.hpp"
-#include "player/commands/builder_options.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/live_camera_option.hpp"
-#include "player/commands/number_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/playback_options.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/commands/run_options.hpp"
 #include "player/commands/touch_run.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/commands/word_option.hpp"
 
 namespace touchable {
 

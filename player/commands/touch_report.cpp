@@ -1,4 +1,4 @@
-#include "player/commands/touch_report.hpp"
+#include "player/commands/touch_run.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/number_words.hpp"
-#include "engine/formats/known_camera.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/guessed_scene.hpp"
 #include "engine/stream/stream_url.hpp"
-#include "player/commands/filter_facts.hpp"
+#include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/live_session.hpp"
-#include "player/run/surface_feed.hpp"
-#include "player/session/playback_script.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 

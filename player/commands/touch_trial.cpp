@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/number_words.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
-#include "player/run/interrupt.hpp"
+#include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 

@@ -1,19 +1,146 @@
-#include "player/draw/cpu_lattice.hpp"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
-#include "player/draw/surface_unproject.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/pictures.hpp"
 #include "shaders/blend_rule.h"
 #include "shaders/cut_rule.h"
+#include "shaders/surface_light.h"
 
-// Compiled without errno for square roots, which there are none of what is negative: the loops below become
-// vectors by themselves.
+// Compiled without errno and traps: plain loops over a row become vectors by themselves. In them nothing is
+// read under a condition, functions of a normal take it by its coordinates, and square roots are never of
+// what is negative.
+//
+// CpuLattices makes q, tiles and light; SurfaceEdges finds the vertices at edges; Decimation halves frames
+// and colours.
 
 namespace touchable {
 namespace {
+
+/// What is to be lit: q as ViewSurface has it, and a colour at each vertex.
+struct LightTerms {
+    Camera camera;
+    float farthest = 1;        ///< a depth as large as any, scene units
+    const float* q = nullptr;  ///< rows of `pitch`
+    int width = 0, height = 0, pitch = 0;
+    PlaneView colour;  ///< RGB of 8 bits, of that size; or empty: clay
+    UsualQ usual{};    ///< of clay: where it is cool and where it is warm
+    float cut_ratio = CUT_RULE_RATIO;
+};
+
+constexpr int margin = 4;  // columns of zeros beyond each end of a row
+constexpr int reach = 2;   // normals are summed over so many vertices to each side
+constexpr int sides = 2 * reach + 1;
+
+/// What the normal of a triangle takes of the camera.
+struct Lens {
+    float fx, fy, cx, cy, unit, cut_ratio;
+};
+
+/// 1 where a triangle is drawn, 0 where it is cut: `triangle_is_cut` without a branch.
+[[gnu::always_inline]] inline float drawn(float q0, float q1, float q2, float ratio) {
+    float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
+    least = q2 < least ? q2 : least;
+    greatest = q2 > greatest ? q2 : greatest;
+    const float is_valid = least > 0.0F ? 1.0F : 0.0F;
+    return greatest <= ratio * least ? is_valid : 0.0F;
+}
+
+/// By how much a triangle's normal is longer than (difference of q, ...), 0 where it is cut.
+[[gnu::always_inline]] inline float weight(float q0, float q1, float q2, const Lens& lens) {
+    const float is_drawn = drawn(q0, q1, q2, lens.cut_ratio), unit = lens.unit;
+    const float volume = q0 * unit * (q1 * unit) * (q2 * unit);
+    return is_drawn > 0.0F ? unit / (is_drawn > 0.0F ? volume : 1.0F) : 0.0F;
+}
+
+/// Normals of the triangles of a row of cells, right ones and left ones, as light.comp has them.
+[[gnu::always_inline]] inline void normals_of_cells(const float* upper, const float* lower, int cells,
+                                                    float y, const Lens& lens, float* __restrict rx,
+                                                    float* __restrict ry, float* __restrict rz,
+                                                    float* __restrict lx, float* __restrict ly,
+                                                    float* __restrict lz) {
+    const float fx = lens.fx, fy = lens.fy, cx = lens.cx, v = y - lens.cy;
+    for (int x = 0; x < cells; ++x) {
+        const float q00 = upper[x], q10 = upper[x + 1], q01 = lower[x], q11 = lower[x + 1];
+        const float u = static_cast<float>(x) - cx;
+        const float right = weight(q00, q10, q11, lens), left = weight(q00, q01, q11, lens);
+        const float right_x = q10 - q00, right_y = q11 - q10, left_x = q11 - q01, left_y = q01 - q00;
+        rx[x] = -fx * right_x * right;
+        ry[x] = fy * right_y * right;
+        rz[x] = (q00 - right_x * u - right_y * v) * right;
+        lx[x] = -fx * left_x * left;
+        ly[x] = fy * left_y * left;
+        lz[x] = (q00 - left_x * u - left_y * v) * left;
+    }
+}
+
+/// Of one coordinate: the sum at each vertex, of what the cells above have left in `above` and of those
+/// below it, which leave there what they have for the next row.
+[[gnu::always_inline]] inline void sums_at_vertices(const float* right, const float* left, int width,
+                                                    float* __restrict above, float* __restrict sums) {
+    for (int x = 0; x < width; ++x) {
+        const float before = right[x - 1], here = left[x];
+        sums[x] = above[x] + (right[x] + before + here);
+        above[x] = before + left[x - 1] + here;
+    }
+}
+
+[[gnu::always_inline]] inline void sums_along(const float* values, int width, float* __restrict sums) {
+    for (int x = 0; x < width; ++x)
+        sums[x] = values[x - 2] + values[x - 1] + values[x] + values[x + 1] + values[x + 2];
+}
+
+[[gnu::always_inline]] inline void sums_across(const float* a, const float* b, const float* c, const float* d,
+                                               const float* e, int width, float* __restrict sums) {
+    for (int x = 0; x < width; ++x) sums[x] = a[x] + b[x] + c[x] + d[x] + e[x];
+}
+
+/// What `light_on` says of each normal, into the place of its x.
+[[gnu::always_inline]] inline void light_of_normals(float* __restrict xs, const float* __restrict ys,
+                                                    const float* __restrict zs, int width) {
+    for (int k = 0; k < width; ++k) {
+        const float squared = xs[k] * xs[k] + ys[k] * ys[k] + zs[k] * zs[k];
+        const bool is_there = squared > 0.0F;
+        const float per_length = 1.0F / std::sqrt(is_there ? squared : 1.0F);
+        xs[k] = light_on(vec3(xs[k] * per_length, ys[k] * per_length, is_there ? zs[k] * per_length : 1.0F));
+    }
+}
+
+[[gnu::always_inline]] inline std::uint32_t channel(float value) {
+    const float least = value < 255.0F ? value : 255.0F;
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(least + 0.5F));
+}
+
+/// `lit_colour`, of light that is not negative.
+[[gnu::always_inline]] inline void shade_colours(const std::uint8_t* rgb, const float* light, int width,
+                                                 PackedColour* __restrict colours) {
+    for (int x = 0; x < width; ++x) {
+        const float gain = 0.45F + 0.7F * light[x];
+        const auto r = static_cast<float>(rgb[3 * x]), g = static_cast<float>(rgb[3 * x + 1]),
+                   b = static_cast<float>(rgb[3 * x + 2]);
+        colours[x] = channel(r * gain) | channel(g * gain) << 8 | channel(b * gain) << 16 | 0xff000000U;
+    }
+}
+
+void shade_clay(const float* q, const UsualQ& usual, const float* light, int width, PackedColour* colours) {
+    const float per_range = 1 / std::max(usual.nearest - usual.farthest, 1e-30F);
+    for (int x = 0; x < width; ++x) {
+        const vec3 lit = lit_clay((q[x] - usual.farthest) * per_range, light[x]);
+        colours[x] = pack_colour(channel(lit.x), channel(lit.y), channel(lit.z));
+    }
+}
 
 /// What a row of a frame is made of; heights: null where it has none.
 struct FrameRow {
@@ -29,8 +156,7 @@ struct FrameRow {
 /// Depths of a row, and 1 where they are valid, 0 elsewhere. Invalid ones are 1, so that nothing divides by
 /// 0.
 [[gnu::always_inline]] inline void depths_of_row(const FrameRow& row, const UnprojectTerms& terms,
-                                                 float height_per_code, int width, float* depths,
-                                                 float* valid) {
+                                                 float per_code, int width, float* depths, float* valid) {
     const UnprojectPush& push = terms.push;
     const bool from_top = terms.constants.is_from_top != 0;
     const int sign = from_top ? -1 : 1, offset = from_top ? static_cast<int>(push.code_max) : 0;
@@ -47,9 +173,9 @@ struct FrameRow {
         }
     if (terms.constants.is_inverse != 0)
         for (int x = 0; x < width; ++x) depths[x] = 1.0F / depths[x] - push.shift;
-    if (height_per_code == 0.0F) return;
+    if (per_code == 0.0F) return;
     for (int x = 0; x < width; ++x) {
-        const float depth = depths[x] - height_per_code * static_cast<float>(row.heights[x]);
+        const float depth = depths[x] - per_code * static_cast<float>(row.heights[x]);
         depths[x] = valid[x] > 0.0F ? depth : 1.0F;
     }
 }
@@ -109,7 +235,169 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     }
 }
 
+/// `edge_joins`, without a branch.
+[[gnu::always_inline]] inline std::int32_t joins(float a, float b, float ratio) {
+    const float least = a < b ? a : b, greatest = a < b ? b : a;
+    return -(static_cast<std::int32_t>(least > 0.0F) & static_cast<std::int32_t>(greatest <= ratio * least));
+}
+
+/// Of `count` vertices and those beside them.
+[[gnu::always_inline]] inline void join_row(const float* row, const float* beside, int count, float ratio,
+                                            std::int32_t* joined) {
+    for (int x = 0; x < count; ++x) joined[x] = joins(row[x], beside[x], ratio);
+}
+
+[[gnu::always_inline]] inline bool is_none(const std::int32_t* eight) {
+    std::int32_t any = 0;
+    for (int k = 0; k < 8; ++k) any |= eight[k];
+    return any == 0;
+}
+
+constexpr double most_apart = 1.5;  // pixels
+
+/// Of every second one, so many that the last lies at the last vertex, or beyond it: it is that one then.
+int half_of(int vertices) {
+    return vertices / 2 + 1;
+}
+
+/// Rows of a band, which a loop of vectors goes through.
+template <class Values>
+void halve_values(const Values& from, int from_width, int from_height, int width, VectorUnit unit,
+                  const RowBand& band, Values& to) {
+    const auto all = [&](auto) __attribute__((always_inline)) {
+        std::uint16_t* __restrict values = to.data() + static_cast<std::ptrdiff_t>(band.first) * width;
+        for (int y = band.first; y < band.last; ++y, values += width) {
+            const std::uint16_t* __restrict row =
+                from.data() + static_cast<std::ptrdiff_t>(std::min(2 * y, from_height - 1)) * from_width;
+            for (int x = 0; x + 1 < width; ++x) values[x] = row[2 * x];
+            values[width - 1] = row[from_width - 1];
+        }
+    };
+    run_vectors(unit, all);
+}
+
+/// Bits 0, 2, 4, ... side by side.
+std::uint32_t even_bits(std::uint64_t bits) {
+    bits &= 0x5555555555555555U;
+    bits = (bits | bits >> 1) & 0x3333333333333333U;
+    bits = (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0fU;
+    bits = (bits | bits >> 4) & 0x00ff00ff00ff00ffU;
+    bits = (bits | bits >> 8) & 0x0000ffff0000ffffU;
+    return static_cast<std::uint32_t>(bits | bits >> 16);
+}
+
+/// As many bytes as values of 16 bits.
+template <class Lanes>
+struct Bytes {
+    typedef std::uint8_t Type __attribute__((vector_size(sizeof(Lanes) / 2)));
+};
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes load_bytes(const std::uint8_t* from) {
+    typename Bytes<Lanes>::Type bytes;
+    std::memcpy(&bytes, from, sizeof(bytes));
+    return __builtin_convertvector(bytes, Lanes);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void store_bytes(const Lanes& values, std::uint8_t* to) {
+    const auto bytes = __builtin_convertvector(values, typename Bytes<Lanes>::Type);
+    std::memcpy(to, &bytes, sizeof(bytes));
+}
+
+void halve_validity(const SurfaceFrame& from, const RowBand& band, SurfaceFrame& to) {
+    const int words = to.validity_words_per_row(), from_words = from.validity_words_per_row();
+    for (int y = band.first; y < band.last; ++y) {
+        const int row = std::min(2 * y, from.height - 1);
+        const std::uint32_t* bits = from.validity_row(row);
+        std::uint32_t* const half = to.validity_row(y);
+        for (int word = 0; word < words; ++word) {
+            const std::uint64_t low = 2 * word < from_words ? bits[2 * word] : 0U,
+                                high = 2 * word + 1 < from_words ? bits[2 * word + 1] : 0U;
+            half[word] = even_bits(low | high << 32);
+        }
+        const int last = to.width - 1;
+        half[last >> 5] &= ~(1U << (last & 31));
+        half[last >> 5] |= std::uint32_t{from.is_valid(from.width - 1, row)} << (last & 31);
+    }
+}
+
 }  // namespace
+
+/// Lights rows of vertices by the CPU's vectors, with the arithmetic of shaders/light.h: the twin of
+/// `lit_colours`, to 2 of 255. A row has the same bits whichever rows are lit with it, and by any vectors.
+class CpuLattices::LightRows {
+public:
+    /// Colours of the vertices of rows [first, end), in rows of `terms.pitch`; `colours` is that of row 0.
+    void light(const LightTerms& terms, int first, int end, VectorUnit unit, PackedColour* colours);
+
+private:
+    /// A vector at each vertex, or each cell, of a row; some columns beyond both ends are there and 0.
+    struct Row {
+        float *x, *y, *z;
+    };
+    Row row(int n);
+
+    std::vector<float> floats_;
+    std::size_t stride_ = 0;
+};
+
+CpuLattices::LightRows::Row CpuLattices::LightRows::row(int n) {
+    float* const first = floats_.data() + 3 * static_cast<std::size_t>(n) * stride_ + margin;
+    return {first, first + stride_, first + 2 * stride_};
+}
+
+void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, VectorUnit unit,
+                                   PackedColour* colours) {
+    const int width = terms.width, height = terms.height;
+    stride_ = static_cast<std::size_t>(width) + 2 * margin;
+    floats_.assign(3 * (5 + sides) * stride_, 0.0F);
+    const Row right = row(0), left = row(1), above = row(2), at_vertices = row(3), sum = row(4);
+    const Camera& camera = terms.camera;
+    const Lens lens{static_cast<float>(camera.fx),
+                    static_cast<float>(camera.fy),
+                    static_cast<float>(camera.cx),
+                    static_cast<float>(camera.cy),
+                    terms.farthest,
+                    terms.cut_ratio};
+    const auto q_row = [&](int y) { return terms.q + static_cast<std::ptrdiff_t>(y) * terms.pitch; };
+    const auto along = [&](int y) { return row(5 + (y + sides) % sides); };
+
+    const auto coordinates = [](const Row& from) { return std::array<float*, 3>{from.x, from.y, from.z}; };
+    const auto rows = [&](auto) __attribute__((always_inline)) {
+        // A row of cells ends the sums of the vertices on its upper side; with these the rows of vertices two
+        // above them are done.
+        for (int y = first - reach - 1; y < end + reach; ++y) {
+            const bool has_cells = y >= 0 && y + 1 < height;
+            if (has_cells)
+                normals_of_cells(q_row(y), q_row(y + 1), width - 1, static_cast<float>(y), lens, right.x,
+                                 right.y, right.z, left.x, left.y, left.z);
+            else
+                std::fill(right.x - margin, above.x - margin, 0.0F);
+            const Row newest = along(y);
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto n = static_cast<std::size_t>(axis);
+                float* const sums = coordinates(at_vertices)[n];
+                sums_at_vertices(coordinates(right)[n], coordinates(left)[n], width, coordinates(above)[n],
+                                 sums);
+                sums_along(sums, width, coordinates(newest)[n]);
+            }
+            const int done = y - reach;
+            if (done < first) continue;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto n = static_cast<std::size_t>(axis);
+                sums_across(coordinates(along(done - 2))[n], coordinates(along(done - 1))[n],
+                            coordinates(along(done))[n], coordinates(along(done + 1))[n],
+                            coordinates(newest)[n], width, coordinates(sum)[n]);
+            }
+            light_of_normals(sum.x, sum.y, sum.z, width);
+            PackedColour* const to = colours + static_cast<std::ptrdiff_t>(done) * terms.pitch;
+            if (terms.colour.empty())
+                shade_clay(q_row(done), terms.usual, sum.x, width, to);
+            else
+                shade_colours(terms.colour.row(done), sum.x, width, to);
+        }
+    };
+    run_vectors(unit, rows);
+}
 
 int CpuLattices::usual_threads() {
     constexpr unsigned most = 4;  // more wait for memory
@@ -122,7 +410,13 @@ CpuLattices::CpuLattices(int threads, VectorUnit vectors)
       scratch_(static_cast<std::size_t>(threads)),
       light_rows_(static_cast<std::size_t>(threads)) {}
 
+CpuLattices::~CpuLattices() = default;
+
 void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q) {
+    if (!SurfaceUnproject::has_codes(field, pair)) {
+        q = touchable::q_of(field);
+        return;
+    }
     q.resize(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
     q_of(field, pair, q.data(), field.width());
 }
@@ -212,12 +506,234 @@ void CpuLattices::light(const HeightField& field, const float* q, int pitch, con
 ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair,
                                     const PlaneView& colour) {
     std::vector<float> q;
-    if (SurfaceUnproject::has_codes(field, pair))
-        q_of(field, pair, q);
-    else
-        q = touchable::q_of(field);
+    q_of(field, pair, q);
     ViewTiles tiles = tiles_of(field.width(), field.height(), q);
     return make_view_surface(field, std::move(q), std::move(tiles), colour);
+}
+
+SurfaceEdges::SurfaceEdges(int threads, VectorUnit vectors)
+    : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
+
+void SurfaceEdges::find(const float* q, int width, int height, int pitch, float cut_ratio, bool are_values) {
+    rows_.resize(static_cast<std::size_t>(height));
+    for (auto& row : rows_) row.clear();
+    if (width < 2 || height < 2) return;
+    const EdgeLattice lattice{q, width, height, pitch, cut_ratio};
+    bands_.for_each_band(height, 16, [&](const RowBand& band) { find_rows(lattice, are_values, band); });
+}
+
+void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const RowBand& band) {
+    Scratch& of = scratch_[static_cast<std::size_t>(band.thread)];
+    const int width = lattice.width;
+    // Before the first vertex and beyond the last everything is one surface: a picture's border is no edge.
+    for (auto* each : {&of.right, &of.down, &of.aslant, &of.upper_down, &of.upper_aslant, &of.candidates})
+        each->assign(static_cast<std::size_t>(width) + 1, -1);
+    const auto all = [&](auto) __attribute__((always_inline)) {
+        const auto look_down = [&](int y) __attribute__((always_inline)) {
+            if (y < 0 || y + 1 >= lattice.height) {
+                std::fill(of.down.begin(), of.down.end(), -1);
+                std::fill(of.aslant.begin(), of.aslant.end(), -1);
+                return;
+            }
+            const float* row = lattice.q + static_cast<std::ptrdiff_t>(y) * lattice.pitch;
+            const float* lower = row + lattice.pitch;
+            join_row(row, lower, width, lattice.ratio, of.down.data());
+            join_row(row, lower + 1, width - 1, lattice.ratio, of.aslant.data() + 1);
+        };
+        look_down(band.first - 1);
+        for (int y = band.first; y < band.last; ++y) {
+            of.down.swap(of.upper_down);
+            of.aslant.swap(of.upper_aslant);
+            look_down(y);
+            const float* row = lattice.q + static_cast<std::ptrdiff_t>(y) * lattice.pitch;
+            join_row(row, row + 1, width - 1, lattice.ratio, of.right.data() + 1);
+            std::int32_t *candidates = of.candidates.data(), any = 0;
+            // [x] of right and aslant is the pair that ends at column x: of a cell's left vertex, [x + 1].
+            const std::int32_t *right = of.right.data(), *down = of.down.data(), *aslant = of.aslant.data(),
+                               *upper_down = of.upper_down.data(), *upper_aslant = of.upper_aslant.data();
+            for (int x = 0; x < width; ++x) {
+                const std::int32_t is_there = -static_cast<std::int32_t>(row[x] > 0.0F);
+                candidates[x] = is_there & ~(right[x] & right[x + 1] & down[x] & upper_down[x] &
+                                             aslant[x + 1] & upper_aslant[x]);
+                any |= candidates[x];
+            }
+            if (any == 0) continue;
+            auto& found = rows_[static_cast<std::size_t>(y)];
+            for (int x = 0; x < width; ++x) {
+                // Most are none: eight at a time.
+                while (x + 8 <= width && is_none(candidates + x)) x += 8;
+                if (x == width || candidates[x] == 0) continue;
+                const EdgeMove move = edge_move(lattice, {x, y});
+                const int shade = are_values ? EDGE_UNIT : move.shade;
+                if (move.by == ivec2(0, 0) && move.q == row[x] && shade == EDGE_UNIT) continue;
+                constexpr float step = 1.0F / EDGE_UNIT;
+                found.push_back({x, static_cast<float>(x) + step * static_cast<float>(move.by.x),
+                                 static_cast<float>(y) + step * static_cast<float>(move.by.y), move.q,
+                                 step * static_cast<float>(shade)});
+            }
+        }
+    };
+    run_vectors(unit_, all);
+}
+
+std::span<const SurfaceEdges::Vertex> SurfaceEdges::row(int y) const {
+    if (rows_.empty()) return {};
+    return rows_[static_cast<std::size_t>(y)];
+}
+
+const SurfaceEdges::Vertex* SurfaceEdges::at(int x, int y) const {
+    const auto vertices = row(y);
+    const auto found = std::lower_bound(vertices.begin(), vertices.end(), x,
+                                        [](const Vertex& vertex, int column) { return vertex.x < column; });
+    return found != vertices.end() && found->x == x ? &*found : nullptr;
+}
+
+struct Decimation::Parts {
+    /// A frame's halves, and theirs.
+    using Halves = std::array<SurfaceFrame, 2>;
+    /// Of a row of colours, by thread.
+    struct Scratch {
+        std::vector<std::uint16_t> sums;
+        std::vector<std::uint8_t> means;
+    };
+
+    Parts(int threads, VectorUnit vectors)
+        : unit(vectors), bands(threads), scratch(static_cast<std::size_t>(threads)) {}
+    void halve_frame(const SurfaceFrame& from, SurfaceFrame& to);
+    const SurfaceFrame* decimated_frame(const SurfaceFrame& frame, int step, Halves& halves);
+    void halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to);
+    void halve_colour_row(const PlaneView& from, int y, Scratch& of_thread, std::uint8_t* out) const;
+
+    const VectorUnit unit;
+    RowBands bands;
+    std::vector<Scratch> scratch;
+    Halves prev, next;
+    Scene scene;
+    FramePair pair;
+    std::optional<HeightField> field;
+    PlaneView colour;
+    std::vector<std::uint8_t> half_colours[2];  // each made of the other
+};
+
+void Decimation::Parts::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
+    to.width = half_of(from.width);
+    to.height = half_of(from.height);
+    to.coding = from.coding;
+    const std::size_t vertices = static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height);
+    const bool has_heights = !from.heights.empty();
+    to.codes.resize(vertices);
+    to.heights.resize(has_heights ? vertices : 0);
+    to.validity.resize(static_cast<std::size_t>(to.validity_words_per_row()) *
+                       static_cast<std::size_t>(to.height));
+    bands.for_each_band(to.height, 1, [&](const RowBand& band) {
+        halve_values(from.codes, from.width, from.height, to.width, unit, band, to.codes);
+        if (has_heights)
+            halve_values(from.heights, from.width, from.height, to.width, unit, band, to.heights);
+        halve_validity(from, band, to);
+    });
+    if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
+}
+
+const SurfaceFrame* Decimation::Parts::decimated_frame(const SurfaceFrame& frame, int step, Halves& halves) {
+    const SurfaceFrame* made = &frame;
+    for (int halvings = 0; 1 << halvings < step; ++halvings) {
+        SurfaceFrame& half = halves[static_cast<std::size_t>(halvings % 2)];
+        halve_frame(*made, half);
+        made = &half;
+    }
+    return made;
+}
+
+/// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
+void Decimation::Parts::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
+    const int width = half_of(from.width), height = half_of(from.height);
+    to.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    bands.for_each_band(height, 1, [&](const RowBand& band) {
+        Scratch& of_thread = scratch[static_cast<std::size_t>(band.thread)];
+        for (int y = band.first; y < band.last; ++y)
+            halve_colour_row(from, y, of_thread, to.data() + 3 * static_cast<std::ptrdiff_t>(width) * y);
+    });
+}
+
+void Decimation::Parts::halve_colour_row(const PlaneView& from, int y, Scratch& of_thread,
+                                         std::uint8_t* out) const {
+    const int row_bytes = 3 * from.width, width = half_of(from.width);
+    const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
+    const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
+    // A pixel before the first, and two after the last.
+    of_thread.sums.resize(static_cast<std::size_t>(row_bytes) + 9);
+    of_thread.means.resize(static_cast<std::size_t>(row_bytes) + 6);
+    std::uint16_t* const sums = of_thread.sums.data() + 3;
+    std::uint8_t* const means = of_thread.means.data();
+    const auto all = [&](auto kind) __attribute__((always_inline)) {
+        using Lanes = typename decltype(kind)::Lanes;
+        constexpr int n = lane_count<Lanes>;
+        int k = 0;
+        for (; k + n <= row_bytes; k += n)
+            store_lanes<Lanes>(load_bytes<Lanes>(upper + k) + 2 * load_bytes<Lanes>(middle + k) +
+                                   load_bytes<Lanes>(lower + k),
+                               sums + k);
+        for (; k < row_bytes; ++k) sums[k] = static_cast<std::uint16_t>(upper[k] + 2 * middle[k] + lower[k]);
+        for (int channel = 0; channel < 3; ++channel) {
+            sums[channel - 3] = sums[channel];
+            sums[row_bytes + channel] = sums[row_bytes + 3 + channel] = sums[row_bytes - 3 + channel];
+        }
+        for (k = 0; k + n <= row_bytes + 3; k += n)
+            store_bytes<Lanes>((load_lanes<Lanes>(sums + k - 3) + 2 * load_lanes<Lanes>(sums + k) +
+                                load_lanes<Lanes>(sums + k + 3) + 8) >>
+                                   4,
+                               means + k);
+        for (; k < row_bytes + 3; ++k)
+            means[k] = static_cast<std::uint8_t>((sums[k - 3] + 2 * sums[k] + sums[k + 3] + 8) >> 4);
+    };
+    run_vectors(unit, all);
+    // Four bytes for three: the fourth is the next pixel's.
+    for (int x = 0; x + 1 < width; ++x) std::memcpy(out + 3 * x, means + 6 * x, 4);
+    std::memcpy(out + 3 * (width - 1), means + 6 * (width - 1), 3);
+}
+
+Decimation::Decimation(int threads, VectorUnit vectors) : parts_(std::make_unique<Parts>(threads, vectors)) {}
+Decimation::~Decimation() = default;
+
+int Decimation::step_for(double pixels_per_vertex) {
+    constexpr int most = 8;
+    int step = 1;
+    while (step < most && pixels_per_vertex * 2 * step <= most_apart) step *= 2;
+    return step;
+}
+
+void Decimation::make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step) {
+    Parts& made = *parts_;
+    made.pair = pair;
+    made.pair.prev.frame = made.decimated_frame(*pair.prev.frame, step, made.prev);
+    made.pair.next.frame = pair.next.frame == pair.prev.frame
+                               ? made.pair.prev.frame
+                               : made.decimated_frame(*pair.next.frame, step, made.next);
+    made.scene = field.scene();
+    made.scene.width = made.pair.prev.frame->width;
+    made.scene.height = made.pair.prev.frame->height;
+    for (double* const each :
+         {&made.scene.camera.fx, &made.scene.camera.fy, &made.scene.camera.cx, &made.scene.camera.cy})
+        *each /= step;
+    made.field.emplace(made.scene, made.pair);
+    made.colour = colour;
+    if (colour.empty()) return;
+    for (int halves = 0; 1 << halves < step; ++halves) {
+        std::vector<std::uint8_t>& half = made.half_colours[halves % 2];
+        made.halve_colour(made.colour, half);
+        const int width = half_of(made.colour.width);
+        made.colour = {half.data(), std::ptrdiff_t{3} * width, width, half_of(made.colour.height), 1, 3};
+    }
+}
+
+const HeightField& Decimation::field() const {
+    return *parts_->field;
+}
+const FramePair& Decimation::pair() const {
+    return parts_->pair;
+}
+const PlaneView& Decimation::colour() const {
+    return parts_->colour;
 }
 
 }  // namespace touchable

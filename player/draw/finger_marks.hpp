@@ -1,19 +1,40 @@
 #pragma once
 
 #include <cstddef>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "player/draw/light_picture.hpp"
-#include "player/draw/solids.hpp"
-#include "player/draw/under_finger.hpp"
-#include "player/draw/view_camera.hpp"
-#include "player/draw/view_surface.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "player/draw/view.hpp"
+
+/// Fingers as a picture shows them.
+///
+/// A `FingerMark` holds what is drawn of a finger: where its hand is (the goal), where the surface holds it
+/// (the proxy), the force on it, the thread it has left, what its shadow falls on, and how far the surface
+/// gives way. Its place in a list of fingers gives its colour (`finger_colour`). `mark_sizes` says how large
+/// fingers and arrows are in a clip's scene; sizes, places and ways are in scene units, forces in newtons.
+///
+///     FingerMark finger{goal, proxy, force, touching};
+///     finger.under = under_finger(field, proxy, sizes.finger_radius);
+///     finger.given_way = given_way(force, stiffness, metres_per_scene_unit);
+///
+/// pictures.hpp draws them: a ball, a bubble at the goal, a rod between the two, an arrow for the force, a
+/// thread, a shadow, a dent. All functions here depend on their arguments alone: any thread may call them.
 
 namespace touchable {
+
+/// The surface under a finger. World, scene units.
+struct UnderFinger {
+    glm::dvec3 foot{0.0};    ///< the place of the surface that is nearest to it, as far as that is flat
+    glm::dvec3 normal{0.0};  ///< there, unit length, on the side that fingers come from
+    double height = 0;       ///< of the finger's proxy above it; 0: it touches, or is below
+};
+
+/// Of a finger whose proxy is there. `reach`: how far round about the surface is taken together to a plane,
+/// so that neither its noise nor its relief turns the normal. Nothing where the clip's camera sees no surface
+/// behind the finger.
+std::optional<UnderFinger> under_finger(const HeightField& field, const glm::dvec3& proxy, double reach);
 
 /// A finger as a picture shows it. World, scene units, newtons.
 struct FingerMark {
@@ -40,43 +61,9 @@ struct MarkSizes {
 /// middle, a newton's arrow 6 %.
 MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle);
 
-/// A point of the thread that a finger leaves. World, scene units.
-struct ThreadPoint {
-    glm::dvec3 at{0.0};
-    double radius = 0;
-    glm::vec3 light{1.0F};
-    bool is_joined = false;  ///< to the point before
-};
-
-/// The soft shadow of a ball on the surface it touches, or is above. World, scene units.
-struct BallShadow {
-    glm::dvec3 centre{0.0};
-    double reach = 0;
-    float darkness = 0;  ///< in its middle, 0 to 1
-};
-
-/// Of a finger: on the surface under it, away from the light, the farther the higher the finger is, and then
-/// the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; a radius above it
-/// is 2.5 radii wide, 0.34 dark, and 1.2 radii aside.
-BallShadow shadow_of(const FingerMark& finger, double radius);
-
-/// What fingers are drawn as, whoever draws them, in this order.
-struct FingerShapes {
-    std::vector<BallShadow> shadows;
-    std::vector<ThreadPoint> threads;  ///< one after the other
-    std::vector<Solid> solids;
-    std::vector<Solid> veils;  ///< seen through: all rods before all balls
-};
-
-/// Every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a rod
-/// between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
-/// As seen from `eye`: how thick an arrow is depends on it, but neither its direction nor its length.
-/// `shapes` is written anew.
-void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const glm::dvec3& eye,
-                   FingerShapes& shapes);
-
-/// Draws them, and first the dents that they make (SurfaceDent).
-void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
-                  LightPicture& picture);
+/// How far a surface gives way under a finger, scene units: as a spring of `stiffness` (N/m of the hand) does
+/// to the force on the finger, N, in the hand's scale (`metres_per_scene_unit`, S of the Workspace). Zero
+/// where there is no such spring.
+glm::dvec3 given_way(const glm::dvec3& force, double stiffness, double metres_per_scene_unit);
 
 }  // namespace touchable

@@ -2,11 +2,30 @@
 
 #include <vulkan/vulkan.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/base/result.hpp"
+#include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
+
+/// Pictures in a GPU's memory, and what carries bytes to them.
+///
+/// `GpuImage` is a handle like GpuBuffer: copies share one picture, which lives until the last handle and the
+/// last submission that uses it are gone. `record_transition` brings it from one Vulkan layout to another, as
+/// whatever draws, reads or copies it next needs it. `UploadPool` has the buffers that the CPU fills for each
+/// submission anew:
+///
+///     TRY_ASSIGN(const auto image, GpuImage::create(*device, "canvas", width, height,
+///     VK_FORMAT_R8G8B8A8_UNORM)); TRY_ASSIGN(const auto bytes, pool.take("picture", 4 * width * height));
+///     // fill bytes.mapped<std::uint32_t>(), then
+///     record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+///
+/// Errors are of ErrorKind::gpu. Handles may be let go by any thread; a pool and commands belong to one
+/// thread at a time.
 
 namespace touchable {
 
@@ -41,6 +60,30 @@ private:
         VkExtent2D extent{};
     };
     std::shared_ptr<const State> state_;
+};
+
+/// Once all before is done, and before anything after: from one layout to another. From
+/// VK_IMAGE_LAYOUT_UNDEFINED the content is lost.
+void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayout from, VkImageLayout to);
+
+/// Buffers that the CPU writes anew for each submission while earlier ones are still being read: as many as
+/// are in use at once, then none is made any more.
+class UploadPool {
+public:
+    explicit UploadPool(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+
+    /// A mapped buffer of at least `bytes` that is not in use: by neither a handle nor a submission, recorded
+    /// or in flight. Its content is undefined. Fails as GpuBuffer::create does.
+    Result<GpuBuffer> take(const std::string& name, std::size_t bytes);
+
+private:
+    struct Slot {
+        GpuBuffer buffer;
+        std::uint64_t taken;  // when last, in takes
+    };
+    std::shared_ptr<GpuDevice> device_;
+    std::vector<Slot> slots_;
+    std::uint64_t takes_ = 0;
 };
 
 }  // namespace touchable

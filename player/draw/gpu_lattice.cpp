@@ -1,18 +1,101 @@
-#include "player/draw/gpu_lattice.hpp"
+#include <vulkan/vulkan.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 
 #include "engine/base/try.hpp"
-#include "player/draw/cpu_lattice.hpp"
-#include "player/draw/decimation.hpp"
-#include "player/draw/view_rows.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "shaders/cut_tiles.spv.h"
 #include "shaders/edges.h"
 #include "shaders/edges.spv.h"
+#include "shaders/light.h"
+#include "shaders/light.spv.h"
+#include "shaders/list_tiles.spv.h"
+#include "shaders/tile_lists.h"
+#include "shaders/unproject.h"
+#include "shaders/unproject.spv.h"
+
+// Lattices in a GPU's memory. Kernels make q of a pair of frames (unproject), the tiles worth drawing
+// (cut_tiles, list_tiles), where vertices at edges are drawn (edges), and lit colours (light). Frames without
+// codes are made by the CPU and uploaded.
 
 namespace touchable {
 namespace {
+
+static_assert(sizeof(UnprojectPush) == 80 && sizeof(LightPush) == 44);
+static_assert(CUT_TILES_CELLS == TileGrid::cells);
+static_assert(offsetof(TileListsHeader, mixed_vertices) - offsetof(TileListsHeader, whole_indices) ==
+                  sizeof(VkDrawIndexedIndirectCommand) &&
+              sizeof(TileListsHeader) - offsetof(TileListsHeader, mixed_vertices) ==
+                  sizeof(VkDrawIndirectCommand));
+
+constexpr std::size_t header_words = sizeof(TileListsHeader) / 4;
+constexpr GpuBindingKind storage_kind = GpuBindingKind::storage_buffer,
+                         texel_kind = GpuBindingKind::uniform_texels;
+
+/// Of what kernels write and read.
+GpuMemory kernel_memory(const GpuDevice& device) {
+    return device.facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+}
+
+/// Length = base + step m, or its inverse less the shift, of a coding, and how m comes from the code; see
+/// shaders/unproject.h.
+void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstants& constants) {
+    double base = 0, step = coding.scale;  // metric
+    if (coding.kind == DepthCodingKind::inverse) {
+        constants.is_inverse = 1;
+        base = 1.0 / (coding.far + coding.shift);
+        step = (1.0 / (coding.near + coding.shift) - base) / coding.code_max;
+        constants.is_from_top = coding.near_is_high ? 0 : 1;  // it is 1 / length that grows
+    } else if (coding.kind == DepthCodingKind::log) {
+        constants.is_log = 1;
+        base = coding.near;
+        step = coding.log_span() / coding.code_max;
+        constants.is_from_top = coding.near_is_high ? 1 : 0;
+        push.from_shift = static_cast<float>(coding.near + coding.shift);
+        // A first part of 8 bits, so that its product with a code is exact.
+        int power = 0;
+        const double digits = std::frexp(step, &power);
+        const double high = std::ldexp(std::floor(digits * 256), power - 8);
+        push.step_low = static_cast<float>(step - high);
+        step = high;
+    } else if (coding.kind != DepthCodingKind::metric) {
+        base = coding.near;
+        step = (coding.far - coding.near) / coding.code_max;
+        constants.is_from_top = coding.near_is_high ? 1 : 0;
+    }
+    push.code_max = coding.code_max;
+    push.shift = static_cast<float>(coding.shift);
+    push.base = static_cast<float>(base);
+    push.step = static_cast<float>(step);
+}
+
+/// How many parts of a size hold so many.
+std::size_t parts_of(int count, int size) {
+    return static_cast<std::size_t>((count + size - 1) / size);
+}
+
+std::size_t tiles_in(int width, int height) {
+    const TileGrid grid = TileGrid::of(width, height);
+    return static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y);
+}
+
+void write_tiles(const ViewTiles& tiles, const GpuBuffer& buffer) {
+    const TileListsHeader header = tile_lists_header(static_cast<std::uint32_t>(tiles.whole.size()),
+                                                     static_cast<std::uint32_t>(tiles.mixed.size()));
+    buffer.mapped<TileListsHeader>()[0] = header;
+    const auto list = buffer.mapped<std::uint32_t>().subspan(header_words);
+    std::copy(tiles.mixed.begin(), tiles.mixed.end(),
+              std::copy(tiles.whole.begin(), tiles.whole.end(), list.begin()));
+}
 
 /// Rows of 4 bytes a vertex into rows of `pitch` vertices.
 template <class T>
@@ -23,17 +106,6 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
     for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
         std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
 }
-
-}  // namespace
-
-void put_q(const std::vector<float>& q, const GpuLattice& lattice) {
-    // Beyond the width there is no vertex.
-    std::memset(lattice.q.mapped<std::byte>().data(), 0,
-                SurfaceUnproject::q_bytes(lattice.width, lattice.height));
-    put_rows(q, lattice, lattice.q);
-}
-
-namespace {
 
 std::vector<float> q_from(const GpuLattice& lattice) {
     const auto width = static_cast<std::size_t>(lattice.width),
@@ -46,6 +118,158 @@ std::vector<float> q_from(const GpuLattice& lattice) {
 }
 
 }  // namespace
+
+UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair) {
+    const double blend = field.blend();
+    const Scene& scene = field.scene();
+    const SurfaceFrame& prev = *pair.prev.frame;
+    const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
+    UnprojectTerms terms{};
+    auto& [push, constants] = terms;
+    push.height = static_cast<std::uint32_t>(prev.height);
+    push.pitch = static_cast<std::uint32_t>(parts_of(prev.width, 8));
+    push.words = static_cast<std::uint32_t>(prev.validity_words_per_row());
+    set_coding(prev.coding, push, constants);
+    push.cx = static_cast<float>(scene.camera.cx);
+    push.cy = static_cast<float>(scene.camera.cy);
+    push.per_fx = static_cast<float>(1.0 / scene.camera.fx);
+    push.per_fy = static_cast<float>(1.0 / scene.camera.fy);
+    const auto per_code = static_cast<float>(height_per_code(scene));
+    push.height_per_code = prev.heights.empty() ? 0.0F : per_code;
+    push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
+    push.blend = static_cast<float>(blend);
+    push.rest = static_cast<float>(1.0 - blend);
+    push.reach = blend_reach(field);
+    constants.is_pair = blend > 0 ? 1 : 0;
+    constants.has_heights = prev.heights.empty() && next.heights.empty() ? 0 : 1;
+    constants.is_range = prev.coding.semantics == DepthSemantics::range ? 1 : 0;
+    return terms;
+}
+
+int SurfaceUnproject::pitch(int width) {
+    return UNPROJECT_WORD * static_cast<int>(parts_of(width, UNPROJECT_WORD));
+}
+
+std::size_t SurfaceUnproject::q_bytes(int width, int height) {
+    return 4 * static_cast<std::size_t>(pitch(width)) * static_cast<std::size_t>(height);
+}
+
+bool SurfaceUnproject::has_codes(const HeightField& field, const FramePair& pair) {
+    return !pair.prev.frame->codes.empty() && (field.blend() == 0 || !pair.next.frame->codes.empty());
+}
+
+Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
+    GpuProgram& program = programs_[constants];
+    if (program) return program;
+    TRY_ASSIGN(program, GpuProgram::create(*device_, "unproject", unproject_spv,
+                                           {sizeof(UnprojectPush),
+                                            {texel_kind, storage_kind, texel_kind, texel_kind, storage_kind,
+                                             texel_kind, storage_kind},
+                                            {constants[0], 1, 1}},
+                                           constants));
+    return program;
+}
+
+/// Rows of 16 bits a pixel, each from a whole texel on.
+Result<GpuBuffer> SurfaceUnproject::uploaded_rows(const char* name, const std::uint16_t* values, int width,
+                                                  int height) {
+    const std::size_t pitch = 8 * parts_of(width, 8), columns = static_cast<std::size_t>(width);
+    const auto rows = static_cast<std::size_t>(height);
+    TRY_ASSIGN(auto buffer, uploads_.take(name, 2 * pitch * rows));
+    std::uint16_t* to = buffer.mapped<std::uint16_t>().data();
+    for (std::size_t y = 0; y < rows; ++y) std::memcpy(to + y * pitch, values + y * columns, 2 * columns);
+    return buffer;
+}
+
+Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) {
+    Planes planes;
+    const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
+    if (built != nullptr && built->is_on(*device_)) {
+        planes.codes = built->codes.gpu;
+        planes.validity = built->validity.gpu;
+    } else {
+        TRY_ASSIGN(planes.codes, uploaded_rows("view codes", frame.codes.data(), frame.width, frame.height));
+        const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);
+        TRY_ASSIGN(planes.validity, uploads_.take("view validity", bytes));
+        std::memcpy(planes.validity.mapped<std::uint32_t>().data(), frame.validity.data(), bytes);
+    }
+    planes.heights = planes.codes;
+    if (frame.heights.empty()) return planes;
+    TRY_ASSIGN(planes.heights,
+               uploaded_rows("view heights", frame.heights.data(), frame.width, frame.height));
+    return planes;
+}
+
+Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                                      const GpuBuffer& q) {
+    TRY_ASSIGN(const auto prev, planes_of(*pair.prev.frame));
+    Planes next = prev;
+    if (field.blend() > 0) {
+        TRY_ASSIGN(next, planes_of(*pair.next.frame));
+    }
+
+    auto [push, constants] = unproject_terms(field, pair);
+    // Few lanes that march whole rows on a CPU, many with a word each elsewhere.
+    const bool marches = device_->facts().kind == GpuKind::software;
+    constants.group_size = marches ? 8 : 64;
+    push.segments = marches ? 1 : push.words;
+    push.segment_words = marches ? push.words : 1;
+
+    TRY_ASSIGN(
+        const auto program,
+        program_for({constants.group_size, constants.is_pair, constants.has_heights, constants.is_range,
+                     constants.is_inverse, constants.is_from_top, constants.is_log}));
+    commands.dispatch(program, push,
+                      {prev.codes, prev.validity, prev.heights, next.codes, next.validity, next.heights, q},
+                      {groups_for(push.height * push.segments, constants.group_size)});
+    return {};
+}
+
+std::size_t TileLists::class_bytes(int width, int height) {
+    return 4 * tiles_in(width, height);
+}
+
+std::size_t TileLists::list_bytes(int width, int height) {
+    return 4 * (header_words + tiles_in(width, height));
+}
+
+Result<void> TileLists::record(GpuCommands& commands, const GpuLattice& lattice) {
+    if (!list_) {
+        TRY_ASSIGN(cut_, GpuProgram::create(
+                             *device_, "cut_tiles", cut_tiles_spv,
+                             {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
+        TRY_ASSIGN(list_,
+                   GpuProgram::create(
+                       *device_, "list_tiles", list_tiles_spv,
+                       {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
+    }
+    CutTilesPush push{};
+    push.width = static_cast<std::uint32_t>(lattice.width);
+    push.height = static_cast<std::uint32_t>(lattice.height);
+    push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
+    push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x);
+    push.tiles = static_cast<std::uint32_t>(tiles_in(lattice.width, lattice.height));
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch(cut_, push, {lattice.q, lattice.classes}, {groups_for(push.tiles, CUT_TILES_LANES)});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch(list_, push, {lattice.classes, lattice.tiles}, {1});
+    return {};
+}
+
+ViewTiles read_tiles(const GpuBuffer& buffer) {
+    const TileListsHeader& header = buffer.mapped<TileListsHeader>()[0];
+    const auto list = buffer.mapped<std::uint32_t>().subspan(header_words);
+    const auto whole = list.first(header.whole_tiles);
+    const auto mixed = list.subspan(header.whole_tiles, header.mixed_tiles);
+    return {{whole.begin(), whole.end()}, {mixed.begin(), mixed.end()}};
+}
+
+void put_q(const std::vector<float>& q, const GpuLattice& lattice) {
+    // Beyond the width there is no vertex.
+    std::memset(lattice.q.mapped<std::byte>().data(), 0,
+                SurfaceUnproject::q_bytes(lattice.width, lattice.height));
+    put_rows(q, lattice, lattice.q);
+}
 
 Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {
     if (bytes <= device_->facts().limits.max_storage_buffer_range) return {};
@@ -63,16 +287,15 @@ void GpuLattices::set_size(const HeightField& field, GpuLattice& lattice) const 
 
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
     if (buffer && buffer.bytes() >= bytes) return {};
-    if (auto fits = check_size(name, bytes); !fits.ok()) return fits;
-    TRY_ASSIGN(auto made, GpuBuffer::create(*device_, name, bytes, memory));
-    buffer = std::move(made);
+    TRY(check_size(name, bytes));
+    TRY_ASSIGN(buffer, GpuBuffer::create(*device_, name, bytes, memory));
     return {};
 }
 
 Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
     return reserve(lattice.colours, "lattice colours",
                    SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // as many of colours
-                   device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device);
+                   kernel_memory(*device_));
 }
 
 Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
@@ -80,9 +303,8 @@ Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
         *buffer = {};
-        if (auto fits = check_size("lattice", bytes); !fits.ok()) return fits;
-        TRY_ASSIGN(auto taken, uploads_.take("lattice", bytes));
-        *buffer = std::move(taken);
+        TRY(check_size("lattice", bytes));
+        TRY_ASSIGN(*buffer, uploads_.take("lattice", bytes));
     }
     return {};
 }
@@ -104,23 +326,19 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
 Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                  GpuLattice& lattice) {
     set_size(field, lattice);
-    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
-    if (auto done = reserve(lattice.q, "lattice q", bytes, memory); !done.ok()) return done;
-    if (auto recorded = record_q(commands, field, pair, lattice); !recorded.ok()) return recorded;
+    TRY(reserve(lattice.q, "lattice q", bytes, kernel_memory(*device_)));
+    TRY(record_q(commands, field, pair, lattice));
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("unproject");
     return {};
 }
 
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
-    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
     const int w = lattice.width, h = lattice.height;
-    for (const auto& done :
-         {reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), memory),
-          reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device)})
-        if (!done.ok()) return done;
-    if (auto recorded = tile_lists_.record(commands, lattice); !recorded.ok()) return recorded;
+    TRY(reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), kernel_memory(*device_)));
+    TRY(reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device));
+    TRY(tile_lists_.record(commands, lattice));
     commands.mark("tiles");
     return {};
 }
@@ -129,16 +347,12 @@ Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& 
                                        GpuLattice& lattice) {
     if (is_own_view(camera)) return {};
     if (!edges_) {
-        TRY_ASSIGN(auto made,
+        TRY_ASSIGN(edges_,
                    GpuProgram::create(*device_, "edges", edges_spv,
-                                      {sizeof(EdgesPush),
-                                       {GpuBindingKind::uniform_texels, GpuBindingKind::storage_buffer},
-                                       {EDGES_LANES, 1, 1}}));
-        edges_ = std::move(made);
+                                      {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
     }
-    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
     const std::size_t bytes = 2 * SurfaceUnproject::q_bytes(lattice.width, lattice.height);
-    if (auto done = reserve(lattice.edges, "lattice edges", bytes, memory); !done.ok()) return done;
+    TRY(reserve(lattice.edges, "lattice edges", bytes, kernel_memory(*device_)));
     uploaded_.edges = lattice.edges;
     const EdgesPush push{
         static_cast<std::uint32_t>(lattice.width), static_cast<std::uint32_t>(lattice.height),
@@ -202,14 +416,74 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
     uploaded_.colours = lattice.colours;
     put_rows(surface.colours, lattice, lattice.colours);
     if (is_here) return lattice;
-    const std::size_t list_bytes = TileLists::list_bytes(surface.width, surface.height);
-    for (const auto& done : {reserve(lattice.q, "lattice q", bytes, memory),
-                             reserve(lattice.tiles, "lattice tiles", list_bytes, memory)})
-        if (!done.ok()) return done.error();
+    TRY(reserve(lattice.q, "lattice q", bytes, memory));
+    TRY(reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(surface.width, surface.height),
+                memory));
     put_rows(surface.q, lattice, lattice.q);
     write_tiles(surface.tiles, lattice.tiles);
     uploaded_ = lattice;
     return lattice;
+}
+
+Result<void> check_colour(const PlaneView& colour, int width, int height) {
+    if (!colour.empty() && (colour.width != width || colour.height != height || colour.channels != 3 ||
+                            colour.bytes_per_sample != 1))
+        return Error{ErrorKind::internal, "the colour of a surface is not RGB of 8 bits and its size"};
+    return {};
+}
+
+Result<GpuProgram> SurfaceLighting::program_for(bool has_colour, bool is_lit) {
+    GpuProgram& program = programs_[{has_colour, is_lit}];
+    if (program) return program;
+    const std::array<std::uint32_t, 2> constants{has_colour, is_lit};
+    TRY_ASSIGN(program, GpuProgram::create(
+                            *device_, "light", light_spv,
+                            {sizeof(LightPush), {texel_kind, texel_kind, storage_kind}, {LIGHT_LANES, 1, 1}},
+                            constants));
+    return program;
+}
+
+Result<GpuBuffer> SurfaceLighting::uploaded(const PlaneView& colour, int pitch) {
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(pitch);
+    TRY_ASSIGN(auto buffer,
+               uploads_.take("view colours", row_bytes * static_cast<std::size_t>(colour.height)));
+    std::uint8_t* to = buffer.mapped<std::uint8_t>().data();
+    for (int y = 0; y < colour.height; ++y, to += row_bytes)
+        std::memcpy(to, colour.row(y), 3 * static_cast<std::size_t>(colour.width));
+    return buffer;
+}
+
+Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& field,
+                                     const GpuLattice& lattice, const PlaneView& colour, Lighting lighting) {
+    const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
+    TRY(check_colour(colour, lattice.width, lattice.height));
+    GpuBuffer rgb = lattice.q;
+    if (has_colour) {
+        TRY_ASSIGN(rgb, uploaded(colour, lattice.pitch));
+    }
+    TRY_ASSIGN(const auto program, program_for(has_colour, is_lit));
+
+    const Scene& scene = field.scene();
+    LightPush push{};
+    push.fx = static_cast<float>(scene.camera.fx);
+    push.fy = static_cast<float>(scene.camera.fy);
+    push.cx = static_cast<float>(scene.camera.cx);
+    push.cy = static_cast<float>(scene.camera.cy);
+    push.unit = static_cast<float>(scene.depth.far);
+    if (!has_colour) {
+        const UsualQ usual =
+            usual_q(field.width(), field.height(), [&](int x, int y) { return drawn_q(field, x, y); });
+        push.far_q = usual.farthest;
+        push.per_q_range = 1 / std::max(usual.nearest - usual.farthest, 1e-30F);
+    }
+    push.width = static_cast<std::uint32_t>(lattice.width);
+    push.height = static_cast<std::uint32_t>(lattice.height);
+    push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
+    // Few lanes that march far on a CPU: each begins with five rows more than it lights.
+    push.strip = device_->facts().kind == GpuKind::software ? 64 : 16;
+    const std::uint32_t lanes = groups_for(push.width, LIGHT_COLUMNS) * groups_for(push.height, push.strip);
+    commands.dispatch(program, push, {lattice.q, rgb, lattice.colours}, {groups_for(lanes, LIGHT_LANES)});
+    return {};
 }
 
 }  // namespace touchable

@@ -1,11 +1,66 @@
 #include "player/draw/graphics_program.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "engine/base/try.hpp"
 
+// Images, buffers for uploads and graphics pipelines: Vulkan's objects, made once and kept by handles.
+
 namespace touchable {
 namespace {
+
+/// What Vulkan says of a call.
+Result<void> checked(VulkanDevice& gpu, const char* call, VkResult result) {
+    if (result != VK_SUCCESS) return gpu.failed(call, result);
+    return {};
+}
+
+bool is_depth(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT;
+}
+
+bool has_light(VkFormat format) {
+    return format == VK_FORMAT_R8G8B8A8_UNORM;
+}
+
+VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
+    VkImageCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = format;
+    info.extent = {extent.width, extent.height, 1};
+    info.mipLevels = 1;
+    info.arrayLayers = 1;
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                 VK_IMAGE_USAGE_SAMPLED_BIT |
+                 (is_depth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                   : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    if (has_light(format)) info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
+    return info;
+}
+
+Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect) {
+    VkImageViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    info.image = image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = format;
+    info.subresourceRange = {aspect, 0, 1, 0, 1};
+    VkImageView made = VK_NULL_HANDLE;
+    TRY(checked(gpu, "vkCreateImageView", vkCreateImageView(gpu.device, &info, nullptr, &made)));
+    return made;
+}
+
+/// A buffer that has not been taken for so many takes is let go.
+constexpr std::uint64_t idle_takes = 200;
+
+/// The question's own handle is let go after it, which sees what another thread did before it let go of its.
+bool is_unused(const GpuBuffer& buffer) {
+    return buffer.keep_alive().use_count() <= 2;  // the pool's handle, and this question's
+}
 
 constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
@@ -23,8 +78,7 @@ struct Shaders {
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
         info.codeSize = words.size_bytes();
         info.pCode = words.data();
-        const VkResult result = vkCreateShaderModule(gpu.device, &info, nullptr, &made);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateShaderModule", result);
+        TRY(checked(gpu, "vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made)));
         return {};
     }
 
@@ -126,8 +180,8 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
     info.pDynamicState = &dynamic;
     info.layout = layout;
     VkPipeline made = VK_NULL_HANDLE;
-    const VkResult result = vkCreateGraphicsPipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &made);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateGraphicsPipelines", result);
+    TRY(checked(gpu, "vkCreateGraphicsPipelines",
+                vkCreateGraphicsPipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &made)));
     return made;
 }
 
@@ -142,6 +196,69 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 }
 
 }  // namespace
+
+GpuImage::State::~State() {
+    for (VkImageView each : {view, light_view})
+        if (each) vkDestroyImageView(vulkan->device, each, nullptr);
+    if (image) vkDestroyImage(vulkan->device, image, nullptr);
+    if (memory) vkFreeMemory(vulkan->device, memory, nullptr);
+}
+
+Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& name, int width, int height,
+                                  VkFormat format) {
+    auto state = std::make_shared<State>();
+    state->vulkan = device.vulkan();
+    state->extent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+    state->aspect = is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+    VulkanDevice& gpu = *state->vulkan;
+    const VkImageCreateInfo info = image_info(state->extent, format);
+    VkImageFormatProperties most{};
+    const VkResult result = vkGetPhysicalDeviceImageFormatProperties(
+        gpu.physical, format, info.imageType, info.tiling, info.usage, info.flags, &most);
+    if (result != VK_SUCCESS || state->extent.width > most.maxExtent.width ||
+        state->extent.height > most.maxExtent.height)
+        return Error{ErrorKind::gpu, gpu.facts.name + " has no picture '" + name + "' of " +
+                                         std::to_string(width) + "x" + std::to_string(height)};
+
+    TRY(checked(gpu, "vkCreateImage", vkCreateImage(gpu.device, &info, nullptr, &state->image)));
+    gpu.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<std::uint64_t>(state->image), name);
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(gpu.device, state->image, &needs);
+    const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, GpuMemory::device);
+    if (!type) return Error{ErrorKind::gpu, gpu.facts.name + " has no memory for picture '" + name + "'"};
+    VkMemoryAllocateInfo memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    memory.allocationSize = needs.size;
+    memory.memoryTypeIndex = *type;
+    TRY(checked(gpu, "vkAllocateMemory", vkAllocateMemory(gpu.device, &memory, nullptr, &state->memory)));
+    TRY(checked(gpu, "vkBindImageMemory", vkBindImageMemory(gpu.device, state->image, state->memory, 0)));
+
+    TRY_ASSIGN(state->view, make_view(gpu, state->image, format, state->aspect));
+    if (has_light(format)) {
+        TRY_ASSIGN(state->light_view, make_view(gpu, state->image, VK_FORMAT_R8G8B8A8_SRGB, state->aspect));
+    }
+    GpuImage image;
+    image.state_ = std::move(state);
+    return image;
+}
+
+Result<GpuBuffer> UploadPool::take(const std::string& name, std::size_t bytes) {
+    ++takes_;
+    const std::size_t most = std::max<std::size_t>(4 * bytes, 4096);
+    for (Slot& slot : slots_)
+        if (slot.buffer.bytes() >= bytes && slot.buffer.bytes() <= most && is_unused(slot.buffer)) {
+            slot.taken = takes_;
+            return slot.buffer;
+        }
+    std::erase_if(slots_, [this](const Slot& slot) {
+        return takes_ - slot.taken > idle_takes && is_unused(slot.buffer);
+    });
+    TRY_ASSIGN(auto made,
+               GpuBuffer::create(*device_, name, bytes,
+                                 device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload));
+    slots_.push_back({made, takes_});
+    return made;
+}
 
 GraphicsProgram::State::~State() {
     if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
@@ -159,8 +276,8 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
     set.bindingCount = static_cast<std::uint32_t>(bindings.size());
     set.pBindings = bindings.data();
-    VkResult result = vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorSetLayout", result);
+    TRY(checked(gpu, "vkCreateDescriptorSetLayout",
+                vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout)));
     const VkPushConstantRange push{both_stages, 0, push_bytes};
     VkPipelineLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
@@ -168,8 +285,8 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     info.pSetLayouts = &state.set_layout;
     info.pushConstantRangeCount = push_bytes > 0;
     info.pPushConstantRanges = &push;
-    result = vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreatePipelineLayout", result);
+    TRY(checked(gpu, "vkCreatePipelineLayout",
+                vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout)));
     return {};
 }
 

@@ -107,8 +107,4 @@ struct DrawTarget {
 void begin_drawing(GpuCommands& commands, const DrawTarget& target);
 void end_drawing(GpuCommands& commands);
 
-/// Once all before is done, and before anything after: from one layout to another. From
-/// VK_IMAGE_LAYOUT_UNDEFINED the content is lost.
-void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayout from, VkImageLayout to);
-
 }  // namespace touchable

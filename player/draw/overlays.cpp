@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 #include <limits>
 
-#include "engine/base/number_words.hpp"
-#include "player/draw/colour_ramp.hpp"
-#include "player/draw/overlay_normals.hpp"
-#include "player/draw/surface_unproject.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/overlay_rows.hpp"
+#include "player/draw/pictures.hpp"
+
+// Compiled without errno and traps, as overlay_rows.cpp is.
 
 namespace touchable {
 namespace {
@@ -113,39 +113,44 @@ void indices_of(const float* values, int width, float least, float per_value, st
     }
 }
 
+/// The usual colour of a unit normal: X to the right red, Y up green, Z towards the clip's camera blue.
+PackedColour normal_colour(const glm::dvec3& normal) {
+    const glm::uvec3 byte(127.5 * normal + 128.0);
+    return pack_colour(byte.r, byte.g, byte.b);
+}
+
 }  // namespace
 
-PackedColour hole_colour(int x, int y) {
-    return ((x + y) & 7) < 4 ? pack_colour(112, 112, 112) : pack_colour(150, 150, 150);
-}
+class Overlays::Painter {
+public:
+    const OverlayPicture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
 
-double OverlayScale::share_of(double value) const {
-    if (!(range.greatest > range.least)) return 0.5;
-    const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
-    return least_is_light ? 1 - share : share;
-}
+private:
+    void paint_values(Overlay kind, const HeightField& field, const FramePair& pair);
+    void make_equalised(const ValueRange& range, double factor);
+    void paint_normals(const HeightField& field);
+    void paint_tiles(const HeightField& field);
+    void paint_validity(const HeightField& field, const FramePair& pair);
+    std::uint8_t* row(int y) { return picture_.rgb.data() + std::ptrdiff_t{3} * y * picture_.width; }
 
-std::string OverlayScale::title() const {
-    return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
-}
+    OverlayPicture picture_;
+    ScalarRows rows_;
+    std::array<SteadyRange, 10> ranges_;  // by kind
+    EqualisedDepth equalised_;
+    CpuLattices lattices_{1};
+    std::vector<float> q_;
+    std::vector<PackedColour> colours_;  // of values, by their place
+};
 
-std::string OverlayScale::everywhere() const {
-    if (!classes.empty() || range.greatest > range.least) return "";
-    const auto words = [this](double value) {
-        return formatted("%.4g", value) + (unit.empty() ? "" : " " + unit);
-    };
-    return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
-           (at_holes ? "; " + words(*at_holes) + " at holes" : "");
-}
-
-const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+const OverlayPicture& Overlays::Painter::paint(Overlay kind, const HeightField& field,
+                                               const FramePair& pair) {
     assert(kind != Overlay::colour);
     picture_.width = field.width();
     picture_.height = field.height();
     picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
                         static_cast<std::size_t>(field.height()));
     picture_.scale = {};
-    if (kind == Overlay::normals || kind == Overlay::tiles) find_q(field, pair);
+    if (kind == Overlay::normals || kind == Overlay::tiles) lattices_.q_of(field, pair, q_);
     switch (kind) {
         case Overlay::normals:
             paint_normals(field);
@@ -162,7 +167,7 @@ const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, co
     return picture_;
 }
 
-void Overlays::paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
+void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
     const Meaning meaning = meaning_of(kind, field.scene());
     const int width = field.width();
     std::vector<float> row(static_cast<std::size_t>(width));
@@ -212,7 +217,7 @@ void Overlays::paint_values(Overlay kind, const HeightField& field, const FrameP
 
 /// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
 /// `factor`: of the scale's unit.
-void Overlays::make_equalised(const ValueRange& range, double factor) {
+void Overlays::Painter::make_equalised(const ValueRange& range, double factor) {
     std::uint32_t ends[2];
     const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
     equalised_.find_bins(values, 2, ends);
@@ -233,14 +238,7 @@ void Overlays::make_equalised(const ValueRange& range, double factor) {
     scale.levels.back() = scale.range.greatest;
 }
 
-void Overlays::find_q(const HeightField& field, const FramePair& pair) {
-    if (SurfaceUnproject::has_codes(field, pair))
-        lattices_.q_of(field, pair, q_);
-    else
-        q_ = q_of(field);
-}
-
-void Overlays::paint_normals(const HeightField& field) {
+void Overlays::Painter::paint_normals(const HeightField& field) {
     picture_.scale.name = "normals";
     picture_.scale.classes = {{normal_colour({1, 0, 0}), "to the right"},
                               {normal_colour({0, 1, 0}), "up"},
@@ -254,7 +252,7 @@ void Overlays::paint_normals(const HeightField& field) {
     }
 }
 
-void Overlays::paint_tiles(const HeightField& field) {
+void Overlays::Painter::paint_tiles(const HeightField& field) {
     picture_.scale.name = "tiles of 16x16 cells";
     picture_.scale.classes = {{whole_colour, "all of it is drawn"}, {mixed_colour, "some of it is drawn"}};
     const TileGrid grid = TileGrid::of(field.width(), field.height());
@@ -274,7 +272,7 @@ void Overlays::paint_tiles(const HeightField& field) {
         }
 }
 
-void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
+void Overlays::Painter::paint_validity(const HeightField& field, const FramePair& pair) {
     picture_.scale.name = "validity";
     picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
     rows_.begin(Scalar::depth, field, pair);
@@ -310,6 +308,13 @@ void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
             put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
         }
     }
+}
+
+Overlays::Overlays() : painter_(std::make_unique<Painter>()) {}
+Overlays::~Overlays() = default;
+
+const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+    return painter_->paint(kind, field, pair);
 }
 
 void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface) {

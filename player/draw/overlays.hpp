@@ -1,18 +1,33 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/plane_view.hpp"
-#include "player/draw/cpu_lattice.hpp"
-#include "player/draw/equalised_depth.hpp"
-#include "player/draw/scalar_rows.hpp"
-#include "player/draw/steady_range.hpp"
-#include "player/draw/view_surface.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "player/draw/view.hpp"
+
+/// Overlays: what a surface is made of, shown by colours, and the scale that says what the colours mean.
+///
+/// An `Overlay` is what is shown (depth, stiffness, normals, ...); `overlay_after` reads its name, and steps
+/// from one to the next. `Overlays` paints it frame after frame into an `OverlayPicture`, which is handed to
+/// a painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
+///
+///     Overlays overlays;
+///     const OverlayPicture& painted = overlays.paint(Overlay::depth, field, pair);
+///     drawing.show(field, pair, painted.view(), Lighting::plain);
+///     TRY(draw_scale_bar(painted.scale, image));
+///
+/// The ramp of a scale goes from dark blue by green to light yellow (`ramp_colour`). `Overlays` remembers its
+/// scales, so that they do not flicker, and belongs to one thread at a time; everything else any thread may
+/// call.
 
 namespace touchable {
 
@@ -35,6 +50,12 @@ std::string name_of(Overlay overlay);
 /// Of that name; after `now` where there is none, and from the last to the first. Refused (ErrorKind::usage)
 /// with the right names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
+
+/// From least to greatest of something that is shown.
+struct ValueRange {
+    double least = 0, greatest = 0;
+    bool operator==(const ValueRange&) const = default;
+};
 
 /// What colours mean: a scale from `least` to `greatest` of colour_ramp, or a few classes.
 struct OverlayScale {
@@ -72,37 +93,37 @@ struct OverlayPicture {
     PlaneView view() const { return {rgb.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
 };
 
-/// Of pixels without depth: grey in stripes, like nothing else.
-PackedColour hole_colour(int x, int y);
-
 /// Makes overlays, frame after frame: what is on the scales is remembered, so that they do not flicker.
 class Overlays {
 public:
+    Overlays();
+    ~Overlays();
+
     /// `kind` is not `colour`; `pair` is what `field` was made of. A scale goes over what is seen, but for
     /// 1 % of the depths at either end and all at the far plane. What it gives stays as it is until the next
     /// call. Milliseconds, on this thread.
     const OverlayPicture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
 
 private:
-    void paint_values(Overlay kind, const HeightField& field, const FramePair& pair);
-    void make_equalised(const ValueRange& range, double factor);
-    void paint_normals(const HeightField& field);
-    void paint_tiles(const HeightField& field);
-    void paint_validity(const HeightField& field, const FramePair& pair);
-    void find_q(const HeightField& field, const FramePair& pair);
-    std::uint8_t* row(int y) { return picture_.rgb.data() + std::ptrdiff_t{3} * y * picture_.width; }
-
-    OverlayPicture picture_;
-    ScalarRows rows_;
-    std::array<SteadyRange, 10> ranges_;  // by kind
-    EqualisedDepth equalised_;
-    CpuLattices lattices_{1};
-    std::vector<float> q_;
-    std::vector<PackedColour> colours_;  // of values, by their place
+    class Painter;
+    std::unique_ptr<Painter> painter_;
 };
+
+struct ViewSurface;
 
 /// Makes of a surface lit in the overlay's colours one in which they can be read: relief is left where the
 /// overlay has none of its own, and weaker.
 void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface);
+
+/// Colours from dark blue by green to light yellow, lightness growing evenly as eyes see it (OKLab), none of
+/// them grey: it is read without telling red from green, by its lightness and by blue and yellow.
+const std::array<PackedColour, 256>& colour_ramp();
+
+/// Its colour at 0 to 1; beyond that, the end's.
+PackedColour ramp_colour(double share);
+
+/// Draws into the lower right of `image` (RGB, 8 bits; upper right of a narrow one) what its colours mean.
+/// Nothing below 480x270 pixels, where it would hide the scene.
+Result<void> draw_scale_bar(const OverlayScale& scale, Image& image);
 
 }  // namespace touchable

@@ -1,34 +1,29 @@
-#include "player/draw/surface_drawing.hpp"
-
 #include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "engine/base/try.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
-#include "player/draw/view_rows.hpp"
+#include "player/draw/pictures.hpp"
 #include "shaders/view_background.frag.spv.h"
 #include "shaders/view_screen.vert.spv.h"
+
+// SurfaceDrawing. What a picture needs is made once and kept: the lattice of the surface shown, its tiles and
+// edges, the pixels of the raster, the images. GpuMade tells for each whether it is there for the commands
+// that are being recorded.
 
 namespace touchable {
 namespace {
 
-bool draws_by_mesh(std::string_view painter, const GpuFacts& facts) {
-    return painter == "mesh" ||
-           (painter == "auto" && (facts.kind != GpuKind::software || !facts.int64_atomics));
-}
-
-Result<GraphicsProgram> background_program(const GpuDevice& device) {
-    GraphicsLook look;
-    look.vertex = view_screen_vert_spv;
-    look.fragment = view_background_frag_spv;
-    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-    look.depth = DrawDepth::replaced;
-    return GraphicsProgram::create(device, "background", look);
-}
-
 /// All of an image, from rows of 4 bytes a pixel.
-void record_copy(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
+void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
     VkBufferImageCopy region{};
     region.bufferRowLength = static_cast<std::uint32_t>(pitch);
     region.imageSubresource = {image.aspect(), 0, 0, 1};
@@ -38,9 +33,71 @@ void record_copy(GpuCommands& commands, const GpuBuffer& pixels, int pitch, cons
     commands.keep(pixels.keep_alive());
 }
 
-}  // namespace
+class DeviceDrawing final : public SurfaceDrawing {
+public:
+    DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
+    Result<void> prepare(std::string_view painter);
 
-SurfaceDrawing::SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
+    std::string_view painter() const override { return raster_ ? "raster" : "mesh"; }
+    bool thins_vertices() const override { return by_cpu_.has_value(); }
+    Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                      const PlaneView& colour, Lighting lighting, int step) override;
+    Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                             Lighting lighting, int step) override;
+    Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                      const MarkSizes& sizes, const GpuImage& target) override;
+
+private:
+    Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting);
+    Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                             Lighting lighting, int step);
+    Result<void> reserve(const ViewCamera& camera);
+    Result<void> reserve_pixels(const ViewCamera& camera);
+    Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera);
+    bool is_drawn(const GpuCommands& commands, const ViewCamera& camera) const;
+    const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera);
+    Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera);
+    Result<void> list_tiles(GpuCommands& commands);
+    Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
+    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
+    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    Result<void> record_dents(GpuCommands& commands, const ViewCamera& camera,
+                              std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                              const GpuImage& target);
+    Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target);
+
+    std::shared_ptr<GpuDevice> device_;
+    std::optional<SurfaceRaster> raster_;
+    std::optional<MeshPipeline> mesh_;          // one of the two
+    OwnViewPicture own_view_;                   // in the raster's place there, where it can
+    std::optional<LatticeRaster> turned_view_;  // and from elsewhere, on a software device
+    std::optional<SurfaceEdges> edges_;         // for that
+    GpuLattices lattices_;
+    SurfaceLighting lighting_;
+    std::optional<CpuLattices> by_cpu_;     // makes what is shown in their place, on a software device
+    std::optional<Decimation> decimation_;  // of that
+    std::optional<DentDrawing> dents_;
+    DentPatches dent_patches_;  // in their place where the CPU draws the surface
+    FingerDrawing fingers_;
+    GraphicsProgram background_;
+
+    GpuLattice lattice_;
+    GpuMade shown_;                 // the surface
+    GpuMade listed_;                // its tiles
+    GpuMade edged_;                 // its edges
+    bool are_values_ = false;       // its colours, of a scale
+    GpuBuffer pixels_, large_;      // of the raster
+    GpuBuffer colours_, z_values_;  // the surface and its background, as they are copied into images
+    UploadPool pictures_;           // of these, where the CPU writes them
+    GpuMade drawn_;                 // these
+    glm::dmat4 drawn_from_{};       // clip_from_lattice that they are of
+    int drawn_width_ = 0, drawn_height_ = 0;
+    GpuBuffer rows_;  // colours of the background
+    int rows_height_ = 0;
+    GpuImage z_;
+};
+
+DeviceDrawing::DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
     : device_(std::move(device)),
       lattices_(device_),
       lighting_(device_),
@@ -48,83 +105,76 @@ SurfaceDrawing::SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing 
       fingers_(std::move(fingers)),
       pictures_(device_) {}
 
-Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
-                                                               std::string_view painter) {
-    if (painter != "auto" && painter != "raster" && painter != "mesh")
-        return usage_error(
-            "painter " + std::string(painter) + " does not draw on a GPU; auto, raster and mesh do",
-            {{Setting::painter}});
-    if (!device->facts().draws_triangles)
-        return Error{ErrorKind::gpu, device->facts().name + " draws no triangles, which a window needs"};
-    TRY_ASSIGN(auto fingers, FingerDrawing::create(device));
-    std::unique_ptr<SurfaceDrawing> made(new SurfaceDrawing(device, std::move(fingers)));
-    if (draws_by_mesh(painter, device->facts())) {
-        TRY_ASSIGN(auto mesh, MeshPipeline::create(*device));
-        made->mesh_ = std::move(mesh);
+/// What the painter of that name, which draws on a GPU, needs.
+Result<void> DeviceDrawing::prepare(std::string_view painter) {
+    const GpuFacts& facts = device_->facts();
+    const bool is_software = facts.kind == GpuKind::software;
+    if (painter == "mesh" || (painter == "auto" && (!is_software || !facts.int64_atomics))) {
+        TRY_ASSIGN(mesh_, MeshPipeline::create(*device_));
     } else {
-        TRY_ASSIGN(auto raster, SurfaceRaster::create(*device));
-        made->raster_ = std::move(raster);
-        if (device->facts().kind == GpuKind::software && device->facts().unified_memory) {
-            made->by_cpu_.emplace(CpuLattices::usual_threads());
-            made->decimation_.emplace(CpuLattices::usual_threads());
-            made->turned_view_.emplace(CpuLattices::usual_threads());
-            made->edges_.emplace(CpuLattices::usual_threads());
+        TRY_ASSIGN(raster_, SurfaceRaster::create(*device_));
+        if (is_software && facts.unified_memory) {
+            by_cpu_.emplace(CpuLattices::usual_threads());
+            decimation_.emplace(CpuLattices::usual_threads());
+            turned_view_.emplace(CpuLattices::usual_threads());
+            edges_.emplace(CpuLattices::usual_threads());
         }
     }
-    if (!made->by_cpu_) {
-        TRY_ASSIGN(auto dents, DentDrawing::create(device));
-        made->dents_ = std::move(dents);
+    if (!by_cpu_) {
+        TRY_ASSIGN(dents_, DentDrawing::create(device_));
     }
-    TRY_ASSIGN(auto background, background_program(*device));
-    made->background_ = std::move(background);
-    return made;
+    GraphicsLook look;
+    look.vertex = view_screen_vert_spv;
+    look.fragment = view_background_frag_spv;
+    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+    look.depth = DrawDepth::replaced;
+    TRY_ASSIGN(background_, GraphicsProgram::create(*device_, "background", look));
+    return {};
 }
 
-Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                                  const PlaneView& colour, Lighting lighting, int step) {
+Result<void> DeviceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                                 const PlaneView& colour, Lighting lighting, int step) {
     if (by_cpu_) {
-        if (auto made = show_by_cpu(field, pair, colour, lighting, step); !made.ok()) return made;
+        TRY(show_by_cpu(field, pair, colour, lighting, step));
         shown_.by(commands);
         return {};
     }
-    if (auto begun = begin_surface(field, colour, lighting); !begun.ok()) return begun;
-    // Whoever read the last surface, in the same commands, has done so.
+    TRY(begin_surface(field, colour, lighting));
+    // What read the last surface, in the same commands, has done so.
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
         commands.barrier(reader, GpuStage::compute);
-    if (auto made = lattices_.record(commands, field, pair, lattice_); !made.ok()) return made;
-    if (auto made = lattices_.reserve_colours(lattice_); !made.ok()) return made;
-    if (auto lit = lighting_.record(commands, field, lattice_, colour, lighting); !lit.ok()) return lit;
+    TRY(lattices_.record(commands, field, pair, lattice_));
+    TRY(lattices_.reserve_colours(lattice_));
+    TRY(lighting_.record(commands, field, lattice_, colour, lighting));
     commands.mark("light");
     shown_.by(commands);
     return {};
 }
 
 /// Nothing is shown until it is made.
-Result<void> SurfaceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
-                                           Lighting lighting) {
+Result<void> DeviceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
+                                          Lighting lighting) {
     for (GpuMade* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
     are_values_ = lighting == Lighting::plain && !colour.empty();
     return check_colour(colour, field.width(), field.height());
 }
 
 /// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
-Result<void> SurfaceDrawing::show_by_cpu(const HeightField& field, const FramePair& pair,
-                                         const PlaneView& colour, Lighting lighting, int step) {
-    if (auto begun = begin_surface(field, colour, lighting); !begun.ok()) return begun;
+Result<void> DeviceDrawing::show_by_cpu(const HeightField& field, const FramePair& pair,
+                                        const PlaneView& colour, Lighting lighting, int step) {
+    TRY(begin_surface(field, colour, lighting));
     const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
     if (is_part) decimation_->make(field, pair, colour, step);
-    if (auto made = is_part ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(),
-                                          lighting, step)
-                            : make_by_cpu(field, pair, colour, lighting, 1);
-        !made.ok())
-        return made;
+    TRY(is_part
+            ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(), lighting, step)
+            : make_by_cpu(field, pair, colour, lighting, 1));
     shown_.by_cpu();
     return {};
 }
 
-Result<void> SurfaceDrawing::make_by_cpu(const HeightField& field, const FramePair& pair,
-                                         const PlaneView& colour, Lighting lighting, int step) {
-    if (auto made = lattices_.renew(field, lattice_); !made.ok()) return made;
+Result<void> DeviceDrawing::make_by_cpu(const HeightField& field, const FramePair& pair,
+                                        const PlaneView& colour, Lighting lighting, int step) {
+    TRY(lattices_.renew(field, lattice_));
     lattice_.step = step;
     float* const q = lattice_.q.mapped<float>().data();
     if (SurfaceUnproject::has_codes(field, pair))
@@ -137,13 +187,12 @@ Result<void> SurfaceDrawing::make_by_cpu(const HeightField& field, const FramePa
 }
 
 /// What pictures of a size need.
-Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
+Result<void> DeviceDrawing::reserve(const ViewCamera& camera) {
     const auto width = static_cast<std::uint32_t>(camera.width),
                height = static_cast<std::uint32_t>(camera.height);
     if (!z_ || z_.extent().width != width || z_.extent().height != height) {
-        TRY_ASSIGN(auto z, GpuImage::create(*device_, "picture z", camera.width, camera.height,
-                                            GraphicsLook::z_format));
-        z_ = std::move(z);
+        TRY_ASSIGN(
+            z_, GpuImage::create(*device_, "picture z", camera.width, camera.height, GraphicsLook::z_format));
     }
     if (rows_height_ == camera.height) return {};
     TRY_ASSIGN(auto rows,
@@ -157,7 +206,7 @@ Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
     return {};
 }
 
-Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
+Result<void> DeviceDrawing::reserve_pixels(const ViewCamera& camera) {
     const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
                                static_cast<std::size_t>(camera.height);
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
@@ -179,34 +228,33 @@ Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
                    GpuMemory::device}};
     for (const auto& each : needed) {
         if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
-        TRY_ASSIGN(auto made, GpuBuffer::create(*device_, each.name, each.bytes, each.memory));
-        each.buffer = std::move(made);
+        TRY_ASSIGN(each.buffer, GpuBuffer::create(*device_, each.name, each.bytes, each.memory));
     }
     return {};
 }
 
 /// Of a surface, once.
-Result<void> SurfaceDrawing::list_tiles(GpuCommands& commands) {
+Result<void> DeviceDrawing::list_tiles(GpuCommands& commands) {
     if (listed_.is_there_for(commands)) return {};
-    if (auto tiles = lattices_.record_tiles(commands, lattice_); !tiles.ok()) return tiles;
+    TRY(lattices_.record_tiles(commands, lattice_));
     listed_.by(commands);
     return {};
 }
 
-bool SurfaceDrawing::is_drawn(const GpuCommands& commands, const ViewCamera& camera) const {
+bool DeviceDrawing::is_drawn(const GpuCommands& commands, const ViewCamera& camera) const {
     return drawn_.is_there_for(commands) && drawn_from_ == camera.clip_from_lattice &&
            drawn_width_ == camera.width && drawn_height_ == camera.height;
 }
 
 /// Colours and z of the surface, if they are not of this surface from here already.
-Result<void> SurfaceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
+Result<void> DeviceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
     if (is_drawn(commands, camera)) return {};
     drawn_.reset();
     if (by_cpu_) {
-        if (auto drawn = draw_by_cpu(commands, camera); !drawn.ok()) return drawn;
+        TRY(draw_by_cpu(commands, camera));
     } else {
-        if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
-        if (auto rastered = record_raster(commands, camera); !rastered.ok()) return rastered;
+        TRY(reserve_pixels(camera));
+        TRY(record_raster(commands, camera));
     }
     drawn_.by(commands);
     drawn_from_ = camera.clip_from_lattice;
@@ -215,15 +263,14 @@ Result<void> SurfaceDrawing::draw_surface(GpuCommands& commands, const ViewCamer
     return {};
 }
 
-/// Into memory that nobody reads any more: pictures that were recorded before keep theirs.
-Result<void> SurfaceDrawing::draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
+/// Into memory that nothing reads any more: pictures that were recorded before keep theirs.
+Result<void> DeviceDrawing::draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
     const int pitch = SurfaceRaster::resolve_pitch(camera.width);
     const std::size_t bytes = 4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
     for (auto& [buffer, name] :
          {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
         buffer = {};
-        TRY_ASSIGN(auto taken, pictures_.take(name, bytes));
-        buffer = std::move(taken);
+        TRY_ASSIGN(buffer, pictures_.take(name, bytes));
     }
     const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
     const auto z = z_values_.mapped<float>();
@@ -242,7 +289,7 @@ Result<void> SurfaceDrawing::draw_by_cpu(const GpuCommands& commands, const View
 }
 
 /// Of the surface as a camera is shown it; found once for each.
-const SurfaceEdges& SurfaceDrawing::edges_of(const GpuCommands& commands, const ViewCamera& camera) {
+const SurfaceEdges& DeviceDrawing::edges_of(const GpuCommands& commands, const ViewCamera& camera) {
     if (is_own_view(camera)) {
         edges_->clear();
         edged_.reset();
@@ -254,18 +301,17 @@ const SurfaceEdges& SurfaceDrawing::edges_of(const GpuCommands& commands, const 
     return *edges_;
 }
 
-/// Likewise, on the device.
-Result<void> SurfaceDrawing::record_edges(GpuCommands& commands, const ViewCamera& camera) {
+/// The same on the device.
+Result<void> DeviceDrawing::record_edges(GpuCommands& commands, const ViewCamera& camera) {
     if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
-    if (auto found = lattices_.record_edges(commands, camera, are_values_, lattice_); !found.ok())
-        return found;
+    TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
     edged_.by(commands);
     return {};
 }
 
-Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
-    if (auto listed = list_tiles(commands); !listed.ok()) return listed;
-    if (auto found = record_edges(commands, camera); !found.ok()) return found;
+Result<void> DeviceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
+    TRY(list_tiles(commands));
+    TRY(record_edges(commands, camera));
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::transfer);
@@ -280,8 +326,8 @@ Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCame
 }
 
 /// What the raster has drawn, into images that are ready for it.
-void SurfaceDrawing::record_copies(GpuCommands& commands, const ViewCamera& camera,
-                                   const GpuImage& target) const {
+void DeviceDrawing::record_copies(GpuCommands& commands, const ViewCamera& camera,
+                                  const GpuImage& target) const {
     const int pitch = SurfaceRaster::resolve_pitch(camera.width);
     const struct {
         const GpuImage& image;
@@ -291,15 +337,15 @@ void SurfaceDrawing::record_copies(GpuCommands& commands, const ViewCamera& came
                   {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
     for (const auto& [image, pixels, then] : copies) {
         record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        record_copy(commands, pixels, pitch, image);
+        copy_to_image(commands, pixels, pitch, image);
         record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
     }
 }
 
 /// What gives way under fingers, over the surface that is drawn.
-Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamera& camera,
-                                          std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                                          const GpuImage& target) {
+Result<void> DeviceDrawing::record_dents(GpuCommands& commands, const ViewCamera& camera,
+                                         std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                                         const GpuImage& target) {
     if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
     if (!shown_.is_there_for(commands)) return {};
     const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
@@ -308,12 +354,12 @@ Result<void> SurfaceDrawing::record_dents(GpuCommands& commands, const ViewCamer
 }
 
 /// Background, and the surface if there is one.
-Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
-                                         const GpuImage& target) {
+Result<void> DeviceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
+                                        const GpuImage& target) {
     const bool is_shown = shown_.is_there_for(commands);
     if (is_shown) {
-        if (auto listed = list_tiles(commands); !listed.ok()) return listed;
-        if (auto found = record_edges(commands, camera); !found.ok()) return found;
+        TRY(list_tiles(commands));
+        TRY(record_edges(commands, camera));
     }
     commands.barrier(GpuStage::compute, GpuStage::graphics);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
@@ -327,24 +373,40 @@ Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera
     return {};
 }
 
-Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camera,
-                                  std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                                  const GpuImage& target) {
+Result<void> DeviceDrawing::draw(GpuCommands& commands, const ViewCamera& camera,
+                                 std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                                 const GpuImage& target) {
     if (target.extent().width != static_cast<std::uint32_t>(camera.width) ||
         target.extent().height != static_cast<std::uint32_t>(camera.height))
         return Error{ErrorKind::internal, "a picture is not of its camera's size"};
-    if (auto reserved = reserve(camera); !reserved.ok()) return reserved;
+    TRY(reserve(camera));
     if (raster_ && shown_.is_there_for(commands)) {
-        if (auto drawn = draw_surface(commands, camera); !drawn.ok()) return drawn;
+        TRY(draw_surface(commands, camera));
         record_copies(commands, camera, target);
-    } else if (auto drawn = record_mesh(commands, camera, target); !drawn.ok()) {
-        return drawn;
+    } else {
+        TRY(record_mesh(commands, camera, target));
     }
     commands.mark("picture");
-    if (auto dented = record_dents(commands, camera, fingers, sizes, target); !dented.ok()) return dented;
-    if (auto drawn = fingers_.record(commands, fingers, sizes, camera, target, z_); !drawn.ok()) return drawn;
+    TRY(record_dents(commands, camera, fingers, sizes, target));
+    TRY(fingers_.record(commands, fingers, sizes, camera, target, z_));
     if (!fingers.empty()) commands.mark("fingers");
     return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
+                                                               std::string_view painter) {
+    if (painter != "auto" && painter != "raster" && painter != "mesh")
+        return usage_error(
+            "painter " + std::string(painter) + " does not draw on a GPU; auto, raster and mesh do",
+            {{Setting::painter}});
+    if (!device->facts().draws_triangles)
+        return Error{ErrorKind::gpu, device->facts().name + " draws no triangles, which a window needs"};
+    TRY_ASSIGN(auto fingers, FingerDrawing::create(device));
+    auto made = std::make_unique<DeviceDrawing>(std::move(device), std::move(fingers));
+    TRY(made->prepare(painter));
+    return std::unique_ptr<SurfaceDrawing>(std::move(made));
 }
 
 }  // namespace touchable

@@ -5,11 +5,9 @@
 #include <exception>
 #include <new>
 #include <string>
-#include <utility>
 
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/run/memory.hpp"
 
 namespace touchable {
 

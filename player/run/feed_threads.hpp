@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/run/playback_clock.hpp"
+#include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
 namespace touchable {

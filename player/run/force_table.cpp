@@ -1,9 +1,12 @@
 #include "player/run/force_table.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <numeric>
 
-#include "device/csv_table.hpp"
+#include "device/hand.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -31,6 +34,154 @@ Result<Columns> read_columns(const CsvTable& table) {
         columns[c] = std::move(values);
     }
     return columns;
+}
+
+constexpr std::size_t window = ForceComparison::noise_window;
+constexpr double samples_per_second = 1000;
+
+Deviation deviation_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    const auto below = static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1));
+    return {sum / static_cast<double>(values.size()), values[below], values.back()};
+}
+
+/// Mean power of a force in each band, over windows of Hann's shape (Welch's method).
+class Spectrum {
+public:
+    Spectrum() {
+        for (std::size_t k = 0; k < window; ++k) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(window);
+            cosine_[k] = std::cos(angle);
+            sine_[k] = std::sin(angle);
+        }
+    }
+    void add(const ForceTable& table, int finger, std::size_t first) {
+        for (int axis = 0; axis < 3; ++axis) {
+            std::array<double, window> signal;
+            double mean = 0;
+            for (std::size_t k = 0; k < window; ++k)
+                mean += signal[k] = table.at(first + k, finger).force[axis];
+            mean /= static_cast<double>(window);
+            for (std::size_t k = 0; k < window; ++k) signal[k] = (signal[k] - mean) * 0.5 * (1 - cosine_[k]);
+            add(signal);
+        }
+        ++windows_;
+    }
+    double rms(std::size_t band) const {
+        return windows_ > 0 ? std::sqrt(power_[band] / static_cast<double>(windows_)) : 0;
+    }
+    std::int64_t windows() const { return windows_; }
+
+private:
+    void add(const std::array<double, window>& signal) {
+        constexpr double hz = samples_per_second / window;
+        for (std::size_t bin = 1; bin <= window / 2; ++bin) {
+            const double frequency = hz * static_cast<double>(bin);
+            const auto in = [&](const NoiseBand& band) {
+                return frequency >= band.from_hz &&
+                       (frequency < band.to_hz || band.to_hz == samples_per_second / 2);
+            };
+            const auto band = std::find_if(noise_bands.begin(), noise_bands.end(), in);
+            if (band == noise_bands.end()) continue;
+            double cosine = 0, sine = 0;
+            for (std::size_t k = 0; k < window; ++k) {
+                cosine += signal[k] * cosine_[bin * k % window];
+                sine += signal[k] * sine_[bin * k % window];
+            }
+            // Parseval: both halves of the spectrum, over the window's own power (3/8 of its ticks).
+            const double sides = bin == window / 2 ? 1 : 2;
+            constexpr double n = window;
+            power_[static_cast<std::size_t>(band - noise_bands.begin())] +=
+                sides * (cosine * cosine + sine * sine) / (n * n * 0.375);
+        }
+    }
+
+    std::array<double, window> cosine_, sine_;
+    std::array<double, noise_bands.size()> power_{};
+    std::int64_t windows_ = 0;
+};
+
+/// The five samples that differ most, of each 50 ms the worst.
+std::vector<WorstTick> worst_of(std::vector<WorstTick> all) {
+    std::sort(all.begin(), all.end(), [](const WorstTick& a, const WorstTick& b) {
+        return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
+    });
+    std::vector<WorstTick> out;
+    for (const WorstTick& one : all) {
+        const bool near = std::any_of(out.begin(), out.end(), [&](const WorstTick& other) {
+            return std::abs(one.tick - other.tick) < 50;
+        });
+        if (!near) out.push_back(one);
+        if (out.size() == 5 || one.newtons == 0) break;
+    }
+    if (!out.empty() && out.back().newtons == 0) out.pop_back();
+    return out;
+}
+
+double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+}
+
+/// Of samples with the same goal: who touches, and how the forces differ.
+class Comparing {
+public:
+    void take(std::int64_t tick, int finger, const ForceSample& a, const ForceSample& b) {
+        if (a.goal != b.goal) {
+            ++out_.other_goals;
+            return;
+        }
+        ++(a.contact ? (b.contact ? out_.both : out_.only_a) : (b.contact ? out_.only_b : out_.neither));
+        const double newtons = glm::distance(a.force, b.force);
+        if (newtons > 0) differing_.push_back({tick, finger, newtons});
+        if (!a.contact || !b.contact) return;
+        const double a_n = glm::length(a.force), b_n = glm::length(b.force);
+        sum_a_ += a_n;
+        sum_b_ += b_n;
+        differences_.push_back(newtons);
+        if (std::min(a_n, b_n) >= ForceComparison::least_newtons)
+            directions_.push_back(degrees_between(a.force, b.force));
+    }
+    ForceComparison finish() {
+        if (out_.both > 0) {
+            const auto both = static_cast<double>(out_.both);
+            out_.mean_a_n = sum_a_ / both;
+            out_.mean_b_n = sum_b_ / both;
+            out_.longer_n = (sum_a_ - sum_b_) / both;
+        }
+        out_.difference_n = deviation_of(std::move(differences_));
+        out_.direction_degrees = deviation_of(std::move(directions_));
+        out_.worst = worst_of(std::move(differing_));
+        return std::move(out_);
+    }
+
+private:
+    ForceComparison out_;
+    double sum_a_ = 0, sum_b_ = 0;
+    std::vector<double> differences_, directions_;
+    std::vector<WorstTick> differing_;
+};
+
+/// Every stretch of `window` ticks, one after the other, in which a finger touches in both.
+void compare_noise(const ForceTable& a, const ForceTable& b, std::size_t ticks, ForceComparison& out) {
+    Spectrum of_a, of_b;
+    for (int finger = 0; finger < a.fingers; ++finger) {
+        std::size_t held = 0;
+        for (std::size_t tick = 0; tick < ticks; ++tick) {
+            const ForceSample &in_a = a.at(tick, finger), &in_b = b.at(tick, finger);
+            held = in_a.contact && in_b.contact && in_a.goal == in_b.goal ? held + 1 : 0;
+            if (held < window) continue;
+            of_a.add(a, finger, tick + 1 - window);
+            of_b.add(b, finger, tick + 1 - window);
+            held = 0;
+        }
+    }
+    out.noise_windows = of_a.windows();
+    for (std::size_t band = 0; band < noise_bands.size(); ++band) {
+        out.noise_a_n[band] = of_a.rms(band);
+        out.noise_b_n[band] = of_b.rms(band);
+    }
 }
 
 }  // namespace
@@ -61,6 +212,27 @@ Result<ForceTable> read_force_table(const std::string& file) {
     if (rows % fingers != 0)
         return input_error(file + ": its last tick lacks fingers; right would be " +
                            std::to_string(out.fingers));
+    return out;
+}
+
+Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b) {
+    if (a.fingers != b.fingers)
+        return usage_error("the first has " + std::to_string(a.fingers) + " fingers, the second " +
+                           std::to_string(b.fingers) + "; right would be runs of the same hand");
+    const std::size_t ticks = std::min(a.ticks(), b.ticks());
+    Comparing comparing;
+    for (std::size_t tick = 0; tick < ticks; ++tick)
+        for (int finger = 0; finger < a.fingers; ++finger)
+            comparing.take(static_cast<std::int64_t>(tick), finger, a.at(tick, finger), b.at(tick, finger));
+    ForceComparison out = comparing.finish();
+    out.ticks = static_cast<std::int64_t>(ticks);
+    out.fingers = a.fingers;
+    if (out.both + out.only_a + out.only_b + out.neither == 0)
+        return usage_error(
+            "no goal is the same in both; right would be two runs of the same hand, as a recording "
+            "repeats one whatever it touches",
+            {{Setting::hand, "rec:FILE"}});
+    compare_noise(a, b, ticks, out);
     return out;
 }
 

@@ -1,5 +1,14 @@
 #pragma once
 
+// The same run in real time: decoding, building, a tick every millisecond, and what is written, each on a
+// thread of its own (docs/mechanisms.md, Threads).
+//
+// A LiveSession is begun with what a TouchSession has; the haptic thread waits for none of the others, and
+// hands its ticks to the thread that calls `run`, which gives them to the sinks. Its figures say what was
+// late, left out or missing.
+//
+// One thread begins, runs and ends it; commands to the clip's clock may come from any thread.
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -8,12 +17,36 @@
 #include <span>
 #include <string>
 
+#include "engine/clip/clip.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
-#include "player/run/camera_figures.hpp"
-#include "player/run/playback_board.hpp"
+#include "player/run/playback.hpp"
+#include "player/run/surface_feed.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
+
+/// What became of a camera's frames in a live run.
+struct CameraFacts {
+    std::int64_t frames_shown = 0;  ///< that fingers felt
+    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
+};
+
+/// Finds that out tick by tick.
+class CameraFigures final : public TouchSink {
+public:
+    /// `source` outlives it. `first`: of the frames that the run waits for; those before it were there when
+    /// it began.
+    CameraFigures(const ClipReader& source, std::int64_t first) : source_(source), newest_(first - 1) {}
+    Result<void> take(const TouchTick& tick) override;
+    std::int64_t frames_shown() const { return shown_; }
+    CameraFacts facts() const;
+
+private:
+    const ClipReader& source_;
+    std::int64_t newest_;  // that was felt
+    std::int64_t shown_ = 0;
+    TimeSpread latency_ms_;
+};
 
 class FeedThreads;
 

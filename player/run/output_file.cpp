@@ -2,14 +2,50 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <glm/vec3.hpp>
 #include <system_error>
-#include <utility>
+
+#include "engine/base/try.hpp"
+#include "player/run/live_session.hpp"
 
 namespace touchable {
 namespace {
+
+/// Fields of a row, each followed by a comma but the last.
+class CsvRow {
+public:
+    explicit CsvRow(std::string& text) : text_(text) {}
+    CsvRow& operator<<(double value) {
+        std::array<char, 40> digits;
+        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                       std::chars_format::general, 17);
+        return add(digits.data(), end.ptr);
+    }
+    CsvRow& operator<<(std::int64_t value) {
+        std::array<char, 24> digits;
+        return add(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+    }
+    CsvRow& operator<<(const glm::dvec3& v) { return *this << v.x << v.y << v.z; }
+    /// Of a number that is not there.
+    CsvRow& empty() {
+        text_ += ',';
+        return *this;
+    }
+    void end() { text_.back() = '\n'; }
+
+private:
+    CsvRow& add(const char* begin, const char* end) {
+        text_.append(begin, end);
+        text_ += ',';
+        return *this;
+    }
+    std::string& text_;
+};
 
 constexpr std::size_t written_at_once = 1 << 16;
 
@@ -141,6 +177,96 @@ Result<void> all_ok(const std::vector<Result<void>>& finished) {
             fault = done.error();
     }
     return fault ? Result<void>(*fault) : Result<void>();
+}
+
+Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing,
+                                                       Pace pace, std::string name) {
+    TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, pace));
+    constexpr std::string_view header =
+        "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
+        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
+    TRY(out->write(header));
+    return std::unique_ptr<ForcesFile>(new ForcesFile(std::move(out)));
+}
+
+Result<void> ForcesFile::write(const TouchTick& tick) {
+    rows_.clear();
+    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+        const Contact& contact = tick.contacts[k];
+        CsvRow row(rows_);
+        row << tick.tick << static_cast<double>(tick.time_ns) / 1e9 << static_cast<std::int64_t>(k)
+            << contact.goal << contact.proxy << tick.sent(k) << std::int64_t{contact.touching}
+            << contact.pixel_x << contact.pixel_y << contact.properties.stiffness
+            << contact.properties.static_friction << contact.properties.dynamic_friction
+            << tick.pair.prev.number << tick.pair.next.number << tick.blend
+            << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
+            << std::int64_t{contact.counts.capped} << tick.share(k);
+        row.end();
+    }
+    return file_->write(rows_);
+}
+
+DeviceTickLog::DeviceTickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
+
+std::vector<DeviceTickLog::Slot> DeviceTickLog::slots_for(int ticks, int fingers) {
+    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
+    for (Slot& slot : slots) {
+        slot.places.resize(static_cast<std::size_t>(fingers));
+        slot.newtons.resize(static_cast<std::size_t>(fingers));
+    }
+    return slots;
+}
+
+void DeviceTickLog::push(const DeviceTick& tick) {
+    const bool has_room = ring_.push([&tick](Slot& slot) {
+        slot.tick = tick;
+        std::copy(tick.places.begin(), tick.places.end(), slot.places.begin());
+        std::copy(tick.newtons.begin(), tick.newtons.end(), slot.newtons.begin());
+        slot.tick.places = slot.places;
+        slot.tick.newtons = slot.newtons;
+    });
+    if (!has_room) lost_.fetch_add(1, std::memory_order_relaxed);
+}
+
+Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
+                                                             Existing existing, DeviceTickLog& log,
+                                                             std::string name) {
+    TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
+    TRY(out->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"));
+    return std::unique_ptr<DeviceLogFile>(new DeviceLogFile(std::move(out), log));
+}
+
+Result<void> DeviceLogFile::write(const TouchTick&) {
+    Result<void> written;
+    const auto add = [this, &written](const DeviceTick& tick) {
+        rows_.clear();
+        for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
+            CsvRow row(rows_);
+            row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
+            if (const glm::dvec3& place = tick.places[finger]; std::isfinite(place.x + place.y + place.z))
+                row << place;
+            else
+                row.empty().empty().empty();
+            row << std::int64_t{tick.buttons};
+            if (std::isfinite(tick.age_s))
+                row << tick.age_s * 1000;
+            else
+                row.empty();
+            row << tick.newtons[finger] << std::int64_t{tick.exerts};
+            row.end();
+        }
+        if (written.ok()) written = file_->write(rows_);
+    };
+    while (log_.pop(add)) {
+    }
+    return written;
+}
+
+Result<void> DeviceLogFile::finish() {
+    if (!is_faulty())
+        if (auto rest = take({}); !rest.ok()) return rest;
+    if (!is_faulty() && log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
+    return file_->finish();
 }
 
 }  // namespace touchable

@@ -1,17 +1,30 @@
 #pragma once
 
+// Files that a run writes tick by tick: tables of forces, a device's log, and what they have in common.
+//
+// An OutputFile appears whole or not at all where a run can be repeated, and is kept as far as it came where
+// it cannot (Pace). OutputSink is the base of what takes ticks and writes them. docs/forces.md has the
+// columns.
+//
+// The thread that takes a session's ticks writes; nothing is written by the haptic thread.
+
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
-#include "player/run/pace.hpp"
-#include "player/run/standard_output.hpp"
+#include "engine/base/files.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 
@@ -73,5 +86,117 @@ private:
 
 /// Of outputs that are finished each for itself: what went wrong first, and behind it what else did.
 Result<void> all_ok(const std::vector<Result<void>>& finished);
+
+/// What a run writes of every tick. A disk that is full, or gone, ends the file and not the run: nothing more
+/// is taken. A reader of standard output that lags behind a live run, or a person who asks to stop while one
+/// is waited for, ends the run.
+class OutputSink : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) final {
+        if (is_faulty_) return {};
+        auto kept = write(tick);
+        if (kept.ok()) return kept;
+        is_faulty_ = true;
+        if (kept.error().kind == ErrorKind::interrupted || file_->reader_lags()) return kept;
+        spoil(kept.error());
+        return {};
+    }
+    /// Why it takes no more ticks; any thread.
+    std::optional<Error> fault() const {
+        const std::lock_guard lock(mutex_);
+        return fault_;
+    }
+    std::string name() const { return file_->name(); }  ///< as OutputFile has it
+
+protected:
+    explicit OutputSink(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
+    virtual Result<void> write(const TouchTick& tick) = 0;
+    bool is_faulty() const { return is_faulty_; }
+    /// Nothing more is taken. By the thread that takes, or after it.
+    void spoil(const Error& why) {
+        is_faulty_ = true;
+        const std::lock_guard lock(mutex_);
+        if (!fault_) fault_ = why;
+    }
+
+    const std::unique_ptr<OutputFile> file_;
+
+private:
+    bool is_faulty_ = false;  // the thread's that takes
+    mutable std::mutex mutex_;
+    std::optional<Error> fault_;  // guarded by it
+};
+
+/// `--forces FILE`, or `-` for standard output: a header, then one row per tick and finger with all it takes
+/// to check a force with another program. World axes, scene units, newtons, N/m; numbers to 17 digits, so
+/// exactly the bits that were felt.
+class ForcesFile final : public OutputSink {
+public:
+    static Result<std::unique_ptr<ForcesFile>> create(const std::filesystem::path& file, Existing existing,
+                                                      Pace pace, std::string name);
+    /// Gives the file its name, as OutputFile does; without this nothing is left behind.
+    Result<void> finish() { return file_->finish(); }
+
+private:
+    using OutputSink::OutputSink;
+    Result<void> write(const TouchTick& tick) override;
+
+    std::string rows_;  // of one tick
+};
+
+/// A tick as a device had it.
+struct DeviceTick {
+    std::int64_t tick = 0;
+    std::uint32_t buttons = 0;
+    double age_s = 0;                       ///< of the positions
+    bool exerts = false;                    ///< forces were on, and not kept back
+    std::span<const glm::dvec3> places{};   ///< device metres, not a number where there was none
+    std::span<const glm::dvec3> newtons{};  ///< as given to the device
+};
+
+/// Ticks of a device on their way from the haptic thread to a file.
+class DeviceTickLog {
+public:
+    DeviceTickLog(int ticks, int fingers);
+
+    /// Haptic thread; neither waits nor allocates. One for which there is no room is lost, and counted.
+    void push(const DeviceTick& tick);
+    /// Reader. Hands the oldest tick to `take`; false where there is none.
+    template <class Take>
+    bool pop(const Take& take) {
+        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
+    }
+    std::int64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+private:
+    struct Slot {
+        DeviceTick tick;
+        std::vector<glm::dvec3> places, newtons;
+    };
+    static std::vector<Slot> slots_for(int ticks, int fingers);
+
+    SpscRing<Slot> ring_;
+    std::atomic<std::int64_t> lost_{0};
+};
+
+/// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs). Replays as a device.
+class DeviceLogFile final : public OutputSink {
+public:
+    /// `log` outlives it. Only live runs have one. `name`: as OutputFile has it, here and wherever one is
+    /// made.
+    static Result<std::unique_ptr<DeviceLogFile>> create(const std::filesystem::path& file, Existing existing,
+                                                         DeviceTickLog& log, std::string name);
+    /// Gives the file its name, as OutputFile does. Error: ticks are missing.
+    Result<void> finish();
+
+private:
+    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceTickLog& log)
+        : OutputSink(std::move(file)), log_(log) {}
+    /// All that has come by now.
+    Result<void> write(const TouchTick&) override;
+
+    DeviceTickLog& log_;
+    std::string rows_;
+};
 
 }  // namespace touchable

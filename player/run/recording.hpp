@@ -1,17 +1,29 @@
 #pragma once
 
+// Recordings of a run: what is needed to repeat it to the bit, and its forces (docs/recording.md has the
+// format).
+//
+// A RecordingFile is a sink of ticks: a header (format version, rules of force, scene, settings) and for
+// each tick its goals, frames and forces. read_recording reads one that is whole or that ends early, of this
+// format or an older one; a newer one is refused by name. RepeatingHand gives the goals of a recording again,
+// and compares forces.
+//
+// The bytes come from outside: every count and length is checked before memory is taken for it.
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "engine/base/byte_hash.hpp"
-#include "player/run/output_sink.hpp"
-#include "player/run/playback_clock.hpp"
+#include "device/hand.hpp"
+#include "engine/base/same_bits.hpp"
+#include "player/run/output_file.hpp"
+#include "player/run/playback.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
@@ -38,7 +50,7 @@ struct RecordedPart {
     std::vector<RecordedTick> ticks;
     std::vector<PlaybackCommand> playback;  ///< what was asked of the clip's clock; none in format 1
 
-    /// The rules of force it was made under (haptics_cpu/force_rules.hpp), once the facts have been read.
+    /// The rules of force it was made under (haptics_cpu/touch_step.hpp), once the facts have been read.
     int rules() const { return facts.value("rules", 1); }
 };
 /// One part or more, each a run by settings of its own, one after the other. All have as many fingers.
@@ -90,6 +102,38 @@ private:
     std::uint64_t bytes_ = 0;       // all that was written
     std::optional<std::int64_t> last_frame_;
     std::string tick_;
+};
+
+/// `--hand rec:FILE[:depth=MM]`: the very goals of a recording, over whatever is touched now, in the scene
+/// units and with the device's metres per scene unit of then. Two runs of it compare: with one filter and
+/// another, one solver and another.
+class RepeatingHand final : public Hand {
+public:
+    static bool is_meant(std::string_view hand) { return hand.starts_with("rec:"); }
+    /// `hand` as typed. Refuses (ErrorKind::usage) unknown keys, and what `read_recording` refuses.
+    static Result<std::unique_ptr<RepeatingHand>> read(const std::string& hand);
+
+    int fingers() const override { return recording_.fingers; }
+    /// The latest goals that had been recorded by then.
+    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
+    std::optional<std::int64_t> ticks() const override;
+    std::optional<std::string> file() const override { return file_; }
+    std::vector<std::string> remarks() const override { return watch_.remarks(); }
+    double metres_per_scene_unit() const { return metres_per_scene_unit_; }
+
+private:
+    RepeatingHand(std::string file, RecordedPart recording, double metres_per_scene_unit,
+                  const GoalWatch& watch)
+        : file_(std::move(file)),
+          recording_(std::move(recording)),
+          metres_per_scene_unit_(metres_per_scene_unit),
+          watch_(watch) {}
+
+    std::string file_;
+    RecordedPart recording_;  // all parts as one
+    double metres_per_scene_unit_;
+    GoalWatch watch_;
+    std::size_t at_ = 0;  // the recorded tick whose goals were given last
 };
 
 }  // namespace touchable

@@ -1,19 +1,69 @@
 #include "player/run/surface_feed.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
-#include <chrono>
-#include <cstddef>
+#include <cstdlib>
 #include <iterator>
+#include <limits>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/scene/valid_pixel.hpp"
-#include "engine/surface/filter_plan.hpp"
 
 namespace touchable {
 
+void PlanesHash::add(const RawFrame& frame) {
+    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height}) {
+        if (plane->empty()) continue;
+        const auto row_bytes = static_cast<std::size_t>(plane->width) *
+                               static_cast<std::size_t>(plane->channels) *
+                               static_cast<std::size_t>(plane->bytes_per_sample);
+        for (int y = 0; y < plane->height; ++y) hash_.add(plane->row(y), row_bytes);
+    }
+}
+
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
+    PlanesHash hash;
+    for (const FrameRun& run : runs) {
+        TRY(clip.seek(run.first));
+        for (std::int64_t k = 0; k < run.count; ++k) {
+            TRY_ASSIGN(const auto frame, clip.next());
+            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
+            hash.add(*frame);
+        }
+    }
+    return hash.hex();
+}
+
 namespace {
+
+constexpr int columns = 32, rows = 24;
+constexpr std::size_t most_found = 4096;
+/// A pixel is another one where its code is farther away than this share of the codes of both frames, and a
+/// frame is a cut where so many of its pixels are.
+constexpr double another = 1.0 / 12, cut_share = 0.4;
+
+// A bin is what has the same exponent and the same first bits behind the point: those of a double, which
+// count up with it.
+constexpr int bits_in_bin = 52 - 7;
+constexpr double shortest = 0x1p-10, longest = 0x1p40;  // of microseconds: a nanosecond, twelve days
+
+constexpr std::uint64_t bin_of_all(double time) {
+    return std::bit_cast<std::uint64_t>(time) >> bits_in_bin;
+}
+constexpr std::uint64_t first_bin = bin_of_all(shortest);
+constexpr std::size_t bins = bin_of_all(longest) - first_bin + 1;
+
+std::size_t bin_of(double time) {
+    if (!(time >= shortest)) return 0;  // with the first
+    return time < longest ? bin_of_all(time) - first_bin : bins - 1;
+}
+
+/// The middle of a bin.
+double middle_of(std::size_t bin) {
+    const auto end = [](std::uint64_t of) { return std::bit_cast<double>(of << bits_in_bin); };
+    return (end(first_bin + bin) + end(first_bin + bin + 1)) / 2;
+}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -30,6 +80,77 @@ bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::in
 }
 
 }  // namespace
+
+void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
+    std::swap(codes_, before_);
+    codes_.clear();
+    int least = std::numeric_limits<int>::max(), greatest = 0;
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const std::uint16_t code =
+                stored_code(frame.depth, coding, (2 * column + 1) * frame.depth.width / (2 * columns),
+                            (2 * row + 1) * frame.depth.height / (2 * rows));
+            codes_.push_back(coding.is_valid(code) ? int{code} : -1);
+        }
+    const bool follows = frame.epoch == epoch_ && frame.number > number_ && frame.number <= number_ + 2;
+    epoch_ = frame.epoch;
+    number_ = frame.number;
+    if (!follows || before_.size() != codes_.size() || found_.size() == most_found) return;
+    for (const auto* codes : {&codes_, &before_})
+        for (const int code : *codes)
+            if (code >= 0) {
+                least = std::min(least, code);
+                greatest = std::max(greatest, code);
+            }
+    const double far_away = another * std::max(0, greatest - least);  // none is valid: nothing is
+    int others = 0;
+    for (std::size_t k = 0; k < codes_.size(); ++k) {
+        const bool same_state = (codes_[k] < 0) == (before_[k] < 0);
+        others += !same_state || std::abs(codes_[k] - before_[k]) > far_away;
+    }
+    if (others > cut_share * columns * rows) found_.insert(frame.number);
+}
+
+nlohmann::ordered_json to_json(const Spread& s) {
+    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+Spread spread_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    auto quantile = [&values](double share) {
+        const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+        return values[std::min(rank, values.size() - 1)];
+    };
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return {sum / static_cast<double>(values.size()), quantile(0.5), quantile(0.99), quantile(0.999),
+            values.back()};
+}
+
+TimeSpread::TimeSpread() : times_(bins) {}
+
+void TimeSpread::add(double time) {
+    ++times_[bin_of(time)];
+    least_ = count_ == 0 ? time : std::min(least_, time);
+    most_ = count_ == 0 ? time : std::max(most_, time);
+    sum_ += time;
+    ++count_;
+}
+
+double TimeSpread::quantile(double share) const {
+    const auto rank = std::min(static_cast<std::int64_t>(share * static_cast<double>(count_)), count_ - 1);
+    std::int64_t up_to = 0;
+    for (std::size_t bin = 0; bin < bins; ++bin)
+        if ((up_to += times_[bin]) > rank)
+            return bin + 1 == bins ? most_ : std::clamp(middle_of(bin), least_, most_);
+    return most_;
+}
+
+Spread TimeSpread::spread() const {
+    if (count_ == 0) return {};
+    return {sum_ / static_cast<double>(count_), quantile(0.5), quantile(0.99), quantile(0.999), most_};
+}
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                          const Scene& scene, int warm_up_frames, SurfaceTimeline::Eye eye)

@@ -1,9 +1,13 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
+#include <new>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -11,16 +15,144 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/clip_reader.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/scene/surface_timeline.hpp"
-#include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/run/planes_hash.hpp"
-#include "player/run/scene_cuts.hpp"
-#include "player/run/time_spread.hpp"
-#include "player/run/watched_planes.hpp"
 
 namespace touchable {
+
+/// "frames of 720x480 pixels": what most of the memory is for.
+inline std::string frames_in_words(const Scene& scene) {
+    return "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) + " pixels";
+}
+
+inline Error too_large(const std::string& what) {
+    return input_error("memory does not suffice for " + what);
+}
+
+/// Does the work; where memory does not suffice, says what is too large. `what` is looked at only then, so
+/// that the work may make it more precise as it learns of sizes.
+template <class Work>
+Result<void> within_memory(const std::string& what, Work&& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        return too_large(what);
+    }
+}
+
+/// XXH64 over the samples of frames' touch planes (depth, haptic, height) as stored, row by row: what forces
+/// depend on, of a clip.
+class PlanesHash {
+public:
+    void add(const RawFrame& frame);
+    std::string hex() const { return hash_.hex(); }  ///< 16 digits
+
+private:
+    ByteHash hash_;
+};
+
+/// Frames of a clip that were read one after another.
+struct FrameRun {
+    std::int64_t first = 0, count = 0;
+    bool operator==(const FrameRun&) const = default;
+};
+
+/// Of these frames of a clip, in this order; an error where it has not all of them.
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs);
+
+/// Finds a clip's cuts by its depth, as frames come by: a cut is a frame in which most of the picture has
+/// another depth than in the frame before. For the eye alone; touch has its own measure of sudden changes.
+class SceneCuts {
+public:
+    /// Some 800 pixels of a frame are looked at; the frame before is the last one that was, where it is one
+    /// or two earlier and of the same epoch.
+    void look(const RawFrame& frame, const DepthCoding& coding);
+    /// Their numbers, of a clip of any length no more than 4096.
+    const std::set<std::int64_t>& found() const { return found_; }
+
+private:
+    std::uint64_t epoch_ = 0;
+    std::int64_t number_ = -1;
+    std::vector<int> codes_, before_;  // -1: invalid
+    std::set<std::int64_t> found_;
+};
+
+/// Spread of a measured quantity.
+struct Spread {
+    double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
+};
+/// The value at rank floor(share n) of n, for each share; all 0 of none.
+Spread spread_of(std::vector<double> values);
+nlohmann::ordered_json to_json(const Spread& spread);
+
+/// The spread of times of which there may be more than memory has room for: a histogram whose bins grow with
+/// the time, 128 from one power of 2 to the next. Mean and max are exact, the rest is within half a percent
+/// (below 1/1024 of the unit that times are given in: within that). Its memory is the same however many there
+/// are.
+class TimeSpread {
+public:
+    TimeSpread();
+    /// In any unit, 0 or more.
+    void add(double time);
+    /// In the same; all 0 of none.
+    Spread spread() const;
+
+private:
+    double quantile(double share) const;
+
+    std::vector<std::int64_t> times_;  // how many, of each bin
+    std::int64_t count_ = 0;
+    double sum_ = 0, least_ = 0, most_ = 0;
+};
+
+/// Of a frame, as stored, and what keeps it alive.
+struct HeldPlanes {
+    PlaneView colour;  ///< empty: it has none
+    PlaneView depth;
+    std::shared_ptr<const void> storage;
+};
+
+/// Stored planes of the frames in the timeline, for whoever draws them and looks at them: between the thread
+/// that builds and the eye's. Touch knows nothing of it.
+class WatchedPlanes {
+public:
+    /// By the thread that builds: before its frame is published, so that nobody sees one without.
+    void put(const RawFrame& raw) {
+        if (!raw.storage) return;
+        const std::lock_guard lock(mutex_);
+        if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
+            return;
+        frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
+        if (frames_.size() > most) frames_.pop_front();
+    }
+    /// By the eye: the planes of this frame, if they are kept. Those of earlier frames are freed, since
+    /// nobody asks for them any more.
+    std::optional<HeldPlanes> find(std::uint64_t epoch, std::int64_t number) {
+        const std::lock_guard lock(mutex_);
+        for (std::size_t k = 0; k < frames_.size(); ++k) {
+            if (frames_[k].epoch != epoch || frames_[k].number != number) continue;
+            frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(k));
+            return frames_.front().planes;
+        }
+        return std::nullopt;
+    }
+
+private:
+    static constexpr std::size_t most = 32;  // more than a timeline with an eye has entries
+    struct Frame {
+        std::uint64_t epoch;
+        std::int64_t number;
+        HeldPlanes planes;
+    };
+    std::mutex mutex_;
+    std::deque<Frame> frames_;
+};
 
 /// Frames of an epoch that were left out.
 struct DroppedFrames {

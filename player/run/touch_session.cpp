@@ -1,10 +1,76 @@
 #include "player/run/touch_session.hpp"
 
-#include "engine/base/stop_request.hpp"
+#include <algorithm>
+
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/run/field_probe.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
+
+namespace {
+
+// Of a clip's depths, the nearest and the deepest that count: what lies beyond may be noise.
+constexpr double nearest_share = 0.02, deepest_share = 0.98;
+constexpr double clearance = 0.02;  // device metres
+
+double scale_of(const Scene& scene, double otherwise) {
+    return scene.device_metres_per_unit.value_or(otherwise);
+}
+
+/// What is seen between the nearest and the deepest that count, and a fifth of it in front.
+Workspace fitted(const Scene& scene, std::vector<double>& depths, double median, const glm::dvec3& reach) {
+    const double near = quantile(depths, nearest_share), far = quantile(depths, deepest_share);
+    const double wide = scene.width / scene.camera.fx * median,
+                 high = scene.height / scene.camera.fy * median;
+    const double least_room = 0.05 * wide, room = std::max(0.2 * (far - near), least_room);
+    const double deep = far - near + 2 * room;
+    const double scale = std::min({2 * reach.x / wide, 2 * reach.y / high, 2 * reach.z / deep});
+    return {scale, {0, 0, -(near + far) / 2}};
+}
+
+}  // namespace
+
+Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
+    std::vector<double> depths = valid_depths(scene, first);
+    Workspace workspace = default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5));
+    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    return workspace;
+}
+
+Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {
+    std::vector<double> depths = valid_depths(scene, first);
+    const double median = quantile(depths, 0.5);
+    const bool has_reach = reach.x > 0 && reach.y > 0 && reach.z > 0;
+    Workspace workspace = has_reach ? fitted(scene, depths, median, reach)
+                                    : default_workspace(scene.width, scene.camera.fx, median);
+    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    if (!has_reach)
+        workspace.origin.z = clearance / workspace.metres_per_scene_unit - quantile(depths, nearest_share);
+    return workspace;
+}
+
+std::optional<double> FieldProbe::depth_under(double x, double y) const {
+    const double right = field_.width() - 1, bottom = field_.height() - 1;
+    if (!(x >= 0 && y >= 0 && x <= right && y <= bottom)) return std::nullopt;
+    const Place at = face_under(x, y);
+    // At the picture's last column and row the place is its cell's near edge; there is no cell beyond.
+    for (const int di : {0, 1})
+        for (const int dj : {0, 1}) {
+            if ((di == 1 && at.a == 0) || (dj == 1 && at.b == 0)) continue;
+            if (!field_.vertex(at.i + di, at.j + dj).valid) return std::nullopt;
+        }
+    return 1.0 / surface_w(WorldSpace(field_), at);
+}
+
+glm::dvec3 FieldProbe::unproject(double x, double y, double planar_depth) const {
+    return touchable::unproject(field_.scene().camera, x, y, planar_depth);
+}
+
+glm::dvec3 FieldProbe::project(const glm::dvec3& point) const {
+    const auto image = touchable::project(field_.scene().camera, point);
+    return image ? glm::dvec3{image->x, image->y, image->planar_depth} : glm::dvec3(0.0);
+}
 
 TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                            const TouchSessionSettings& settings)
@@ -53,6 +119,37 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     for (TouchSink* sink : sinks)
         if (auto taken = sink->take(done); !taken.ok()) return taken;
     return {};
+}
+
+bool HandPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
+    hand_.goals_at(tick, FieldProbe(field), goals);
+    return true;
+}
+
+bool DevicePort::read_goals(std::int64_t, const HeightField&, std::span<glm::dvec3> goals) {
+    if (!device_.read_positions(goals)) return false;
+    for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
+    return true;
+}
+
+SimulatedPort::SimulatedPort(Hand& hand, SimulatedDevice& device, const Workspace& workspace)
+    : hand_(hand), device_(device), workspace_(workspace) {}
+
+bool SimulatedPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
+    hand_.goals_at(tick, FieldProbe(field), goals);
+    const bool first = ticks_passed_ < 0;
+    for (std::size_t finger = 0; finger < goals.size(); ++finger) {
+        const glm::dvec3 meant = workspace_.to_device(goals[finger]);
+        if (first)
+            device_.put(static_cast<int>(finger), meant);
+        else
+            device_.intend(static_cast<int>(finger), meant);
+    }
+    if (first) ticks_passed_ = tick;
+    for (; ticks_passed_ < tick; ++ticks_passed_) device_.pass_tick();
+    if (!device_.read_positions(goals)) return false;
+    for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
+    return true;
 }
 
 }  // namespace touchable

@@ -1,5 +1,16 @@
 #pragma once
 
+// A run over a clip, tick by tick, in virtual time: the front door of this module. docs/linking.md has a
+// whole example.
+//
+// A SurfaceFeed reads frames of a clip, builds them and publishes them to a SurfaceTimeline; a PlaybackClock
+// (playback.hpp) says which moment of the clip a tick meets; a TouchSession takes a goal for each finger,
+// makes the tick and hands it to TouchSinks (files, figures, recordings). A DevicePort is a HapticDevice as
+// the solver's hand. clip_workspace says how a device lies in a clip. The same inputs give the same forces to
+// the bit, whatever the machine.
+//
+// A session is one thread's. Errors are lines for a person; a stop ends a run between two ticks.
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,11 +19,41 @@
 #include <vector>
 
 #include "device/hand.hpp"
+#include "device/haptic_device.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/run/playback_clock.hpp"
+#include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
 namespace touchable {
+
+/// Where a simulated device stands over a clip whose frame 0 is `first`: `default_workspace`, at the scene's
+/// `device_metres_per_unit` where that is given.
+Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first);
+
+/// Where a device stands that a person holds. Of one that reaches so far to each side (`reach`, metres, > 0)
+/// the picture and nearly all of its depths lie within reach, with a fifth in front of them to come from. Of
+/// others the picture is as wide as `default_workspace` says, and the centre is free: 0.02 m of device space
+/// before nearly all depths. The scale is the scene's `device_metres_per_unit` where that is given.
+Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach);
+
+/// Shows a hand the same surface the solver sees.
+class FieldProbe final : public SurfaceProbe {
+public:
+    explicit FieldProbe(const HeightField& field) : field_(field) {}
+
+    int width() const override { return field_.width(); }
+    int height() const override { return field_.height(); }
+    std::optional<double> depth_under(double x, double y) const override;
+    glm::dvec3 unproject(double x, double y, double planar_depth) const override;
+    glm::dvec3 project(const glm::dvec3& point) const override;
+
+private:
+    const HeightField& field_;
+};
 
 /// Somebody who wants to know of every tick: figures, a file of forces, a recording, a comparison.
 class TouchSink {
@@ -76,6 +117,47 @@ private:
     TouchSessionSettings settings_;
     PlaybackClock clock_;
     TouchStep step_;
+};
+
+/// A scripted or recorded hand in place of a device; nobody feels the forces.
+class HandPort final : public HapticPort {
+public:
+    explicit HandPort(Hand& hand) : hand_(hand) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    bool write_forces(std::span<const glm::dvec3>) override { return true; }
+
+private:
+    Hand& hand_;
+};
+
+/// A device that a person holds: its handles are the fingers.
+class DevicePort final : public HapticPort {
+public:
+    /// The device outlives the port, and is open.
+    DevicePort(HapticDevice& device, const Workspace& workspace) : device_(device), workspace_(workspace) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    bool write_forces(std::span<const glm::dvec3> newtons) override { return device_.write_forces(newtons); }
+
+private:
+    HapticDevice& device_;
+    Workspace workspace_;
+};
+
+/// A hand that holds a simulated device: the hand's goals are where it means the handles to be, the handles'
+/// places are the goals that are touched with, and their forces move them. At the first tick the handles are
+/// where they are meant to be. A tick that is skipped passes for the device all the same.
+class SimulatedPort final : public HapticPort {
+public:
+    /// Both outlive the port; the device is open, with as many fingers as the hand.
+    SimulatedPort(Hand& hand, SimulatedDevice& device, const Workspace& workspace);
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    bool write_forces(std::span<const glm::dvec3> newtons) override { return device_.write_forces(newtons); }
+
+private:
+    Hand& hand_;
+    SimulatedDevice& device_;
+    Workspace workspace_;
+    std::int64_t ticks_passed_ = -1;
 };
 
 }  // namespace touchable

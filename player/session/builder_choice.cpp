@@ -1,12 +1,27 @@
-#include "player/session/builder_choice.hpp"
-
 #include <iostream>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "engine/surface/fallback_builder.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
+
+Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
+    const std::lock_guard lock(mutex_);
+    if (device_ && !device_->lost()) return device_;
+    auto opened = GpuDevice::open({.request = request_, .window_extensions = window_extensions_});
+    if (opened.ok()) device_ = *opened;
+    return opened;
+}
+
+std::string RunGpu::name() const {
+    const std::lock_guard lock(mutex_);
+    return device_ ? device_->facts().name : std::string();
+}
+
 namespace {
 
 void warn(const std::string& line) {
@@ -17,6 +32,51 @@ Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& 
     TRY_ASSIGN(auto device, gpu.open());
     TRY_ASSIGN(auto builder, make_vulkan_builder(scene, std::move(device)));
     return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
+}
+
+// Measured on a core of an AMD EPYC (docs/gpu-vs-cpu.md). Others are faster or slower, but in both columns
+// alike.
+
+/// CPU time of a whole frame: ns for each pixel (of terraces: and each pass), and a rest that does not depend
+/// on them.
+constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 0.22,
+                 temporal_ns = 0.15, frame_us = 10;
+
+/// CPU time that the lazy builder adds to a tick for each finger, us: a part that depends on how many pixels
+/// a finger passes, by thousands of the picture's width. Of a finger at 0.3 m/s between two frames; a slower
+/// one costs less.
+struct LazyCost {
+    double us, us_by_width;
+};
+constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.13, 0.23}, lazy_median5{0.10, 0.50};
+
+/// Less than a hundredth of a core is not worth longer ticks.
+constexpr double least_gain_ms = 10;
+/// From a fifth of a core on it is worth opening a device, which itself takes as much CPU time as a second of
+/// that.
+constexpr double gpu_from_ms = 200;
+
+constexpr double ticks_per_second = 1000;
+
+/// A filter whose answer at a pixel takes many others, too long for a tick; none: "".
+std::string filter_that_reaches_far(const Scene& scene) {
+    if (terrace_filter(scene)) return "removing terraces";
+    return scene.filter.fill_holes > 0 ? "filling holes" : "";
+}
+
+BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
+    if (!load.moves) return {"cpu", "the clip is a single frame"};
+    if (load.live) return {"cpu", "in real time no touch may wait for a filter"};
+    if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
+    if (const std::string filter = filter_that_reaches_far(load.scene); !filter.empty())
+        return {"cpu", filter + " takes much of the picture around a finger"};
+    const double lazy_ms = lazy_ms_per_second(load);
+    if (whole_ms - lazy_ms < least_gain_ms)
+        return {"cpu",
+                formatted("about %.1f ms of CPU time a second; only where fingers are it would be %.1f ms",
+                          whole_ms, lazy_ms)};
+    return {"lazy", formatted("about %.1f ms of CPU time a second; whole frames would be %.1f ms", lazy_ms,
+                              whole_ms)};
 }
 
 }  // namespace
@@ -37,6 +97,36 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");
     return make_cpu_builder(scene);
+}
+
+double whole_frames_ms_per_second(const TouchLoad& load) {
+    const Scene& scene = load.scene;
+    const int median = scene.filter.median;
+    const auto terraces = terrace_filter(scene);
+    const double ns = (median == 5   ? median5_ns
+                       : median == 3 ? median3_ns
+                                     : decode_ns) +
+                      (terraces ? terraces_ns * terraces->passes() : 0) +
+                      (scene.filter.temporal ? temporal_ns : 0);
+    const double pixels = static_cast<double>(scene.width) * scene.height;
+    return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
+}
+
+double lazy_ms_per_second(const TouchLoad& load) {
+    const int median = load.scene.filter.median;
+    const LazyCost& cost = median == 5 ? lazy_median5 : median == 3 ? lazy_median3 : lazy_decode;
+    const double us = cost.us + cost.us_by_width * load.scene.width / 1000;
+    return ticks_per_second * load.fingers * us * 1e-3;
+}
+
+BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has_gpu) {
+    const double whole_ms = whole_frames_ms_per_second(load);
+    BuilderPick pick = pick_on_cpu(load, whole_ms);
+    const bool worth_a_gpu = pick.name == "cpu" && load.moves && whole_ms >= gpu_from_ms;
+    if (worth_a_gpu && has_gpu())
+        return {"vulkan",
+                formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
+    return pick;
 }
 
 }  // namespace touchable

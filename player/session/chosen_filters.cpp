@@ -1,11 +1,18 @@
-#include "player/session/chosen_filters.hpp"
-
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/prefetch.hpp"
-#include "engine/surface/filter_choice.hpp"
-#include "player/run/interrupt.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/surface/depth_estimator.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -43,6 +50,223 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     chosen.measured = measured.depth;
     chosen.damage = measured.damage;
     return std::optional(chosen);
+}
+
+namespace {
+
+std::string number(double value, const char* unit) {
+    return formatted("%.3g%s", value, unit);
+}
+
+std::string mm(double length, double metres_per_unit) {
+    return number(1000 * length * metres_per_unit, " mm");
+}
+
+std::string share(double of_pixels, const char* what) {
+    return number(100 * of_pixels, " % of the pixels ") + what;
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+    std::string words;
+    for (const std::string& part : parts) words += (words.empty() ? "" : ", ") + part;
+    return words;
+}
+
+std::string where_it_is(const MeasuredDepth& measured, double metres_per_unit) {
+    return mm(measured.distance, metres_per_unit) + " apart at " +
+           number(measured.median * metres_per_unit, " m");
+}
+
+std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
+    if (measured.frames < 3) return "not known of fewer than 3 frames";
+    return measured.noise == DepthLength{} ? "none found" : mm(measured.noise_at_median(), metres_per_unit);
+}
+
+/// What decides on a median: roughness as a share of a pixel, of a camera's depth.
+std::string median_reason(const MeasuredDepth& measured, double metres_per_unit) {
+    std::string reason = "roughness " + mm(measured.roughness, metres_per_unit);
+    if (measured.pixel > 0)
+        reason += number(measured.roughness / measured.pixel, " of a pixel's width").insert(0, ", ");
+    return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
+}
+
+std::string contours_found(const Contours& contours) {
+    std::string words = "terraces are " + std::to_string(contours.width) + " pixels wide";
+    if (contours.height > 1) words += " and " + std::to_string(contours.height) + " codes high";
+    return words;
+}
+
+/// What removal takes levels for, where that is not what was found.
+std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& filter,
+                           double metres_per_unit) {
+    if (filter.terraces == TerraceRemoval::on && filter.terrace_reach != least_terrace_reach &&
+        measured.contours.are_wide())
+        return contours_found(measured.contours) + ", codes " + where_it_is(measured, metres_per_unit);
+    const bool is_wider = filter.terraces == TerraceRemoval::on && filter.levels != measured.levels;
+    return "levels " + where_it_is(measured, metres_per_unit) +
+           (is_wider ? ", noise and all " + mm(filter.levels.at(measured.median), metres_per_unit) : "");
+}
+
+/// What these filters did to the clip's own smooth places.
+std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings& filter) {
+    const TriedFilters* const with = found_among(measured.tried, filter);
+    const TriedFilters* const without = found_among(measured.tried, {});
+    if (!with || !without || with == without) return "";
+    return "; smooth places lean " + number(with->left_deg, "") + " degrees to and fro, " +
+           number(without->left_deg, " as stored");
+}
+
+/// Lines of filters that are on, and of those that were left out by choice.
+class FilterList {
+public:
+    void add(bool is_on, bool is_chosen, const std::string& name, const std::string& why) {
+        const std::string reason = " (" + (is_chosen ? why : "stated") + ")";
+        if (is_on)
+            on_.push_back(name + reason);
+        else if (is_chosen)
+            off_.push_back("no " + name + reason);
+    }
+    bool has_any() const { return !on_.empty(); }
+    std::string in_words() const {
+        if (on_.empty() && off_.empty()) return "none (stated)";
+        if (on_.empty()) return "none: " + joined(off_);
+        return joined(on_) + (off_.empty() ? "" : "; " + joined(off_));
+    }
+
+private:
+    std::vector<std::string> on_, off_;
+};
+
+/// `depth`: where its noise is told, scene units; 0: not known.
+std::string temporal_name(const Scene& scene, double depth) {
+    if (!scene.filter.temporal) return "temporal";
+    const DepthLength& noise = scene.filter.temporal_noise;
+    if (depth > 0 || noise.quadratic == 0)
+        return "temporal for " + mm(noise.at(depth), scene.metres_per_unit);
+    return "temporal for " + number(noise.constant, " + ") + number(noise.quadratic, " depth^2 units");
+}
+
+std::string terraces_name(const FilterSettings& filter) {
+    if (filter.terraces != TerraceRemoval::on || filter.terrace_reach == least_terrace_reach)
+        return "terraces";
+    return "terraces within " + std::to_string(filter.terrace_reach) + " pixels";
+}
+
+std::string flying_reason(const MeasuredDepth& measured) {
+    const std::string flying = share(measured.flying, "hang between surfaces");
+    if (measured.from_a_camera() || measured.clean_edges == 0) return flying;
+    return flying + ", " + share(measured.clean_edges, "are beside clean edges");
+}
+
+constexpr const char* wandering = "wander:seed=1";
+
+/// Goals of one finger that were given before.
+class GoalsAgain final : public Hand {
+public:
+    explicit GoalsAgain(const ForceTable& before) : before_(before) {}
+    int fingers() const override { return 1; }
+    void goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) override {
+        goals[0] = before_.at(static_cast<std::size_t>(tick), 0).goal;
+    }
+
+private:
+    const ForceTable& before_;
+};
+
+class ForcesInHand final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override {
+        table.samples.push_back({tick.goals[0], tick.forces[0].force, tick.contacts[0].touching});
+        return {};
+    }
+    ForceTable table{1, {}};
+};
+
+/// Wanders, or repeats what was done `before`.
+Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
+    reader->leave_out_colour();
+    Scene scene = reader->scene();
+    TRY(settle_filters(reader, reader->unstated_filters(), scene));
+    auto builder = make_cpu_builder(scene);
+    SurfaceFeed feed(std::move(reader), std::move(builder), scene);
+    feed.leave_out_hash();
+    TRY_ASSIGN(const auto first, feed.pair_at(0));
+    Workspace workspace = clip_workspace(scene, *first.prev.frame);
+    if (before) workspace.metres_per_scene_unit = before->metres_per_scene_unit;
+
+    std::unique_ptr<Hand> hand;
+    if (before) {
+        hand = std::make_unique<GoalsAgain>(before->forces);
+    } else {
+        const HeightField field(scene, first);
+        TRY_ASSIGN(auto made, make_hand(wandering, 1, workspace, FieldProbe(field)));
+        hand = std::move(made);
+    }
+    TouchSessionSettings settings;
+    settings.ticks = standard_stroke_ticks;
+    settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    TRY_ASSIGN(const auto solver, TouchSolver::create(scene, settings.touch));
+    ForcesInHand forces;
+    TickProgress progress(standard_stroke_ticks);
+    std::array<TouchSink*, 2> sinks{&forces, &progress};
+    TRY(TouchSession(scene, feed, *hand, solver, settings).run(sinks));
+    return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};
+}
+
+}  // namespace
+
+std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
+    const bool known = chosen && chosen->measured, cut = chosen && !chosen->damage.empty();
+    const std::string damage = cut ? "; chosen by the frames before damage: " + chosen->damage : "";
+    const MeasuredDepth measured = known ? *chosen->measured : MeasuredDepth{};
+    const UnstatedFilters by = known ? chosen->chosen : UnstatedFilters{};
+    const FilterSettings& filter = scene.filter;
+    const double unit = scene.metres_per_unit;
+    const std::string side = std::to_string(filter.median);
+    FilterList list;
+    list.add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels",
+             flying_reason(measured));
+    list.add(filter.fill_holes > 0, by.fill_holes, "hole filling",
+             share(measured.tiny_holes, "are tiny holes"));
+    list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
+             median_reason(measured, unit));
+    list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
+             "noise " + noise_found(measured, unit));
+    const bool is_reach_chosen = by.terrace_reach && filter.terrace_reach != least_terrace_reach;
+    list.add(filter.terraces == TerraceRemoval::on, by.terraces || is_reach_chosen, terraces_name(filter),
+             removal_reason(measured, filter, unit));
+    if (known && by == all_unstated && !list.has_any())
+        return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
+               noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
+    return list.in_words() + effect_in_words(measured, filter) +
+           (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
+}
+
+std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {
+    return where_it_is(measured, metres_per_unit) + number(measured.kappa, ")").insert(0, " (kappa ");
+}
+
+std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit) {
+    std::string words = noise_found(measured, metres_per_unit);
+    if (measured.noise != DepthLength{}) words += " from frame to frame";
+    if (measured.noise_at_edges > 0)
+        words += ", " + mm(measured.noise_at_edges, metres_per_unit) + " at edges";
+    if (measured.noise_at_rims > 0)
+        words += ", " + mm(measured.noise_at_rims, metres_per_unit) + " beside holes";
+    words += "; roughness from pixel to pixel " + mm(measured.roughness, metres_per_unit);
+    if (measured.dropouts > 0) words += "; " + share(measured.dropouts, "drop out for a frame");
+    if (measured.flying > 0) words += "; " + share(measured.flying, "hang between surfaces");
+    if (measured.tiny_holes > 0) words += "; " + share(measured.tiny_holes, "are tiny holes");
+    return words;
+}
+
+Result<Stroke> standard_stroke(std::unique_ptr<ClipReader> clip) {
+    return stroke(std::move(clip), nullptr);
+}
+
+Result<ForceComparison> compare_by_stroke(const Stroke& first, std::unique_ptr<ClipReader> second) {
+    TRY_ASSIGN(const auto repeated, stroke(std::move(second), &first));
+    return compare_forces(first.forces, repeated.forces);
 }
 
 }  // namespace touchable

@@ -1,15 +1,88 @@
 #include "player/session/clip_choice.hpp"
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <system_error>
 #include <utility>
 
 #include "engine/authoring/filled_clip.hpp"
-#include "engine/authoring/painted_clip.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/authoring/materials.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 
 namespace {
+
+/// What the first frame says of how the clip lies in the hand.
+struct InTheHand {
+    double metres_per_unit = 0;  ///< of the hand, for a scene unit, where no device of its own says otherwise
+    double pixel = 0;            ///< width of a pixel at the median depth, scene units; 0: no pixel is valid
+};
+
+Result<InTheHand> in_the_hand(ClipReader& clip) {
+    TRY_ASSIGN(const auto first, clip.next());
+    if (!first) return input_error(clip.inputs().front().string() + ": has no frames");
+    const Scene& scene = clip.scene();
+    InTheHand hand;
+    if (scene.device_metres_per_unit) {
+        hand.metres_per_unit = *scene.device_metres_per_unit;
+    } else {
+        SurfaceFrame surface;
+        TRY(make_cpu_builder(scene)->build(*first, surface));
+        hand.metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
+    }
+    std::vector<int> codes = code_picture(first->depth, scene.depth).codes;
+    std::erase(codes, CodePicture::invalid);
+    if (!codes.empty()) {
+        const auto middle = codes.begin() + static_cast<std::ptrdiff_t>(codes.size() / 2);
+        std::nth_element(codes.begin(), middle, codes.end());
+        hand.pixel = scene.depth.depth(static_cast<std::uint16_t>(*middle)) / scene.camera.fx;
+    }
+    TRY(clip.rewind());
+    return hand;
+}
+
+/// What a finger gets of it: no detail is finer than two pixels.
+std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
+    const double mm = hand.pixel * hand.metres_per_unit * 1000;
+    std::string words = formatted(
+        "relief: a pixel is %.3g mm of the hand at the median depth; at 100 mm/s a finger feels its finest "
+        "details, of two pixels, %.3g times a second",
+        mm, 50 / mm);
+    const auto colour = std::find_if(clip.tracks().begin(), clip.tracks().end(),
+                                     [](const TrackInfo& track) { return track.role == "colour"; });
+    const Scene& scene = clip.scene();
+    if (colour != clip.tracks().end() && (colour->width != scene.width || colour->height != scene.height))
+        words += formatted("; colour of %dx%d is felt in depth's %dx%d pixels", colour->width, colour->height,
+                           scene.width, scene.height);
+    return words;
+}
+
+// A run by other settings begins where the one before it is. If that reads 12 frames ahead of the hand, and
+// a filter with a memory wants 16 frames before its beginning, 28 must be there: otherwise both take turns at
+// the one decoder, each by a seek. So many of 1920x1080 with all four planes are less than 576 MiB. Of larger
+// frames there are fewer: 12, which do without such a filter, where those are less than 1 GiB (3840x2160).
+constexpr std::size_t most_kept = 32, kept_without_memory = 12, least_kept = 2;
+constexpr std::size_t most_newest_bytes = std::size_t{576} << 20, most_first_bytes = std::size_t{128} << 20;
+
+/// Whether so many frames are more than are to be kept.
+bool is_too_much(std::size_t frames, std::size_t bytes) {
+    const std::size_t most = frames > kept_without_memory ? most_newest_bytes : std::size_t{1} << 30;
+    return frames > most_kept || (frames > least_kept && bytes > most);
+}
+
+std::size_t kept_bytes_of(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
+                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
+    return bytes;
+}
 
 void apply(const FiltersChoice& filters, Scene& scene, UnstatedFilters& unstated) {
     scene.filter.median = filters.settings.median;
@@ -60,6 +133,144 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
 }
 
 }  // namespace
+
+std::optional<ReliefRange> ReliefMemory::range(const Bands& bands) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = ranges_.find(bands);
+    return found == ranges_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void ReliefMemory::keep(const Bands& bands, const ReliefRange& range) {
+    const std::lock_guard lock(mutex_);
+    ranges_[bands] = range;
+}
+
+Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
+                                                       const ReliefChoice& choice, ReliefMemory* memory) {
+    if (clip->is_live())
+        return usage_error(
+            "relief is made of clips, whose colour can be looked at beforehand; this is a camera");
+    TRY_ASSIGN(const auto hand, in_the_hand(*clip));
+    const double metres_per_unit = choice.is_of_world ? clip->scene().metres_per_unit : hand.metres_per_unit;
+    const double max_height = choice.height_mm / 1000 / metres_per_unit;
+    std::vector<std::string> notes;
+    notes.push_back(formatted("relief: %.3g mm of the hand are %.3g mm of what was recorded",
+                              max_height * hand.metres_per_unit * 1000,
+                              max_height * clip->scene().metres_per_unit * 1000));
+    if (hand.pixel > 0) notes.push_back(finest_in_words(hand, *clip));
+    const auto& bands = choice.settings.bands;
+    const auto known = memory ? memory->range(bands) : std::nullopt;
+    auto looked = known ? LookedAt{std::move(clip), *known} : LookedAt{};
+    if (!known) {
+        TRY_ASSIGN(auto found, look_at_relief(std::move(clip), choice.settings));
+        looked = std::move(found);
+        if (memory) memory->keep(bands, looked.range);
+    }
+    return with_relief(std::move(looked.clip), choice.settings, looked.range, max_height, std::move(notes));
+}
+
+/// What describes the clip stays as it is once the clip is open, so that no reader waits for another there.
+class SharedClip::Reader final : public ClipReader {
+public:
+    explicit Reader(std::shared_ptr<SharedClip> shared) : shared_(std::move(shared)) {
+        ++shared_->readers_;
+        for (const auto& input : clip().inputs()) add_input(input);
+    }
+    ~Reader() override { --shared_->readers_; }
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+    const Scene& scene() const override { return clip().scene(); }
+    UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
+    const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
+    std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
+    const std::vector<std::string>& notes() const override { return clip().notes(); }
+    std::span<const Camera> frame_cameras() const override { return clip().frame_cameras(); }
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = shared_->frame(next_number_, is_from_the_beginning_);
+        if (frame.ok() && *frame) next_number_ = (*frame)->number + 1;
+        return frame;
+    }
+    Result<void> rewind() override { return seek(0); }
+    /// The clip itself is led there only when a frame is wanted that nobody has read.
+    Result<void> seek(std::int64_t frame) override {
+        const auto count = frame_count();
+        if (frame < 0 || (count && frame > *count))
+            return usage_error("frame " + std::to_string(frame) + ": must be 0 to the clip's last" +
+                               (count ? ", " + std::to_string(*count - 1) : std::string()));
+        next_number_ = frame;
+        is_from_the_beginning_ = false;
+        return {};
+    }
+    std::int64_t access_point(std::int64_t frame) const override {
+        const std::lock_guard lock(shared_->mutex_);
+        return clip().access_point(frame);
+    }
+
+private:
+    ClipReader& clip() const { return *shared_->clip_; }
+
+    std::shared_ptr<SharedClip> shared_;
+    std::int64_t next_number_ = 0;
+    bool is_from_the_beginning_ = true;
+};
+
+Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
+    if (!clip_) {
+        auto opened = open_clip();
+        if (!opened.ok()) return opened;
+        clip_ = std::move(*opened);
+        position_ = 0;
+    }
+    return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this()));
+}
+
+void SharedClip::forget_first_frames() {
+    keeps_first_ = false;  // whoever reads next lets go of them: a read may take long
+}
+
+Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
+    const std::lock_guard lock(mutex_);
+    if (!keeps_first_) first_.clear();
+    if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
+    // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
+    // nothing.
+    const WorkForAll work;
+    // Not known where reading fails.
+    if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
+    auto frame = clip_->next();
+    if (!frame.ok()) return frame;
+    position_ = *frame ? (*frame)->number + 1 : number;
+    if (*frame) keep(**frame);
+    return frame;
+}
+
+/// The first frames are for whoever looks at no others, as a survey does: behind them reading on would mean
+/// to seek.
+const RawFrame* SharedClip::kept(std::int64_t number, bool is_from_the_beginning) const {
+    for (const RawFrame& frame : newest_)
+        if (frame.number == number) return &frame;
+    const auto index = static_cast<std::size_t>(number);
+    return is_from_the_beginning && index < first_.size() ? &first_[index] : nullptr;
+}
+
+void SharedClip::keep(const RawFrame& frame) {
+    const std::size_t bytes = kept_bytes_of(frame);
+    newest_.push_back(frame);
+    newest_bytes_ += bytes;
+    while (is_too_much(newest_.size(), newest_bytes_)) {
+        newest_bytes_ -= kept_bytes_of(newest_.front());
+        newest_.pop_front();
+    }
+    if (!keeps_first_ || first_.size() == DepthEstimator::frames ||
+        frame.number != static_cast<std::int64_t>(first_.size()))
+        return;
+    first_.push_back(frame);
+    first_bytes_ += bytes;
+    if (first_bytes_ > most_first_bytes) {
+        keeps_first_ = false;
+        first_.clear();
+    }
+}
 
 void ClipChoice::take(const LiveCamera& of) {
     plugged = of.plugged;
@@ -123,6 +334,46 @@ Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std:
     TRY_ASSIGN(auto chosen,
                settle_filters(reader, wanted.unstated.filters, wanted.scene, choice.measured, given_up));
     return OpenClip{std::move(reader), std::move(wanted.scene), std::move(chosen)};
+}
+
+Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
+                                          const std::function<void(std::int64_t frame)>& progress,
+                                          const std::stop_token& given_up) {
+    if (choice.is_camera())
+        return usage_error(
+            "materials are painted on clips, whose segments can be found beforehand; this is a camera");
+    const WorkUntil until(given_up);
+    ClipChoice own = choice;
+    own.shared_clip.reset();
+    own.relief.reset();  // heights tell nothing of segments
+    own.painted.reset();
+    TRY_ASSIGN(const auto reader, own.open());
+    return read_segments(*reader, begin_segments, progress);
+}
+
+std::string segments_depend_on(const ClipChoice& choice) {
+    const auto whole = [](const std::filesystem::path& file) {
+        std::error_code failed;
+        const auto name = std::filesystem::weakly_canonical(file, failed);
+        return failed ? file.string() : name.string();
+    };
+    nlohmann::ordered_json said = nlohmann::ordered_json::object();
+    if (choice.scene_file) said["scene"] = whole(*choice.scene_file);
+    const SourceDescription of_camera = choice.camera.value_or(SourceDescription());
+    if (of_camera.intrinsics) {
+        const Intrinsics& lens = *of_camera.intrinsics;
+        said["intrinsics"] = {lens.fx, lens.fy, lens.cx.value_or(-1), lens.cy.value_or(-1)};
+    }
+    if (of_camera.fov) said["fov"] = *of_camera.fov;
+    if (of_camera.metres_per_code) said["depth-unit"] = *of_camera.metres_per_code;
+    if (!of_camera.file.empty()) said["camera-file"] = whole(of_camera.file);
+    if (!of_camera.preset.empty()) said["preset"] = of_camera.preset;
+    if (of_camera.least_confidence) said["least-confidence"] = *of_camera.least_confidence;
+    if (choice.alignment != DepthAlignment::automatic)
+        said["align"] = choice.alignment == DepthAlignment::on ? "on" : "off";
+    if (choice.fill_from_motion) said["fill-from-motion"] = true;
+    if (said.empty()) return {};
+    return said.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace touchable

@@ -1,27 +1,219 @@
 #pragma once
 
+// Which clip a run touches, and as what: a file, a stream or a camera, and what a person says of it.
+//
+// A ClipChoice is all of that in plain values; open_chosen opens it as a ClipReader with its readers around
+// it (part, far plane, relief, materials, holes filled). settle_filters chooses the filters that the scene
+// leaves open by the first frames; filters_in_words and the others say to a person what was chosen. A
+// LiveCamera is read of words like "v4l2:/dev/video0"; CameraCapture writes a camera's film beside a
+// recording. SharedClip lets two sessions of a window read one clip that is opened and decoded once.
+//
+// Opening may take long: it obeys the stop token that it is given. A SharedClip may be used by several
+// threads, everything else by one.
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/relief.hpp"
+#include "engine/authoring/segments.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
-#include "engine/camera/plugged_camera.hpp"
-#include "engine/camera/shared_camera.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/replay_camera.hpp"
+#include "engine/camera/camera.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/formats/still_maps.hpp"
-#include "engine/scene/scene_description.hpp"
-#include "player/session/camera_capture.hpp"
-#include "player/session/camera_words.hpp"
-#include "player/session/chosen_filters.hpp"
-#include "player/session/relief_choice.hpp"
-#include "player/session/shared_clip.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
+
+/// What the first frames say of a clip.
+struct MeasuredFrames {
+    std::optional<MeasuredDepth> depth;  ///< nothing: no pixel is valid
+    std::string damage;                  ///< why they ended early; empty: they did not
+};
+/// Needs a reader at the beginning, and leaves one that is there again. An error of kind interrupted once it
+/// was `given_up`.
+Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
+                                     const std::stop_token& given_up = {});
+
+/// Filters that were chosen by what was measured.
+struct ChosenFilters {
+    UnstatedFilters chosen;                 ///< which of them; the others are what the scene states
+    std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
+    std::string damage{};                   ///< as MeasuredFrames has it
+};
+/// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
+/// where nothing is open: then no frame is read. `known`: what the frames said when they were measured
+/// before; nothing: nobody has.
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
+                                                    const UnstatedFilters& unstated, Scene& scene,
+                                                    const std::optional<MeasuredFrames>& known = {},
+                                                    const std::stop_token& given_up = {});
+
+/// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
+/// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of those
+/// that were not chosen.
+std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen);
+/// "12.3 mm apart at 1.86 m (kappa 3.47)".
+std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit);
+/// "2.1 mm from frame to frame, 5 mm at edges; roughness 0.31 mm", or that none was found.
+std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit);
+
+/// A camera, as a person names one: one that is plugged in, a program that sends its frames, a stream, or a
+/// recording that behaves like one.
+struct LiveCamera {
+    std::optional<PluggedChoice> plugged{};
+    std::filesystem::path recording;
+    CameraDelivery delivery;
+};
+
+/// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
+/// "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Starts and opens nothing.
+/// Refuses (ErrorKind::usage) what is no such description, and names what would be right.
+Result<LiveCamera> read_live_camera(const std::string& words);
+
+/// A frame that a camera gave.
+struct CapturedFrame {
+    std::int64_t number = 0, time_ns = 0;
+    bool operator==(const CapturedFrame&) const = default;
+};
+using CapturedFrames = std::vector<CapturedFrame>;
+
+/// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
+/// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
+/// becomes full it ends there, and what is given after that is not kept.
+class CameraCapture {
+public:
+    /// `described`: the camera.
+    explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
+    ~CameraCapture();  ///< without `finish` nothing is left behind
+    CameraCapture(const CameraCapture&) = delete;
+    CameraCapture& operator=(const CameraCapture&) = delete;
+
+    /// Where it goes, and that of frames that were kept before. Once.
+    Result<void> open(const std::filesystem::path& file, Existing existing);
+    /// By the thread that reads. Waits while the disk is far behind; the camera's frames meanwhile are lost.
+    Result<void> keep(const RawFrame& frame);
+    /// Any thread: `keep` waits no more.
+    void interrupt();
+    /// Why it gets no more frames; any thread.
+    std::optional<Error> fault() const;
+    /// In place of `open`: nothing is kept.
+    void give_up(const Error& why);
+    /// Completes it, once no more is kept. Where it has a fault there may be none, without any frame.
+    Result<void> finish();
+
+    const std::filesystem::path& file() const { return file_; }
+    /// All that were kept; once it is finished.
+    const CapturedFrames& frames() const { return frames_; }
+    /// Of them the last one's number; -1: there is none.
+    std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
+
+private:
+    void write();
+    void stop();
+
+    const SceneDescription described_;
+    std::filesystem::path file_;
+    CapturedFrames frames_;
+    std::unique_ptr<ClipWriter> writer_;
+    std::thread thread_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<RawFrame> waiting_;  // guarded by mutex_, as are those below
+    bool open_ = false, ended_ = false, interrupted_ = false;
+    std::optional<Error> failure_;
+    std::size_t written_ = 0;  // frames
+    bool is_broken_ = false;   // by the failure: it cannot be completed
+};
+
+/// Where the film of a recording's first, second ... part is: beside it, "run.rec.mkv", "run.rec.2.mkv".
+std::filesystem::path film_beside(std::filesystem::path record, int part = 1);
+
+/// A camera whose frames are kept as they are given.
+std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
+                                      std::shared_ptr<CameraCapture> film);
+
+/// A film in place of its camera: its frames have the camera's numbers and times. `file`: as messages call
+/// it.
+Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
+                                                       CapturedFrames frames,
+                                                       const std::filesystem::path& file);
+
+/// What several readers of one clip have learned of its relief: another amount or height needs no second
+/// look.
+class ReliefMemory {
+public:
+    using Bands = std::array<int, DifferenceOfGaussians::bands>;
+    std::optional<ReliefRange> range(const Bands& bands) const;
+    void keep(const Bands& bands, const ReliefRange& range);
+
+private:
+    mutable std::mutex mutex_;
+    std::map<Bands, ReliefRange> ranges_;
+};
+
+/// Relief that a person wants of a clip's colour.
+struct ReliefChoice {
+    ReliefSettings settings{};
+    double height_mm = 0.5;    ///< from the deepest to the highest
+    bool is_of_world = false;  ///< of what was recorded, not of the hand
+};
+
+/// The clip with relief in place of its own heights (with_relief). `clip` is at its beginning, and no live
+/// source (ErrorKind::usage). `memory`: of that clip; nullptr: none is kept.
+Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
+                                                       const ReliefChoice& choice,
+                                                       ReliefMemory* memory = nullptr);
+
+/// One clip for several runs over it, at once or one after the other, such as those of one window by other
+/// settings. The clip is opened once. Its newest frames are kept, so that a run that begins where another one
+/// is decodes nothing. The clip stays open until this and the last reader are gone. Of a camera it is
+/// SharedCamera.
+class SharedClip : public std::enable_shared_from_this<SharedClip> {
+public:
+    using Open = std::function<Result<std::unique_ptr<ClipReader>>()>;
+    /// A reader of its own for a run, at the clip's beginning. The first call opens the clip, which must not
+    /// be a live source, by `open_clip`; later ones do so only where that failed. One call at a time. Several
+    /// readers may read at once, each on a thread.
+    Result<std::unique_ptr<ClipReader>> open(const Open& open_clip);
+    /// What the first frames can tell (DepthEstimator) is known: they are kept no longer than others.
+    void forget_first_frames();
+
+private:
+    class Reader;
+    Result<std::optional<RawFrame>> frame(std::int64_t number, bool is_from_the_beginning);
+    const RawFrame* kept(std::int64_t number, bool is_from_the_beginning) const;
+    void keep(const RawFrame& frame);
+
+    std::unique_ptr<ClipReader> clip_;
+    std::mutex mutex_;
+    // Guarded by it, as is reading from the clip.
+    std::optional<std::int64_t> position_;  // the frame that the clip gives next; nothing: not known
+    std::deque<RawFrame> newest_;           // of those that were read, the last
+    std::size_t newest_bytes_ = 0;
+    std::vector<RawFrame> first_;  // from 0 on
+    std::size_t first_bytes_ = 0;
+    std::atomic<bool> keeps_first_{true};
+    std::atomic<int> readers_{0};
+};
 
 /// The temporal filter as a person wants it.
 struct TemporalChoice {
@@ -83,5 +275,16 @@ struct OpenClip {
 /// what is wanted does not go with the clip. An error of kind interrupted soon after it was `given_up`,
 /// whatever is read or waited for.
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up = {});
+
+/// The segments of all frames of a clip, by a reader of its own, so that a run over it is not led to and
+/// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long; once it was
+/// `given_up`, an error of kind interrupted.
+Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
+                                          const std::function<void(std::int64_t frame)>& progress,
+                                          const std::stop_token& given_up);
+
+/// What a person said of the clip on which its segments depend, so that they are the same where it is; empty:
+/// nothing.
+std::string segments_depend_on(const ClipChoice& choice);
 
 }  // namespace touchable

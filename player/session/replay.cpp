@@ -1,16 +1,254 @@
 #include "player/session/replay.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
+#include <stdexcept>
 
-#include "engine/base/number_words.hpp"
-#include "haptics_cpu/force_rules.hpp"
-#include "player/run/planes_hash.hpp"
-#include "player/session/recorded_facts.hpp"
+#include "engine/base/words.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/stream/stream_url.hpp"
+#include "haptics_cpu/touch_step.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 
+using Json = nlohmann::ordered_json;
+
+Json recorded_facts(const TouchSetup& setup) {
+    const TouchSettings& touch = setup.settings.touch;
+    const GuardSettings& guard = setup.settings.guard;
+    const ClipChoice& clip = setup.clip;
+    Json facts{{"rules", force_rules},
+               {"clip", without_passphrase((setup.film ? setup.film->file() : clip.file).string())},
+               {"scene", Json::parse(scene_to_json(setup.scene))},
+               {"hand", setup.hand_words},
+               {"builder", setup.feed->builder_name()},
+               {"clock", setup.live ? "wall" : "virtual"},
+               {"metric", name_of(touch.metric)},
+               {"S", touch.metres_per_scene_unit},
+               {"event_limit", touch.event_limit},
+               {"stribeck_speed", touch.stribeck_speed},
+               {"guard",
+                {{"max_force", guard.max_force},
+                 {"max_stiffness", guard.max_stiffness},
+                 {"ramp_in_ticks", guard.ramp_in_ticks},
+                 {"ramp_out_ticks", guard.ramp_out_ticks},
+                 {"waits_to_be_free", guard.waits_to_be_free},
+                 {"paid_rise", guard.rise.paid},
+                 {"damping", guard.damping},
+                 {"passivity", guard.passivity}}}};
+    if (guard.stale_after_ns > 0) facts["guard"]["stale_after_ns"] = guard.stale_after_ns;
+    if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
+    const bool says_itself = setup.film || clip.filmed;  // a film has its scene, and maps
+    if (clip.scene_file && !says_itself) facts["scene_file"] = clip.scene_file->string();
+    if (clip.maps.haptic && !says_itself) facts["haptic"] = clip.maps.haptic->string();
+    if (clip.maps.height && !says_itself) facts["height"] = clip.maps.height->string();
+    if (clip.alignment != DepthAlignment::automatic && !says_itself)
+        facts["align"] = clip.alignment == DepthAlignment::on;
+    if (clip.fill_from_motion) facts["fill_from_motion"] = true;
+    if (const auto& camera = clip.camera; camera && !says_itself) {
+        if (const auto& lens = camera->intrinsics) {
+            facts["intrinsics"] = {lens->fx, lens->fy};
+            if (lens->cx && lens->cy)
+                facts["intrinsics"].insert(facts["intrinsics"].end(), {*lens->cx, *lens->cy});
+            if (lens->width > 0) facts["intrinsics_size"] = {lens->width, lens->height};
+        }
+        if (camera->fov) facts["fov"] = *camera->fov;
+        if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
+        if (camera->least_confidence) facts["least_confidence"] = *camera->least_confidence;
+        if (!camera->preset.empty()) facts["preset"] = camera->preset;
+    }
+    if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
+    if (setup.film)
+        for (const CapturedFrame& frame : setup.film->frames())
+            facts["filmed"].push_back({frame.number, frame.time_ns});
+    if (!setup.device_words.empty()) facts["device"] = setup.device_words;
+    if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
+    const auto& built = setup.feed->built();
+    std::int64_t frames = 0;
+    for (const FrameRun& run : built) frames += run.count;
+    facts["frames"] = frames;
+    if (built != std::vector<FrameRun>{{0, frames}})
+        for (const FrameRun& run : built) facts["built"].push_back({run.first, run.count});
+    for (const DroppedFrames& run : setup.feed->dropped())
+        facts["dropped"].push_back({run.epoch, run.first, run.count});
+    facts["planes_hash"] = setup.feed->planes_hash();
+    return facts;
+}
+
 namespace {
+
+constexpr std::int64_t most_frames = 1'000'000'000;
+
+/// Throws std::out_of_range, with the member's name, where it is missing or no `kind`.
+template <class Value>
+Value member(const Json& facts, const char* name, const char* kind) {
+    try {
+        return facts.at(name).get<Value>();
+    } catch (const Json::exception&) {
+        throw std::out_of_range(std::string(name) +
+                                (facts.contains(name) ? std::string(" must be ") + kind : " is missing"));
+    }
+}
+
+std::string text(const Json& facts, const char* name) {
+    return member<std::string>(facts, name, "text");
+}
+
+double number(const Json& facts, const char* name) {
+    return member<double>(facts, name, "a number");
+}
+
+/// Of versions that did not know it, the default.
+double number_or(const Json& facts, const char* name, double otherwise) {
+    return facts.contains(name) ? number(facts, name) : otherwise;
+}
+
+Json object(const Json& facts, const char* name) {
+    auto value = member<Json>(facts, name, "an object");
+    if (!value.is_object()) throw std::out_of_range(std::string(name) + " must be an object");
+    return value;
+}
+
+int whole_number(const Json& facts, const char* name, int least, int most) {
+    const double value = number(facts, name);
+    if (value >= least && value <= most && value == std::floor(value)) return static_cast<int>(value);
+    throw std::out_of_range(std::string(name) + " must be a whole number, " + std::to_string(least) + " to " +
+                            std::to_string(most));
+}
+
+TouchMetric metric_named(const std::string& name) {
+    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
+        if (name_of(metric) == name) return metric;
+    throw std::out_of_range("metric must be world, pixel or scaled");
+}
+
+/// Of a single depth picture, what stood in for its scene file.
+Intrinsics intrinsics_of(const Json& facts) {
+    const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
+    if (numbers.size() != 2 && numbers.size() != 4)
+        throw std::out_of_range("intrinsics must be two numbers, or four");
+    Intrinsics lens{.fx = numbers[0], .fy = numbers[1]};
+    if (numbers.size() == 4) lens.cx = numbers[2];
+    if (numbers.size() == 4) lens.cy = numbers[3];
+    if (!facts.contains("intrinsics_size")) return lens;
+    const auto size = member<std::vector<int>>(facts, "intrinsics_size", "numbers");
+    if (size.size() != 2) throw std::out_of_range("intrinsics_size must be two numbers");
+    lens.width = size[0];
+    lens.height = size[1];
+    return lens;
+}
+
+/// What was said of pictures without a scene file.
+std::optional<SourceDescription> camera_of(const Json& facts) {
+    SourceDescription known;
+    if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
+    if (facts.contains("fov")) known.fov = number(facts, "fov");
+    if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
+    if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
+    if (facts.contains("preset")) known.preset = text(facts, "preset");
+    if (known == SourceDescription()) return std::nullopt;
+    return known;
+}
+
+std::vector<DroppedFrames> dropped_frames(const Json& facts) {
+    std::vector<DroppedFrames> dropped;
+    if (!facts.contains("dropped")) return dropped;
+    constexpr const char* kind = "triples of an epoch, a frame's number and a count";
+    const auto triples = member<std::vector<std::array<std::int64_t, 3>>>(facts, "dropped", kind);
+    for (const auto& [epoch, first, count] : triples) {
+        if (epoch < 0 || first < 0 || count < 1 || first > most_frames || count > most_frames)
+            throw std::out_of_range(std::string("dropped must be ") + kind);
+        dropped.push_back({static_cast<std::uint64_t>(epoch), first, count});
+    }
+    return dropped;
+}
+
+/// Of a camera: its frames, in the order of its film.
+CapturedFrames filmed_frames(const Json& facts) {
+    constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
+    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);
+    CapturedFrames frames;
+    for (const auto& [number, time_ns] : pairs) {
+        const CapturedFrame before = frames.empty() ? CapturedFrame{-1, -1} : frames.back();
+        if (number <= before.number || time_ns <= before.time_ns || number > most_frames)
+            throw std::out_of_range(std::string("filmed must be ") + kind);
+        frames.push_back({number, time_ns});
+    }
+    return frames;
+}
+
+/// Throws as `member` does, and where a setting is impossible.
+void read_touch(const Json& facts, TouchSettings& touch) {
+    touch.metric = metric_named(text(facts, "metric"));
+    touch.metres_per_scene_unit = number(facts, "S");
+    if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
+    touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
+    touch.stribeck_speed = number_or(facts, "stribeck_speed", touch.stribeck_speed);
+    if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
+}
+
+/// Likewise.
+void read_guard(const Json& limits, GuardSettings& guard) {
+    guard.max_force = number(limits, "max_force");
+    guard.max_stiffness = number(limits, "max_stiffness");
+    guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
+    guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
+    if (limits.contains("waits_to_be_free"))
+        guard.waits_to_be_free = member<bool>(limits, "waits_to_be_free", "true or false");
+    if (limits.contains("paid_rise")) guard.rise.paid = member<bool>(limits, "paid_rise", "true or false");
+    guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
+    guard.damping = number_or(limits, "damping", guard.damping);
+    guard.passivity = number_or(limits, "passivity", guard.passivity);
+    const double stale_after_ns = number_or(limits, "stale_after_ns", 0);
+    if (!(stale_after_ns >= 0 && stale_after_ns <= 3.6e12))
+        throw std::out_of_range("stale_after_ns must be 0 to 3600000000000");
+    guard.stale_after_ns = static_cast<std::int64_t>(stale_after_ns);
+    if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
+}
+
+/// Likewise.
+void read_recorded_camera(const Json& facts, TouchSetup& setup) {
+    const std::string words = text(facts, "camera");
+    const auto camera = read_live_camera(words);
+    if (!camera.ok()) throw std::out_of_range(camera.error().message);
+    setup.camera_words = words;
+    if (camera->plugged)
+        setup.clip.filmed = filmed_frames(facts);
+    else
+        setup.clip.as_camera = camera->delivery;
+}
+
+/// Gives the recorded scene, as text. Throws std::out_of_range where something is missing, of another kind or
+/// impossible.
+std::string read_facts(const Json& facts, TouchSetup& setup) {
+    setup.clip.file = text(facts, "clip");
+    if (facts.contains("scene_file")) setup.clip.scene_file = text(facts, "scene_file");
+    setup.clip.camera = camera_of(facts);
+    if (facts.contains("haptic")) setup.clip.maps.haptic = text(facts, "haptic");
+    if (facts.contains("height")) setup.clip.maps.height = text(facts, "height");
+    if (facts.contains("align"))
+        setup.clip.alignment =
+            member<bool>(facts, "align", "true or false") ? DepthAlignment::on : DepthAlignment::off;
+    if (facts.contains("fill_from_motion"))
+        setup.clip.fill_from_motion = member<bool>(facts, "fill_from_motion", "true or false");
+    setup.hand_words = text(facts, "hand");
+    setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
+    if (facts.contains("camera")) read_recorded_camera(facts, setup);
+    if (facts.contains("device")) setup.device_words = text(facts, "device");
+    read_touch(facts, setup.settings.touch);
+    read_guard(object(facts, "guard"), setup.settings.guard);
+    if (facts.contains("warm_up_frames"))
+        setup.warm_up_frames = whole_number(facts, "warm_up_frames", 0, 1000);
+    if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
+    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, most_frames);
+    (void)built_frames(facts);
+    setup.dropped = dropped_frames(facts);
+    for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
+    return object(facts, "scene").dump();
+}
 
 bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
     return std::memcmp(&a, &b, sizeof a) == 0;
@@ -42,6 +280,32 @@ std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, 
 }
 
 }  // namespace
+
+std::optional<std::vector<FrameRun>> built_frames(const Json& facts) {
+    std::vector<FrameRun> runs;
+    if (!facts.contains("built")) {
+        if (!facts.contains("frames")) return std::nullopt;
+        return std::vector<FrameRun>{{0, whole_number(facts, "frames", 1, most_frames)}};
+    }
+    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(
+        facts, "built", "pairs of a frame's number and a count");
+    for (const auto& [first, count] : pairs) {
+        if (first < 0 || count < 1)
+            throw std::out_of_range("built must be pairs of a frame's number and a count");
+        runs.push_back({first, count});
+    }
+    return runs;
+}
+
+Result<SceneDescription> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
+    std::string scene;
+    try {
+        scene = read_facts(facts, setup);
+    } catch (const std::exception& fault) {
+        return input_error(name + ": its facts will not do: " + fault.what());
+    }
+    return parse_scene(scene, name);
+}
 
 void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
     const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick)];

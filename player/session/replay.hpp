@@ -1,17 +1,42 @@
 #pragma once
 
+// A recording played again, and whether its forces came out the same to the bit.
+//
+// read_recorded_facts reads what a recording's header says of its clip and settings. A ReplayHand gives its
+// goals, a ReplayCheck compares each tick's forces and remembers the first that differs, judge_replay puts it
+// in words: the same, different from which tick and finger on, or not comparable. The thread that takes a
+// session's ticks.
+
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "device/hand.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/scene.hpp"
 #include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
+
+/// What a recording keeps of a run that has ended beside its ticks (docs/recording.md), but for its forces'
+/// hash.
+nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
+
+/// Of which frames the `planes_hash` of such facts is; nothing where they do not say. Throws
+/// std::out_of_range, with the member's name, where what they say cannot be.
+std::optional<std::vector<FrameRun>> built_frames(const nlohmann::ordered_json& facts);
+
+/// Fills in what those facts say of the run, but for what is opened and made of it, and gives the scene that
+/// was touched. An error of kind input that begins with `name` where something is missing, of another kind or
+/// impossible.
+Result<SceneDescription> read_recorded_facts(const nlohmann::ordered_json& facts, const std::string& name,
+                                             TouchSetup& setup);
 
 /// `--replay FILE`: the recorded goals as a hand.
 class ReplayHand final : public Hand {

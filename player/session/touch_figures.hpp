@@ -1,5 +1,11 @@
 #pragma once
 
+// The figures of a run: what is in the report of `touch` (docs/forces.md), and what a window shows at the
+// end.
+//
+// TouchFigures is a sink of ticks; SentEnergy is the account of energy of the forces that a device was sent.
+// The thread that takes a session's ticks.
+
 #include <array>
 #include <glm/vec3.hpp>
 #include <limits>
@@ -7,12 +13,25 @@
 #include <string>
 #include <vector>
 
-#include "haptics_cpu/force_hash.hpp"
-#include "player/run/time_spread.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/sent_energy.hpp"
 
 namespace touchable {
+
+/// A finger's energy as it was sent: of each force only the share that went to the hand did work on it, and
+/// of the spring only that share was there. What is let through more or less is no motion of the hand's, and
+/// so counts as put in by the surface, as the guard's ramp does.
+class SentEnergy {
+public:
+    /// Of a tick: the guard's books up to it, and the share of its force that is sent and held. As long as
+    /// all is sent, the figures are the guard's own to the bit.
+    void take(const EnergyFigures& guarded, double share);
+    const EnergyFigures& figures() const { return sent_; }
+
+private:
+    EnergyFigures guarded_, kept_, sent_;  // kept back: guarded less sent
+    double share_ = 1;                     // of the force that is held
+};
 
 /// Counts and sums of a run, in memory that does not grow with it, of forces as they were sent to the hand;
 /// but the hash is of what the guard gave, which is what a replay gives again. Times are wall time on this

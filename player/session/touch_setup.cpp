@@ -1,25 +1,89 @@
 #include "player/session/touch_setup.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <glm/matrix.hpp>
-#include <string>
-#include <utility>
+#include <sstream>
 #include <variant>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/surface/surface_builder.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/run/field_probe.hpp"
-#include "player/run/repeating_hand.hpp"
-#include "player/session/builder_pick.hpp"
-#include "player/session/playback_script.hpp"
-#include "player/session/recorded_facts.hpp"
+#include "engine/base/words.hpp"
 #include "player/session/replay.hpp"
 
 namespace touchable {
 
 namespace {
+
+/// A command as it is written, and what stands in a unit of its own: seconds or a rate.
+struct Spelling {
+    PlaybackVerb verb;
+    const char* word;
+    int numbers;
+    double per_unit;  ///< of `first` and `second`
+};
+constexpr double ns_per_s = 1e9, thousandths = 1000;
+constexpr std::array spellings{
+    Spelling{PlaybackVerb::play, "play", 0, 0},           Spelling{PlaybackVerb::pause, "pause", 0, 0},
+    Spelling{PlaybackVerb::rate, "rate", 1, thousandths}, Spelling{PlaybackVerb::seek, "seek", 1, ns_per_s},
+    Spelling{PlaybackVerb::step, "step", 0, 0},           Spelling{PlaybackVerb::loop, "loop", 2, ns_per_s},
+    Spelling{PlaybackVerb::unloop, "unloop", 0, 0}};
+constexpr const char* all_words = "play, pause, rate X, seek S, step, loop S S or unloop";
+
+/// Rounded; nothing where it is no number from 0 to 1e6, which is where all times end.
+std::optional<std::int64_t> number_of(const std::string& word, double per_unit) {
+    double value = 0;
+    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (fault != std::errc() || end != word.data() + word.size() || !(value >= 0 && value <= 1e6))
+        return std::nullopt;
+    return static_cast<std::int64_t>(value * per_unit + 0.5);
+}
+
+/// Of one line's words; a text is why not.
+std::optional<std::string> read_words(const std::vector<std::string>& words, PlaybackCommand& command) {
+    const auto tick = number_of(words[0], thousandths);
+    if (!tick) return in_quotes(words[0]) + " must be a time in seconds, 0 to 1e6";
+    command.tick = *tick;
+    const std::string verb = words.size() > 1 ? words[1] : "";
+    for (const Spelling& spelling : spellings) {
+        if (verb != spelling.word) continue;
+        command.verb = spelling.verb;
+        if (words.size() != static_cast<std::size_t>(2 + spelling.numbers))
+            return verb + " takes " + std::to_string(spelling.numbers) + " numbers, not " +
+                   std::to_string(words.size() - 2);
+        for (int k = 0; k < spelling.numbers; ++k) {
+            const std::string& word = words[static_cast<std::size_t>(2 + k)];
+            const auto number = number_of(word, spelling.per_unit);
+            if (!number) return in_quotes(word) + " must be a number, 0 to 1e6";
+            (k == 0 ? command.first : command.second) = *number;
+        }
+        return std::nullopt;
+    }
+    return in_quotes(verb) + " is no command; it must be " + all_words;
+}
+
+// N s/m. Beyond this a hand on a light device no longer slows down within a tick, it is thrown back.
+constexpr double most_damping = 100;
+
+/// A camera takes its frames in real time, one after another.
+Result<void> check_camera(const SessionOptions& options) {
+    if (!options.camera) return {};
+    if (!options.live)
+        return usage_error("camera needs a live run: its frames come in real time",
+                           {{Setting::camera}, {Setting::live}});
+    if (!options.playback.empty())
+        return usage_error(
+            "a camera's time only goes on: another start or rate, a loop or other commands are for a clip",
+            settings_of(options.playback));
+    if (options.clip.interpolation == FrameInterpolation::linear)
+        return usage_error(
+            "interpolation linear needs the frame after, which a camera has not taken yet; leave it out",
+            {{Setting::interpolation}});
+    return {};
+}
 
 // Ticks that may wait to be written, as TickLog's: four seconds.
 constexpr int device_log_ticks = 4096;
@@ -209,44 +273,6 @@ Result<void> make_solver(TouchSetup& setup) {
     return {};
 }
 
-}  // namespace
-
-Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
-    const WorkUntil until(options.given_up);
-    TRY(validate(options));
-    auto setup = std::make_unique<TouchSetup>();
-    setup->clip = options.clip;
-    setup->camera_words = options.camera.value_or("");
-    setup->live = options.live;
-    setup->hand_scale = options.hand_scale;
-    setup->settings.fingers = options.fingers;
-    setup->settings.ticks = options.ticks;
-    setup->settings.playback = options.playback;
-    setup->settings.touch.metric = options.metric;
-    setup->settings.touch.stribeck_speed = options.stribeck_speed;
-    setup->settings.guard = options.guard;
-    setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
-
-    TRY(take_held_device(*setup, options));
-    TRY(repeat_hand(*setup, options));
-    TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out,
-                                      options.given_up));
-    if (options.recorded && options.clip.plugged) {
-        setup->film = std::make_shared<CameraCapture>(clip.reader->described());
-        clip.reader = with_film(std::move(clip.reader), setup->film);
-    }
-    TRY(make_feed(*setup, std::move(clip), options));
-    setup->settings.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
-    if (options.late_playback) setup->settings.playback = options.late_playback();
-    TRY(place_hand(*setup, options));
-    TRY(check_playback(*setup, options));
-    TRY(hold_device(*setup, options));
-    TRY(make_solver(*setup));
-    return setup;
-}
-
-namespace {
-
 /// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
 /// now.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
@@ -319,6 +345,159 @@ void follow(const RecordedPart& part, TouchSetup& setup) {
 }
 
 }  // namespace
+
+Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name) {
+    std::vector<PlaybackCommand> commands;
+    std::istringstream lines{std::string(text)};
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        std::istringstream cells(line.substr(0, line.find('#')));
+        std::vector<std::string> words;
+        for (std::string word; cells >> word;) words.push_back(word);
+        if (words.empty()) continue;
+        const auto refuse = [&](const std::string& why) {
+            return input_error(name + ", line " + std::to_string(number) + ": " + why);
+        };
+        PlaybackCommand command;
+        if (const auto why = read_words(words, command)) return refuse(*why);
+        if (const auto fault = fault_after(commands.empty() ? 0 : commands.back().tick, command))
+            return refuse(*fault);
+        commands.push_back(command);
+    }
+    return commands;
+}
+
+Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file) {
+    constexpr std::size_t largest = std::size_t{16} << 20;
+    const auto text = read_given_file(file, "play " + file.string(),
+                                      "a file of playback commands (docs/playback.md)", largest);
+    if (text.ok()) return parse_playback(*text, file.string());
+    Error refused = text.error();
+    refused.hints = {{Setting::playback}};
+    return refused;
+}
+
+Hints settings_of(const std::vector<PlaybackCommand>& commands) {
+    Hints settings;
+    const auto add = [&settings](Setting setting) {
+        for (const Hint& known : settings)
+            if (known.setting == setting) return;
+        settings.push_back({setting});
+    };
+    for (const PlaybackCommand& command : commands) {
+        const auto begins_loop = [&](const PlaybackCommand& loop) {
+            return loop.tick == 0 && loop.verb == PlaybackVerb::loop && loop.first == command.first;
+        };
+        if (command.tick > 0)
+            add(Setting::playback);
+        else if (command.verb == PlaybackVerb::rate)
+            add(Setting::rate);
+        else if (command.verb == PlaybackVerb::loop)
+            add(Setting::loop);
+        else if (command.verb != PlaybackVerb::seek)
+            add(Setting::playback);
+        else if (std::none_of(commands.begin(), commands.end(), begins_loop))
+            add(Setting::start);
+    }
+    return settings;
+}
+
+std::string in_words(const std::vector<PlaybackCommand>& commands) {
+    std::string text;
+    for (const PlaybackCommand& command : commands)
+        for (const Spelling& spelling : spellings) {
+            if (spelling.verb != command.verb) continue;
+            if (!text.empty()) text += ", ";
+            text += formatted("%.9g", static_cast<double>(command.tick) / thousandths);
+            text += ' ';
+            text += spelling.word;
+            for (int k = 0; k < spelling.numbers; ++k) {
+                const std::int64_t number = k == 0 ? command.first : command.second;
+                text += ' ';
+                text += formatted("%.9g", static_cast<double>(number) / spelling.per_unit);
+            }
+        }
+    return text;
+}
+
+Result<void> check_guard(const GuardSettings& guard) {
+    if (auto valid = validate(guard); !valid.ok()) return valid;
+    if (guard.damping > most_damping)
+        return usage_error("damping must be 0 to 100 N s/m", {{Setting::damping}});
+    if (guard.passivity > most_damping)
+        return usage_error("the passivity controller's damping must be 0 to 100 N s/m",
+                           {{Setting::passivity}});
+    return {};
+}
+
+Result<void> validate(const SessionOptions& options) {
+    if (options.stale_after_ns && !options.camera)
+        return usage_error("the age of a stale surface needs a live source: a clip's frames are never late",
+                           {{Setting::stale_after}, {Setting::camera}});
+    if (auto checked = check_guard(options.guard); !checked.ok()) return checked;
+    if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
+        return usage_error("stribeck must be a number of m/s, 0 or above", {{Setting::stribeck}});
+    if (options.recorded && options.clip.relief)
+        return usage_error(
+            "relief that is tried is not recorded: touchable relief CLIP OUT.mkv writes a clip that has it, "
+            "and a run over that can be");
+    if (options.recorded && options.clip.painted)
+        return usage_error(
+            "materials that are tried are not recorded: touchable materials writes a clip that has them, and "
+            "a run over that can be");
+    if (options.start_buried && !options.live)
+        return usage_error(
+            "a hand that starts buried needs a live run: in another no finger waits to be free",
+            {{Setting::start_buried}, {Setting::live}});
+    if (options.device && !options.live)
+        return usage_error("device needs a live run: it is held in real time",
+                           {{Setting::device}, {Setting::live}});
+    if (options.held_device && (!options.live || options.device))
+        return usage_error(
+            "a device that a person holds is touched with in real time, and without another that a hand "
+            "holds: leave the other out",
+            {{Setting::device}});
+    if (options.control && options.hand != SessionOptions{}.hand)
+        return usage_error(
+            "hand " + options.hand + ": the hand that holds the device is yours; leave one of them out",
+            {{Setting::hand}});
+    return check_camera(options);
+}
+
+Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
+    const WorkUntil until(options.given_up);
+    TRY(validate(options));
+    auto setup = std::make_unique<TouchSetup>();
+    setup->clip = options.clip;
+    setup->camera_words = options.camera.value_or("");
+    setup->live = options.live;
+    setup->hand_scale = options.hand_scale;
+    setup->settings.fingers = options.fingers;
+    setup->settings.ticks = options.ticks;
+    setup->settings.playback = options.playback;
+    setup->settings.touch.metric = options.metric;
+    setup->settings.touch.stribeck_speed = options.stribeck_speed;
+    setup->settings.guard = options.guard;
+    setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
+
+    TRY(take_held_device(*setup, options));
+    TRY(repeat_hand(*setup, options));
+    TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out,
+                                      options.given_up));
+    if (options.recorded && options.clip.plugged) {
+        setup->film = std::make_shared<CameraCapture>(clip.reader->described());
+        clip.reader = with_film(std::move(clip.reader), setup->film);
+    }
+    TRY(make_feed(*setup, std::move(clip), options));
+    setup->settings.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
+    if (options.late_playback) setup->settings.playback = options.late_playback();
+    TRY(place_hand(*setup, options));
+    TRY(check_playback(*setup, options));
+    TRY(hold_device(*setup, options));
+    TRY(make_solver(*setup));
+    return setup;
+}
 
 Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
                                                          const SessionOptions& options,

@@ -1,18 +1,112 @@
 #include "player/session/watched_session.hpp"
 
-#include <algorithm>
-
+#include <cmath>
 #include <exception>
 #include <new>
 #include <utility>
 
-#include "engine/base/start_thread.hpp"
+#include "device/hand.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/run/memory.hpp"
-#include "player/session/live_port.hpp"
-#include "player/session/playback_script.hpp"
+#include "player/run/output_file.hpp"
 
 namespace touchable {
+
+/// A device that a person holds, with what stands between it and the fingers: mapping, clutch, and the force
+/// that is asked for.
+class HeldPort final : public HapticPort {
+public:
+    /// All of them outlive the port; the device is open. `log`: nullptr: nobody wants one.
+    HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log);
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    void come_back(std::int64_t alone_ms) override { control_.come_back(alone_ms); }
+    bool write_forces(std::span<const glm::dvec3> newtons) override;
+    /// All of it where the device has no motors: what is told is the scene's then.
+    double share(std::size_t finger) const override;
+
+private:
+    bool has_place(std::size_t finger) const;
+
+    HapticDevice& device_;
+    HandControl& control_;
+    DeviceTickLog* log_;
+    const bool has_motors_;
+    std::vector<glm::dvec3> places_, newtons_;
+    std::int64_t tick_ = -1, written_ = -1;
+};
+
+// One rule for a hand that fell silent and for a program that stood still.
+static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
+                  static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
+              HapticLoop::longest_gap_ns);
+
+HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
+    : device_(device),
+      control_(control),
+      log_(log),
+      has_motors_(device.capabilities().axes_driven > 0),
+      places_(static_cast<std::size_t>(device.fingers())),
+      newtons_(static_cast<std::size_t>(device.fingers())) {}
+
+bool HeldPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
+    tick_ = tick;
+    if (!device_.read_positions(places_)) return false;
+    std::copy(places_.begin(), places_.end(), goals.begin());
+    const FieldProbe probe(field);
+    control_.to_goals(goals, device_.buttons(), &probe);
+    return true;
+}
+
+bool HeldPort::write_forces(std::span<const glm::dvec3> newtons) {
+    const auto passed = static_cast<int>(std::min<std::int64_t>(tick_ - written_, HandControl::rise_ticks));
+    const bool is_tick = tick_ > written_;  // the zeros at the end are of none
+    written_ = tick_;
+    control_.to_device(newtons, passed, newtons_);
+    for (std::size_t finger = 0; finger < newtons_.size(); ++finger)
+        if (!has_place(finger) && std::isfinite(newtons_[finger].x)) newtons_[finger] = glm::dvec3(0.0);
+    const bool works = device_.write_forces(newtons_);
+    if (log_ && is_tick)
+        log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
+    return works;
+}
+
+/// One without has no force, which its device would not let out either.
+bool HeldPort::has_place(std::size_t finger) const {
+    return std::isfinite(places_[finger].x);
+}
+
+double HeldPort::share(std::size_t finger) const {
+    if (!has_motors_) return 1;
+    return has_place(finger) ? control_.share(finger) : 0;
+}
+
+namespace {
+
+HapticDevice* device_of(const TouchSetup& setup) {
+    return setup.held_device ? setup.held_device.get() : setup.device.get();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
+    if (HapticDevice* device = device_of(setup)) TRY(device->open());
+    std::unique_ptr<HapticPort> port;
+    if (setup.control)
+        port = std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
+    else if (setup.held_device)
+        port = std::make_unique<DevicePort>(*setup.held_device, setup.workspace);
+    else if (setup.device)
+        port = std::make_unique<SimulatedPort>(*setup.hand, *setup.device, setup.workspace);
+    else
+        port = std::make_unique<HandPort>(*setup.hand);
+    return port;
+}
+
+void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
+    const HapticDevice* device = device_of(setup);
+    if (!facts.loop.port_failed || !device) return;
+    if (auto healthy = device->health(); !healthy.ok()) facts.failure = healthy.error();
+}
 
 Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<TouchSetup> setup,
                                                               std::vector<TouchSink*> sinks) {

@@ -1,12 +1,28 @@
 #include "player/window/disk_work.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <condition_variable>
+#include <ctime>
 #include <deque>
 #include <mutex>
 
-#include "engine/base/unless_stopped.hpp"
-
 namespace touchable {
+namespace {
+
+int write_all(int out, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(out, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) return errno;
+        if (count == 0) return ENOSPC;
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+    return 0;
+}
+
+}  // namespace
 
 struct DiskWork::Jobs {
     std::mutex mutex;
@@ -61,7 +77,7 @@ void DiskWork::do_all(Jobs& jobs) {
         jobs.is_busy = true;
         lock.unlock();
         job();
-        job = nullptr;  // what it holds is let go of before anybody is told
+        job = nullptr;  // frees what it holds before it counts as done
         lock.lock();
         jobs.is_busy = false;
         jobs.changed.notify_all();
@@ -69,6 +85,24 @@ void DiskWork::do_all(Jobs& jobs) {
     jobs.has_ended = true;
     if (jobs.is_abandoned) --abandoned_threads;
     jobs.changed.notify_all();
+}
+
+/// A sync that failed is not tried again: Linux reports a row that it could not write once, and then forgets
+/// it.
+int append_durably(int out, std::string_view rows) {
+    const off_t before = lseek(out, 0, SEEK_END);
+    int why = write_all(out, rows);
+    if (why == 0 && fdatasync(out) != 0) why = errno;
+    if (why != 0 && before >= 0) (void)!ftruncate(out, before);
+    return why;
+}
+
+std::string in_universal_time(std::chrono::system_clock::time_point time) {
+    const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+    std::tm parts{};
+    gmtime_r(&seconds, &parts);
+    char words[32];
+    return {words, std::strftime(words, sizeof words, "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
 }  // namespace touchable

@@ -1,36 +1,309 @@
+// A window of the system's, by GLFW: the pictures that it shows by Vulkan, keys, mouse and touch screen as
+// events, and what becomes of all that where its X server goes away.
+
 #include <dlfcn.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
+#include <vulkan/vulkan.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <future>
+#include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <tuple>
 #include <utility>
+#include <vector>
 
-#include "engine/base/start_thread.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/window/glfw_keys.hpp"
+#include "engine/gpu/gpu_device.hpp"
 #include "player/window/screen.hpp"
-#include "player/window/screen_saver.hpp"
-#include "player/window/swapchain.hpp"
-#include "player/window/touch_screen.hpp"
+#include "player/window/window_command.hpp"
+#include "player/window/x11_screen.hpp"
 
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 
 namespace touchable {
 namespace {
+
+void record_change(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    VkImageMemoryBarrier2 change{};
+    change.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
+    change.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    change.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    change.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    change.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    change.oldLayout = from;
+    change.newLayout = to;
+    change.srcQueueFamilyIndex = change.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    change.image = image;
+    change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkDependencyInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &change;
+    vkCmdPipelineBarrier2(commands, &info);
+}
+
+template <class Value, class Ask>
+std::vector<Value> all_of(Ask ask) {
+    std::uint32_t count = 0;
+    std::vector<Value> values;
+    if (ask(&count, nullptr) == VK_SUCCESS) values.resize(count);
+    if (ask(&count, values.data()) != VK_SUCCESS) count = 0;
+    values.resize(count);
+    return values;
+}
+
+/// A window system's surface for Vulkan. It must outlive every swapchain that shows on it.
+class WindowSurface {
+public:
+    WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
+        : vulkan_(std::move(vulkan)), surface_(surface) {}
+    WindowSurface(const WindowSurface&) = delete;
+    WindowSurface& operator=(const WindowSurface&) = delete;
+    ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance->handle(), surface_, nullptr); }
+    VkSurfaceKHR handle() const { return surface_; }
+
+private:
+    std::shared_ptr<VulkanDevice> vulkan_;
+    VkSurfaceKHR surface_;
+};
+
+/// The pictures that a window shows in turn. `present` waits until the drawing is done, so that nothing that
+/// the drawing read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
+/// memory. A lost surface counts as a lost GPU: both have to be opened anew.
+class Swapchain {
+public:
+    /// ErrorKind::gpu where the device cannot show on this surface.
+    static Result<std::unique_ptr<Swapchain>> create(std::shared_ptr<GpuDevice> device,
+                                                     std::unique_ptr<WindowSurface> surface);
+    ~Swapchain();
+    Swapchain(const Swapchain&) = delete;
+    Swapchain& operator=(const Swapchain&) = delete;
+
+    /// Screen::present; `wanted`: pixels of the window, of which the surface may know better. Nothing is
+    /// shown while it has none.
+    Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted);
+
+private:
+    Swapchain(std::shared_ptr<GpuDevice> device, std::unique_ptr<WindowSurface> surface)
+        : device_(std::move(device)), surface_(std::move(surface)) {}
+    Result<void> choose();
+    Result<bool> make(VkExtent2D wanted);
+    void destroy_chain();
+    Error failed(const char* call, VkResult result);
+    Result<bool> acquire(std::uint32_t& index);
+    void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const;
+
+    std::shared_ptr<GpuDevice> device_;
+    std::unique_ptr<WindowSurface> surface_;
+    VkSurfaceFormatKHR format_{};
+    VkPresentModeKHR mode_ = VK_PRESENT_MODE_FIFO_KHR;
+    VkSwapchainKHR chain_ = VK_NULL_HANDLE;
+    VkExtent2D extent_{};
+    std::vector<VkImage> images_;
+    VkFence acquired_ = VK_NULL_HANDLE;
+    bool outdated_ = false;
+    bool acquiring_ = false;  // the window system has yet to signal the fence
+};
+
+Result<std::unique_ptr<Swapchain>> Swapchain::create(std::shared_ptr<GpuDevice> device,
+                                                     std::unique_ptr<WindowSurface> surface) {
+    std::unique_ptr<Swapchain> made(new Swapchain(std::move(device), std::move(surface)));
+    TRY(made->choose());
+    return made;
+}
+
+Swapchain::~Swapchain() {
+    if (acquiring_ || !device_->comes_to_rest()) {
+        leave_for_good(device_->vulkan());
+        leave_for_good(std::shared_ptr<WindowSurface>(std::move(surface_)));
+        return;
+    }
+    destroy_chain();
+    if (acquired_) vkDestroyFence(device_->vulkan()->device, acquired_, nullptr);
+}
+
+Result<void> Swapchain::choose() {
+    VulkanDevice& gpu = *device_->vulkan();
+    VkBool32 shows = VK_FALSE;
+    const VkResult asked =
+        vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physical, gpu.queue_family, surface_->handle(), &shows);
+    if (asked != VK_SUCCESS || !shows)
+        return Error{ErrorKind::gpu,
+                     gpu.facts.name + " cannot show pictures in this window; another GPU may",
+                     {{Setting::gpu, "NAME"}}};
+    const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
+        return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
+    });
+    // The canvas holds what is to be seen already: a format that would make it brighter is the last resort.
+    const auto plain = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& format) {
+        return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
+    });
+    if (formats.empty()) return Error{ErrorKind::gpu, gpu.facts.name + " has no format for this window"};
+    format_ = plain == formats.end() ? formats.front() : *plain;
+    const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
+        return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
+    });
+    // The player paces itself: whoever waits for the screen here would only be later.
+    if (std::find(modes.begin(), modes.end(), VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
+        mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
+    VkFenceCreateInfo fence{};
+    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    const VkResult result = vkCreateFence(gpu.device, &fence, nullptr, &acquired_);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateFence", result);
+    return {};
+}
+
+void Swapchain::destroy_chain() {
+    if (!chain_) return;
+    VulkanDevice& gpu = *device_->vulkan();
+    if (!device_->lost()) {
+        // What was drawn is done; what was presented may not be.
+        const std::lock_guard lock(gpu.queue_mutex);
+        vkQueueWaitIdle(gpu.queue);
+    }
+    vkDestroySwapchainKHR(gpu.device, chain_, nullptr);
+    chain_ = VK_NULL_HANDLE;
+    images_.clear();
+}
+
+Error Swapchain::failed(const char* call, VkResult result) {
+    if (result == VK_ERROR_SURFACE_LOST_KHR) device_->lose();
+    return device_->vulkan()->failed(call, result);
+}
+
+/// False where the window has no pixels. Nothing that was drawn before is still at work.
+Result<bool> Swapchain::make(VkExtent2D wanted) {
+    VulkanDevice& gpu = *device_->vulkan();
+    destroy_chain();
+    VkSurfaceCapabilitiesKHR can{};
+    VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu.physical, surface_->handle(), &can);
+    if (result != VK_SUCCESS) return failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
+    extent_ = can.currentExtent;
+    if (extent_.width == UINT32_MAX)
+        extent_ = {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
+                   std::clamp(wanted.height, can.minImageExtent.height, can.maxImageExtent.height)};
+    if (extent_.width == 0 || extent_.height == 0) return false;
+    VkSwapchainCreateInfoKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
+    info.surface = surface_->handle();
+    info.minImageCount = std::max(can.minImageCount, 3U);
+    if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
+    info.imageFormat = format_.format;
+    info.imageColorSpace = format_.colorSpace;
+    info.imageExtent = extent_;
+    info.imageArrayLayers = 1;
+    info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    info.preTransform = can.currentTransform;
+    info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
+    info.presentMode = mode_;
+    info.clipped = VK_TRUE;
+    result = vkCreateSwapchainKHR(gpu.device, &info, nullptr, &chain_);
+    if (result != VK_SUCCESS) return failed("vkCreateSwapchainKHR", result);
+    images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
+        return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
+    });
+    if (images_.empty()) return Error{ErrorKind::gpu, gpu.facts.name + " has no pictures for this window"};
+    outdated_ = false;
+    return true;
+}
+
+/// False where the chain has to be made anew first.
+Result<bool> Swapchain::acquire(std::uint32_t& index) {
+    VulkanDevice& gpu = *device_->vulkan();
+    constexpr std::uint64_t patience_ns = 100'000'000;
+    VkResult result =
+        vkAcquireNextImageKHR(gpu.device, chain_, patience_ns, VK_NULL_HANDLE, acquired_, &index);
+    // A window that is covered may have no picture free: this one is not shown then.
+    if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY) return false;
+    if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
+    if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return failed("vkAcquireNextImageKHR", result);
+    acquiring_ = true;
+    const std::chrono::nanoseconds patience =
+        std::min<std::chrono::nanoseconds>(device_->patience(), GpuDevice::longest_picture);
+    result =
+        vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, static_cast<std::uint64_t>(patience.count()));
+    if (result == VK_TIMEOUT) device_->lose();
+    if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
+    acquiring_ = false;
+    vkResetFences(gpu.device, 1, &acquired_);
+    return true;
+}
+
+void Swapchain::record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const {
+    const VkCommandBuffer buffer = commands.handle();
+    record_change(buffer, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const auto corner = [](VkExtent2D extent) {
+        return VkOffset3D{static_cast<std::int32_t>(extent.width), static_cast<std::int32_t>(extent.height),
+                          1};
+    };
+    VkImageBlit2 region{};
+    region.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2;
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = corner(canvas.extent());
+    region.dstOffsets[1] = corner(extent_);
+    VkBlitImageInfo2 blit{};
+    blit.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2;
+    blit.srcImage = canvas.handle();
+    blit.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    blit.dstImage = to;
+    blit.dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    blit.regionCount = 1;
+    blit.pRegions = &region;
+    const bool same_size = canvas.extent().width == extent_.width && canvas.extent().height == extent_.height;
+    blit.filter = same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    vkCmdBlitImage2(buffer, &blit);
+    record_change(buffer, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
+    std::uint32_t index = 0;
+    bool shown = chain_ && !outdated_;
+    if (shown) {
+        TRY_ASSIGN(const auto acquired, acquire(index));
+        shown = acquired;
+    }
+    if (!shown) {
+        TRY_ASSIGN(const auto made, make(wanted));
+        if (made) {
+            TRY_ASSIGN(const auto acquired, acquire(index));
+            shown = acquired;
+        }
+    }
+    if (shown) record_copy(commands, canvas, images_[index]);
+    TRY(std::move(commands).run());
+    if (!shown) return {};
+    VulkanDevice& gpu = *device_->vulkan();
+    VkPresentInfoKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
+    info.swapchainCount = 1;
+    info.pSwapchains = &chain_;
+    info.pImageIndices = &index;
+    VkResult result;
+    {
+        const std::lock_guard lock(gpu.queue_mutex);
+        result = vkQueuePresentKHR(gpu.queue, &info);
+    }
+    outdated_ = outdated_ || result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
+    if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
+    return {};
+}
 
 /// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
 /// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
@@ -120,16 +393,11 @@ void XConnection::wait(std::chrono::milliseconds longest, int other, int another
     poll(look.data(), look.size(), static_cast<int>(longest.count()));
 }
 
-/// GLFW's own words for what went wrong last.
-std::string glfw_fault() {
-    const char* words = nullptr;
-    glfwGetError(&words);
-    return words ? words : "no reason given";
-}
-
 Error no_display() {
+    const char* why = nullptr;
+    glfwGetError(&why);
     return {ErrorKind::gpu,
-            "there is no display to open a window on (" + glfw_fault() +
+            "there is no display to open a window on (" + std::string(why ? why : "no reason given") +
                 "); run it in a desktop session, or without a window",
             {{Setting::headless}}};
 }
@@ -155,12 +423,12 @@ public:
                                         [this, opened = std::move(opened), &options]() mutable {
                                             auto done = open_window(options);
                                             note_size();
-                                            is_over_ = !done.ok();
+                                            is_over_ = !done;
                                             opened.set_value(std::move(done));
                                             serve();
                                             leave();
                                         });
-            !started.ok())
+            !started)
             return started;
         return outcome.get();
     }
@@ -179,7 +447,7 @@ public:
             glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
         if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
         auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
-        if (!made.ok()) return why(made.error());
+        if (!made) return why(made.error());
         swapchain_ = std::move(*made);
         return {};
     }
@@ -210,7 +478,7 @@ public:
         const auto shown = swapchain_->present(
             std::move(commands), canvas,
             {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
-        return shown.ok() ? shown : why(shown.error());
+        return shown ? shown : why(shown.error());
     }
 
     void set_title(const std::string& title) override {
@@ -263,7 +531,7 @@ private:
     Error why(const Error& error) {
         ask_and_wait([this] { note_size(); });
         const auto well = health();
-        return well.ok() ? error : well.error();
+        return well ? error : well.error();
     }
     void wake() const {
         if (!connection_.is_open()) return glfwPostEmptyEvent();
@@ -397,9 +665,9 @@ private:
             return;
         }
         auto opened = TouchScreen::open(window_of(window_));
-        touch_state_ = opened.ok() ? "touch screen: every finger touches"
-                                   : "touch screen: one finger (" + opened.error().message + ")";
-        if (opened.ok()) touches_ = std::move(*opened);
+        touch_state_ = opened ? "touch screen: every finger touches"
+                              : "touch screen: one finger (" + opened.error().message + ")";
+        if (opened) touches_ = std::move(*opened);
     }
 
     /// X's pointer goes along with a finger, which is told of already.
@@ -503,7 +771,46 @@ private:
     bool repeats_ = false;
 };
 
+/// Whether UTF-8 of two bytes is a letter with an accent or the like, up to U+024F.
+bool is_latin_letter(const char* printed) {
+    const auto first = static_cast<unsigned char>(*printed);
+    return first >= 0xC3 && first <= 0xC9;
+}
+
 }  // namespace
+
+std::string name_of_key(int key, const char* printed) {
+    constexpr struct {
+        int key;
+        const char* name;
+    } functions[] = {
+        {GLFW_KEY_SPACE, "space"},   {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"},
+        {GLFW_KEY_UP, "up"},         {GLFW_KEY_DOWN, "down"},      {GLFW_KEY_HOME, "home"},
+        {GLFW_KEY_END, "end"},       {GLFW_KEY_TAB, "tab"},        {GLFW_KEY_ESCAPE, "escape"},
+        {GLFW_KEY_ENTER, "enter"},   {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_BACKSPACE, "backspace"},
+        {GLFW_KEY_DELETE, "delete"}, {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
+        {GLFW_KEY_F12, "f12"},       {GLFW_KEY_PAGE_UP, "pageup"}, {GLFW_KEY_PAGE_DOWN, "pagedown"}};
+    for (const auto& function : functions)
+        if (function.key == key) return function.name;
+    const auto is_in = [](char c, char first, char last) { return c >= first && c <= last; };
+    if (printed && std::strlen(printed) == 1 && (is_in(*printed, 'a', 'z') || is_in(*printed, '0', '9')))
+        return printed;
+    const bool is_bound_sign = printed && binding_of(printed, false, false);
+    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9 && !is_bound_sign)
+        return std::string(1, static_cast<char>('0' + key - GLFW_KEY_0));
+    const bool is_latin = printed && (is_in(*printed, '!', '~') || is_latin_letter(printed));
+    if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z && !is_latin)
+        return std::string(1, static_cast<char>('a' + key - GLFW_KEY_A));
+    return "";
+}
+
+std::string name_of_sign(unsigned character) {
+    constexpr unsigned arabic_question_mark = 0x61F;
+    if (character == arabic_question_mark) return "?";
+    const bool is_ascii = character > ' ' && character < 0x7F;
+    if (!is_ascii || std::isalnum(static_cast<int>(character))) return "";
+    return std::string(1, static_cast<char>(character));
+}
 
 Result<std::unique_ptr<Screen>> open_glfw_screen(const ScreenOptions& options) {
     auto screen = std::make_unique<GlfwScreen>();

@@ -1,33 +1,25 @@
 #include "player/window/kiosk.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <mutex>
 #include <numbers>
 #include <utility>
 
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
-
-std::optional<double> KioskWatch::invites(double now_s) const {
-    const double since = now_s - last_s_ - times_.invite_s;
-    return since >= 0 ? std::optional(since) : std::nullopt;
-}
-
-bool KioskWatch::begins_anew(double now_s) {
-    if (!was_visited_ || now_s - last_s_ < times_.reset_s) return false;
-    was_visited_ = false;
-    return true;
-}
-
-std::optional<KioskWatch::Visit> KioskWatch::ended(double now_s) {
-    return now_s - last_s_ < times_.invite_s ? std::nullopt : end();
-}
-
-std::optional<KioskWatch::Visit> KioskWatch::end() {
-    if (!std::exchange(is_there_, false)) return std::nullopt;
-    return Visit{began_s_, last_s_ - began_s_};
-}
-
 namespace {
 
 bool is_for_visitors(WindowVerb verb) {
@@ -55,7 +47,172 @@ bool is_for_visitors(WindowVerb verb) {
     }
 }
 
+constexpr struct {
+    const char* member;
+    std::string KioskTexts::*text;
+} kiosk_texts[] = {{"invitation", &KioskTexts::invitation},
+                   {"how_by_mouse", &KioskTexts::how_by_mouse},
+                   {"how_by_touch_screen", &KioskTexts::how_by_touch_screen},
+                   {"how_by_device", &KioskTexts::how_by_device},
+                   {"force_is_off", &KioskTexts::force_is_off},
+                   {"again_by_mouse", &KioskTexts::again_by_mouse},
+                   {"again_by_touch_screen", &KioskTexts::again_by_touch_screen},
+                   {"device_is_on", &KioskTexts::device_is_on},
+                   {"device_is_off", &KioskTexts::device_is_off},
+                   {"device_is_away", &KioskTexts::device_is_away},
+                   {"device_has_no_force", &KioskTexts::device_has_no_force},
+                   {"device_is_moved", &KioskTexts::device_is_moved},
+                   {"come_out", &KioskTexts::come_out},
+                   {"turn_back", &KioskTexts::turn_back},
+                   {"touch", &KioskTexts::touch},
+                   {"turn", &KioskTexts::turn},
+                   {"pause", &KioskTexts::pause},
+                   {"play", &KioskTexts::play},
+                   {"colours", &KioskTexts::colours},
+                   {"next", &KioskTexts::next},
+                   {"limit", &KioskTexts::limit},
+                   {"depth", &KioskTexts::depth},
+                   {"stiffness", &KioskTexts::stiffness},
+                   {"friction", &KioskTexts::friction},
+                   {"height", &KioskTexts::height},
+                   {"everywhere", &KioskTexts::everywhere},
+                   {"study_begin", &KioskTexts::study_begin},
+                   {"study_continue", &KioskTexts::study_continue},
+                   {"study_wait", &KioskTexts::study_wait},
+                   {"study_not_kept", &KioskTexts::study_not_kept}};
+
+KioskTexts read_texts(const checked_json::Node& node) {
+    std::vector<std::string> legal{"touchable_kiosk_texts", "language"};
+    for (const auto& one : kiosk_texts) legal.emplace_back(one.member);
+    node.allow_only(legal);
+    if (node["touchable_kiosk_texts"].integer(1, 1'000'000) != 1)
+        node["touchable_kiosk_texts"].refuse("1, the version that is read here");
+    KioskTexts texts;
+    texts.language = node["language"].text();
+    if (!is_language(texts.language))
+        node["language"].refuse("a language, such as \"en\", \"de\" or \"pt-BR\"");
+    for (const auto& one : kiosk_texts)
+        if (node.has(one.member)) texts.*one.text = read_plain_line(node[one.member]);
+    return texts;
+}
+
+using LabelNode = checked_json::Node;
+
+constexpr int largest_side = 16384;
+constexpr std::size_t most_corners = 1000;
+
+glm::dvec2 read_corner(const LabelNode& node) {
+    const auto numbers = node.elements(2, 2, "a pixel [x, y]");
+    const auto at = [](const LabelNode& number) {
+        return static_cast<double>(number.integer(0, largest_side));
+    };
+    return {at(numbers[0]), at(numbers[1])};
+}
+
+std::vector<glm::dvec2> read_rectangle(const LabelNode& node) {
+    const auto numbers = node.elements(4, 4, "[left, top, right, bottom], pixels");
+    double side[4];
+    for (std::size_t k = 0; k < 4; ++k) side[k] = static_cast<double>(numbers[k].integer(0, largest_side));
+    if (side[0] > side[2] || side[1] > side[3])
+        node.refuse("[left, top, right, bottom], right not before left and bottom not above top");
+    return {{side[0], side[1]}, {side[2], side[1]}, {side[2], side[3]}, {side[0], side[3]}};
+}
+
+void read_place(const LabelNode& node, TouchLabel& label) {
+    if (node.has("rectangle") + node.has("polygon") + node.has("segment") != 1)
+        node.refuse("of one place: rectangle, polygon or segment");
+    if (node.has("rectangle")) label.corners = read_rectangle(node["rectangle"]);
+    if (node.has("segment")) label.segment = read_plain_line(node["segment"]);
+    if (!node.has("polygon")) return;
+    for (const LabelNode& corner : node["polygon"].elements(3, most_corners, "3 to 1000 pixels [x, y]"))
+        label.corners.push_back(read_corner(corner));
+}
+
+TouchLabel read_label(const LabelNode& node, const std::filesystem::path& folder) {
+    node.allow_only({"caption", "sound", "rectangle", "polygon", "segment", "frames"});
+    TouchLabel label;
+    label.captions = read_by_language(node["caption"], read_plain_line);
+    if (node.has("sound"))
+        for (const auto& [language, file] : read_by_language(node["sound"], read_plain_line))
+            label.sounds.emplace(language, folder / file);
+    read_place(node, label);
+    if (!node.has("frames")) return label;
+    const auto frames = node["frames"].elements(2, 2, "the first frame and the last, [0, 99]");
+    label.first = frames[0].integer(0, std::int64_t{1} << 40);
+    label.last = frames[1].integer(0, std::int64_t{1} << 40);
+    if (label.last < label.first) node["frames"].refuse("the first frame and the last, in that order");
+    return label;
+}
+
+/// By how often a line to the right crosses the border; the border itself is inside, half a pixel wide.
+bool is_inside_of(const std::vector<glm::dvec2>& corners, const glm::dvec2& at) {
+    constexpr double border = 0.5;
+    bool is_inside = false;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const glm::dvec2 a = corners[k], b = corners[(k + 1) % corners.size()], way = b - a, off = at - a;
+        const double length2 = way.x * way.x + way.y * way.y;
+        const double share =
+            length2 > 0 ? std::clamp((off.x * way.x + off.y * way.y) / length2, 0.0, 1.0) : 0.0;
+        const glm::dvec2 gap = off - share * way;
+        if (gap.x * gap.x + gap.y * gap.y <= border * border) return true;
+        if ((a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / way.y * way.x) is_inside = !is_inside;
+    }
+    return is_inside;
+}
+
+std::string name_of_label(const TouchLabels& labels, std::size_t k) {
+    return labels.said_by + ": labels[" + std::to_string(k) + "]";
+}
+
+/// A field of CSV, of text that may have commas and quotes.
+std::string quoted_field(const std::string& words) {
+    std::string field = "\"";
+    for (const char c : printable(words, 500)) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return field + "\"";
+}
+
+/// Why an open file cannot take rows of the log; nothing: rows may follow.
+std::optional<std::string> why_no_log(int out) {
+    struct stat facts {};
+    if (fstat(out, &facts) != 0) return std::strerror(errno);
+    if (!S_ISREG(facts.st_mode)) return "is no ordinary file";
+    if (flock(out, LOCK_EX | LOCK_NB) != 0) return "another program is writing it";
+    const std::string_view header = UseLog::header;
+    if (facts.st_size == 0) {
+        if (const int why = append_durably(out, header)) return std::strerror(why);
+        return std::nullopt;
+    }
+    std::string begin(header.size(), '\0');
+    if (pread(out, begin.data(), begin.size(), 0) != static_cast<ssize_t>(begin.size()) || begin != header)
+        return "is there, and is no log of use";
+    // The machine may have been switched off in the middle of a row.
+    char last = '\n';
+    if (pread(out, &last, 1, facts.st_size - 1) == 1 && last != '\n')
+        if (const int why = append_durably(out, "\n")) return std::strerror(why);
+    return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<double> KioskWatch::invites(double now_s) const {
+    const double since = now_s - last_s_ - times_.invite_s;
+    return since >= 0 ? std::optional(since) : std::nullopt;
+}
+
+bool KioskWatch::begins_anew(double now_s) {
+    if (!was_visited_ || now_s - last_s_ < times_.reset_s) return false;
+    was_visited_ = false;
+    return true;
+}
+
+std::optional<KioskWatch::Visit> KioskWatch::ended(double now_s) {
+    return now_s - last_s_ < times_.invite_s ? std::nullopt : end();
+}
+
+std::optional<KioskWatch::Visit> KioskWatch::end() {
+    if (!std::exchange(is_there_, false)) return std::nullopt;
+    return Visit{began_s_, last_s_ - began_s_};
+}
 
 bool is_for_visitors(const InputEvent& event) {
     using Kind = InputEvent::Kind;
@@ -76,6 +233,240 @@ ShownStroke stroke_at(double seconds) {
     const double angle = 2 * std::numbers::pi * seconds / round_s;
     const double within = std::fmod(seconds, stroke_s);
     return {{0.17 * std::sin(angle), 0.12 * std::sin(2 * angle)}, within > down_s && within < up_s};
+}
+
+std::string KioskTexts::all() const {
+    std::string words;
+    for (const auto& one : kiosk_texts) words += this->*one.text;
+    return words;
+}
+
+const std::string& KioskTexts::how(TouchedBy by) const {
+    if (by == TouchedBy::device) return how_by_device;
+    return by == TouchedBy::mouse ? how_by_mouse : how_by_touch_screen;
+}
+
+const std::string& KioskTexts::again(TouchedBy by) const {
+    return by == TouchedBy::touch_screen ? again_by_touch_screen : again_by_mouse;
+}
+
+const std::string& KioskTexts::of_device(HandState::What what) const {
+    using What = HandState::What;
+    switch (what) {
+        case What::away:
+            return device_is_away;
+        case What::has_no_force:
+            return device_has_no_force;
+        case What::repositioned:
+            return device_is_moved;
+        case What::on:
+            return device_is_on;
+        default:
+            return device_is_off;
+    }
+}
+
+Result<KioskTexts> parse_kiosk_texts(std::string_view json, std::string_view where) {
+    try {
+        const checked_json::Json text = checked_json::parse(json, largest_kiosk_texts);
+        return read_texts(checked_json::Node(text, ""));
+    } catch (const checked_json::Refusal& reason) {
+        return input_error(std::string(where) + ": " + reason.message);
+    }
+}
+
+std::string read_plain_line(const checked_json::Node& node) {
+    constexpr std::size_t longest_line = 200;
+    std::string line = node.text();
+    const bool has_control = std::ranges::any_of(line, [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) == 0x7F;
+    });
+    if (line.empty() || line.size() > longest_line || has_control)
+        node.refuse("a line of text of up to " + std::to_string(longest_line) + " bytes");
+    return line;
+}
+
+std::map<std::string, std::string> read_by_language(const checked_json::Node& node,
+                                                    std::string (*read)(const checked_json::Node&)) {
+    if (!node.is_object()) return {{"", read(node)}};
+    std::map<std::string, std::string> said;
+    for (const std::string& language : node.members()) {
+        if (!is_language(language)) node.refuse("an object of languages, such as {\"en\": ..., \"de\": ...}");
+        said.emplace(language, read(node[language.c_str()]));
+    }
+    if (said.empty()) node.refuse("a text, or an object of one for each language");
+    return said;
+}
+
+bool is_language(const std::string& word) {
+    const std::size_t letters = std::min(word.find('-'), word.size());
+    const auto is_small = [](char c) { return c >= 'a' && c <= 'z'; };
+    const auto is_other = [&](char c) {
+        return is_small(c) || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    };
+    if ((letters != 2 && letters != 3) ||
+        !std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(letters), is_small))
+        return false;
+    const std::string rest = word.substr(letters);
+    return rest.empty() ||
+           (rest.size() >= 2 && rest.size() <= 9 && std::all_of(rest.begin() + 1, rest.end(), is_other));
+}
+
+std::string own_language() {
+    for (const char* const variable : {"LC_ALL", "LC_MESSAGES", "LANG"}) {
+        const char* const value = std::getenv(variable);
+        if (!value || !*value) continue;
+        const std::string locale = value;
+        const std::string language = locale.substr(0, locale.find_first_of("_.@"));
+        return language.size() <= 3 && is_language(language) ? language : "en";
+    }
+    return "en";
+}
+
+std::optional<std::size_t> TouchLabels::at(const glm::dvec2& pixel, std::int64_t frame,
+                                           std::string_view segment) const {
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+        const TouchLabel& label = labels[k];
+        if (frame < label.first || frame > label.last) continue;
+        if (label.segment.empty() ? is_inside_of(label.corners, pixel) : label.segment == segment) return k;
+    }
+    return std::nullopt;
+}
+
+Result<void> TouchLabels::fits(int width, int height, std::int64_t frames) const {
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+        for (const glm::dvec2& corner : labels[k].corners)
+            if (corner.x >= width || corner.y >= height)
+                return input_error(name_of_label(*this, k) + " reaches pixel " +
+                                   std::to_string(static_cast<int>(corner.x)) + ", " +
+                                   std::to_string(static_cast<int>(corner.y)) + ": the clip is " +
+                                   std::to_string(width) + "x" + std::to_string(height) +
+                                   ", and its pixels begin with 0, 0");
+        if (frames > 0 && labels[k].first >= frames)
+            return input_error(name_of_label(*this, k) + " begins with frame " +
+                               std::to_string(labels[k].first) + ": the clip has " + std::to_string(frames) +
+                               ", and the first is 0");
+    }
+    return {};
+}
+
+Result<void> TouchLabels::has_segments(const std::vector<std::string>& names) const {
+    for (std::size_t k = 0; k < labels.size(); ++k)
+        if (const std::string& name = labels[k].segment;
+            !name.empty() && std::ranges::find(names, name) == names.end())
+            return input_error(name_of_label(*this, k) + " is of a segment " + in_quotes(name) +
+                               ", which no file of segments names");
+    return {};
+}
+
+Result<TouchLabels> parse_touch_labels(std::string_view json, std::string_view where,
+                                       const std::filesystem::path& folder) {
+    try {
+        const checked_json::Json text = checked_json::parse(json, largest_labels);
+        const LabelNode node(text, "");
+        node.allow_only({"touchable_labels", "labels"});
+        if (node["touchable_labels"].integer(1, 1'000'000) != 1)
+            node["touchable_labels"].refuse("1, the version that is read here");
+        TouchLabels labels{.labels = {}, .said_by = std::string(where)};
+        for (const LabelNode& label : node["labels"].elements(
+                 1, most_labels, "a list of 1 to " + std::to_string(most_labels) + " labels"))
+            labels.labels.push_back(read_label(label, folder));
+        return labels;
+    } catch (const checked_json::Refusal& reason) {
+        return input_error(std::string(where) + ": " + reason.message);
+    }
+}
+
+/// Whether its label is to be said now.
+bool RestingFingers::rests(Finger& finger, const LabelledFinger& now, double now_s) const {
+    if (now.label && now.label == finger.label) {
+        finger.met_s = now_s;
+        if (glm::distance(now.pixel, finger.at) > reach_) {
+            finger.at = now.pixel;
+            finger.since_s = now_s;
+        }
+        return !finger.is_said && now_s - finger.since_s >= rests_s;
+    }
+    if (finger.label && now_s - finger.met_s < grace_s) return false;
+    finger = {.label = now.label, .at = now.pixel, .since_s = now_s, .met_s = now_s};
+    return false;
+}
+
+std::optional<std::size_t> RestingFingers::take(std::span<const LabelledFinger> fingers, double now_s) {
+    std::optional<std::size_t> said;
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        Finger& finger = fingers_[k];
+        if (rests(finger, k < fingers.size() ? fingers[k] : LabelledFinger{}, now_s)) {
+            finger.is_said = true;
+            shown_ = said = finger.label;
+        }
+        if (finger.is_said && finger.label == shown_)
+            shown_until_s_ = std::max(shown_until_s_, now_s + stays_s);
+    }
+    if (shown_ && now_s >= shown_until_s_) shown_.reset();
+    return said;
+}
+
+struct UseLog::Rows {
+    Rows(std::filesystem::path named, int to, WriteRow by)
+        : file(std::move(named)), out(to), write(std::move(by)) {}
+    ~Rows() { close(out); }
+    Rows(const Rows&) = delete;
+    Rows& operator=(const Rows&) = delete;
+
+    void add(const std::string& row) {
+        if (const int why = write(out, row))
+            miss(std::string("rows of the log of use are lost: ") + std::strerror(why));
+    }
+    void miss(const std::string& why) {
+        const std::lock_guard lock(mutex);
+        if (!missing) missing = input_error(file.string() + ": " + why);
+    }
+
+    const std::filesystem::path file;
+    const int out;
+    const WriteRow write;
+    std::mutex mutex;
+    std::optional<Error> missing;  // guarded by it
+};
+
+Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, WriteRow write) {
+    const int out = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
+    if (out < 0) return input_error(file.string() + ": cannot be written: " + std::strerror(errno));
+    const auto rows = std::make_shared<Rows>(file, out, std::move(write));
+    if (const auto why = why_no_log(out))
+        return input_error(file.string() + ": " + *why +
+                           "; right would be a new file, or a log of use to go on with");
+    TRY_ASSIGN(auto disk, DiskWork::start("use-log", "that writes the log of use"));
+    return std::unique_ptr<UseLog>(new UseLog(rows, std::move(disk)));
+}
+
+Result<void> UseLog::finish(std::chrono::milliseconds longest) {
+    if (!disk_->finish(longest))
+        return input_error(rows_->file.string() +
+                           ": its disk does not answer; the last rows of the log of use may be lost");
+    const auto lost = missing();
+    return lost ? Result<void>(*lost) : Result<void>();
+}
+
+void UseLog::visit(Time came, double seconds) {
+    add(came, formatted("visit,%lld,%.1f,", static_cast<long long>(++visitors_), seconds));
+}
+
+void UseLog::fault(Time now, const std::string& words) {
+    add(now, "fault,,," + quoted_field(words));
+}
+
+std::optional<Error> UseLog::missing() const {
+    const std::lock_guard lock(rows_->mutex);
+    return rows_->missing;
+}
+
+void UseLog::add(Time time, const std::string& rest) {
+    constexpr std::size_t most_waiting = 1000;
+    if (disk_->waiting() >= most_waiting)
+        return rows_->miss("its disk does not answer; rows of the log of use are lost");
+    disk_->give([rows = rows_, row = in_universal_time(time) + ',' + rest + '\n'] { rows->add(row); });
 }
 
 }  // namespace touchable

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "engine/base/result.hpp"
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
 
 namespace touchable {
 

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "player/draw/surface_dents.hpp"
-#include "player/draw/view_surface.hpp"
-#include "player/session/filter_words.hpp"
-#include "player/session/recorded_facts.hpp"
+#include "player/draw/view.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/session/replay.hpp"
 
 namespace touchable {
 namespace {
@@ -23,7 +25,7 @@ public:
     DeviceLimits limits() const override { return device_->limits(); }
     int fingers() const override { return device_->fingers(); }
     Result<void> open() override {
-        if (std::exchange(is_open_, true) && device_->health().ok()) return {};
+        if (std::exchange(is_open_, true) && device_->health()) return {};
         return device_->open();
     }
     void close() override {}
@@ -43,7 +45,52 @@ bool has_loop_of(const PlaybackState& a, const PlaybackState& b) {
     return a.loop_begin_ns == b.loop_begin_ns && a.loop_end_ns == b.loop_end_ns;
 }
 
+/// Whether a finger is nowhere, or where it touches nothing, before the clip's camera: so near to that it
+/// would be in the way of all else.
+bool is_away(const WatchedFinger& finger, const FieldProbe& probe, double nearest_share) {
+    if (!std::isfinite(glm::dot(finger.goal, finger.goal))) return true;
+    const Contact& contact = finger.contact;
+    if (contact.touching) return false;
+    if (!(contact.goal.z < 0)) return true;
+    const glm::dvec3 pixel = probe.project(contact.goal);
+    const auto depth = probe.depth_under(pixel.x, pixel.y);
+    return depth && pixel.z < *depth * nearest_share;
+}
+
 }  // namespace
+
+std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, const HeightField& field,
+                                            double nearest_share) {
+    constexpr std::int64_t trail_ticks = 500;
+    constexpr double farthest_apart = 0.05;  // of a trail from one picture to the next, of the clip's width
+    const auto shown = std::min(tick.fingers.size(), static_cast<std::size_t>(count));
+    const FieldProbe probe(field);
+    trails_.resize(shown);
+    std::vector<FingerMark> marks;
+    const double gap = farthest_apart * field.width();
+    for (std::size_t k = 0; k < shown; ++k) {
+        const Contact& contact = tick.fingers[k].contact;
+        std::deque<Place>& trail = trails_[k];
+        const glm::dvec2 now(contact.pixel_x, contact.pixel_y);
+        if (!contact.touching || !std::isfinite(now.x) || !std::isfinite(now.y) ||
+            (!trail.empty() && glm::distance(trail.back().pixel, now) > gap))
+            trail.clear();
+        else
+            trail.push_back({tick.tick, now});
+        while (!trail.empty() && trail.front().tick + trail_ticks < tick.tick) trail.pop_front();
+        FingerMark mark{contact.goal,
+                        contact.proxy,
+                        tick.fingers[k].force.force,
+                        contact.touching,
+                        {},
+                        !is_away(tick.fingers[k], probe, nearest_share)};
+        for (const Place& place : trail)
+            if (const auto depth = probe.depth_under(place.pixel.x, place.pixel.y))
+                mark.trail.push_back(probe.unproject(place.pixel.x, place.pixel.y, *depth));
+        marks.push_back(std::move(mark));
+    }
+    return marks;
+}
 
 OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound)
     : options_(options),
@@ -125,8 +172,7 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
 }
 
 Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::stop_token& given_up) {
-    if (options_.hand)
-        if (auto opened = options_.hand->open(); !opened.ok()) return opened;
+    if (options_.hand) TRY(options_.hand->open());
     SessionOptions session = session_options(settings, clip_.painted);
     session.given_up = given_up;
     TRY_ASSIGN(auto setup, setup_from_options(session));
@@ -165,7 +211,7 @@ Result<void> OpenedClip::open_film(TouchSetup& setup) {
 Result<void> OpenedClip::finish_film() {
     const auto& film = session_->setup().film;
     if (!film) return {};
-    if (auto done = film->finish(); !done.ok()) return done;
+    TRY(film->finish());
     const auto fault = film->fault();
     if (fault && !film_is_given_up_) record_->file->end_with_frame(film->last_frame(), *fault);
     return {};
@@ -183,7 +229,7 @@ Result<void> OpenedClip::begin() {
         TRY_ASSIGN(auto file, RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing,
                                                     Pace::wall_clock, options_.names.record));
         record_ = std::make_unique<Record>(std::move(file));
-        if (auto film = open_film(*ready_); !film.ok()) return film;
+        TRY(open_film(*ready_));
     }
     return start_session(std::move(ready_));
 }
@@ -300,13 +346,13 @@ Result<void> OpenedClip::take(Change change) {
     const WatchedFigures before = figures();
     if (record_) {
         const TouchSetup& setup = session_->setup();
-        if (auto done = finish_film(); !done.ok()) return done;
+        TRY(finish_film());
         record_->file->end_part(facts_of_part(), setup.settings.playback);
-        if (auto film = open_film(*change.setup); !film.ok()) return film;
+        TRY(open_film(*change.setup));
     }
     if (record_) record_->hash.emplace();
     if (control_) change.setup->control->go_on_from(*control_);
-    if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
+    TRY(start_session(std::move(change.setup)));
     begin_listening();
     ended_ = before;
     constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
@@ -359,8 +405,68 @@ nlohmann::ordered_json OpenedClip::facts_of_part() const {
 Result<void> OpenedClip::finish() {
     end_session();
     if (!record_) return {};
-    if (auto done = finish_film(); !done.ok()) return done;
+    TRY(finish_film());
     return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
+}
+
+Result<void> PlaybackControl::play_or_pause() {
+    const PlaybackState state = clip_->session().playback();
+    if (!state.at_end) return ask(state.playing ? PlaybackVerb::pause : PlaybackVerb::play);
+    seek_to(0);
+    return ask(PlaybackVerb::play);
+}
+
+void PlaybackControl::seek_to(double seconds) {
+    // Of a clip whose length nobody knows yet, any moment.
+    const std::int64_t last_ns =
+        clip_->frames() > 0 ? clip_->scene().rate.time_ns(clip_->frames() - 1) : latest_moment_ns;
+    wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));
+}
+
+void PlaybackControl::seek_by(double seconds) {
+    const std::int64_t from = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
+    seek_to(static_cast<double>(from) * 1e-9 + seconds);
+}
+
+Result<void> PlaybackControl::step(double frames) {
+    if (frames > 0) return clip_->session().playback().at_end ? Result<void>{} : ask(PlaybackVerb::step);
+    const FrameRate& rate = clip_->scene().rate;
+    const std::int64_t now = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
+    wanted_ns_ = rate.time_ns(std::max<std::int64_t>(0, rate.frame_at(now) - 1));
+    return ask(PlaybackVerb::pause);
+}
+
+Result<void> PlaybackControl::set_speed(double times) {
+    return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
+}
+
+Result<void> PlaybackControl::change_speed(double factor) {
+    return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
+}
+
+Result<void> PlaybackControl::begin_anew(std::span<const PlaybackCommand> first, bool loops) {
+    wanted_ns_.reset();
+    std::vector<PlaybackCommand> commands{
+        {0, PlaybackVerb::rate, 1000, 0}, {0, PlaybackVerb::unloop, 0, 0}, {0, PlaybackVerb::seek, 0, 0}};
+    const auto end_ns = static_cast<std::int64_t>(clip_->seconds() * 1e9);
+    if (loops && end_ns >= shortest_loop_ns) commands.push_back({0, PlaybackVerb::loop, 0, end_ns});
+    commands.insert(commands.end(), first.begin(), first.end());
+    commands.push_back({0, PlaybackVerb::play, 0, 0});
+    for (const PlaybackCommand& command : commands) TRY(ask(command.verb, command.first, command.second));
+    return {};
+}
+
+Result<void> PlaybackControl::toggle_loop() {
+    if (clip_->session().playback().loops) return ask(PlaybackVerb::unloop);
+    if (clip_->frames() == 0)
+        return usage_error("the clip does not say how long it is: there is no end to loop at");
+    return ask(PlaybackVerb::loop, 0, static_cast<std::int64_t>(clip_->seconds() * 1e9));
+}
+
+Result<void> PlaybackControl::go_on(const WatchedMoment* moment) {
+    if (!wanted_ns_ || !moment || moment->held.pair.epoch != clip_->session().playback().moment.epoch)
+        return {};
+    return ask(PlaybackVerb::seek, *std::exchange(wanted_ns_, std::nullopt));
 }
 
 }  // namespace touchable

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <deque>
+#include <glm/vec2.hpp>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,19 +13,35 @@
 #include <string>
 #include <vector>
 
-#include "device/pointer_device.hpp"
-#include "haptics_cpu/force_hash.hpp"
-#include "player/audio/touch_listener.hpp"
+#include "device/haptic_device.hpp"
+#include "engine/base/result.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/touch_step.hpp"
+#include "player/audio/window_sound.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/run/recording.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/window/finger_trails.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/pointer_fingers.hpp"
+#include "player/window/pointer.hpp"
 #include "player/window/session_settings.hpp"
-#include "player/window/window_view.hpp"
 
 namespace touchable {
+
+/// The fingers of a moment as a picture shows them, with the ways they went since they last touched.
+class FingerTrails {
+public:
+    /// Once a picture. Fingers from `count` on are not shown, nor one whose place nobody knows, nor one that
+    /// touches nothing and is nearer to the clip's camera than this share of the way to the surface.
+    std::vector<FingerMark> marks(const WatchedTick& tick, int count, const HeightField& field,
+                                  double nearest_share = 0.5);
+
+private:
+    struct Place {
+        std::int64_t tick;
+        glm::dvec2 pixel;  // of the clip, which a surface that moves carries along
+    };
+    std::vector<std::deque<Place>> trails_;
+};
 
 /// A clip in the window: its session, the pointer or the held device that touches it, and from where it is
 /// seen.
@@ -173,6 +192,43 @@ private:
     std::optional<Error> failure_;
     std::int64_t reading_ns_ = 30'000'000;     // of the clip's first frames after a change, as far as known
     std::unique_ptr<WatchedSession> session_;  // ends before what it works on
+};
+
+/// What a person does to the time of the clip in the window. Errors (ErrorKind::usage) are what the clip's
+/// clock refuses.
+class PlaybackControl {
+public:
+    static constexpr double slowest = 0.1, fastest = 4;  ///< times the clip's own speed
+
+    /// `clip` outlives it.
+    explicit PlaybackControl(OpenedClip& clip) : clip_(&clip) {}
+
+    /// From the end it plays again from the beginning.
+    Result<void> play_or_pause();
+    Result<void> pause(bool on) { return ask(on ? PlaybackVerb::pause : PlaybackVerb::play); }
+    void seek_to(double seconds);
+    void seek_by(double seconds);
+    /// A frame on, or back where `frames` is below 0; and pause.
+    Result<void> step(double frames);
+    /// Kept within slowest and fastest.
+    Result<void> set_speed(double times);
+    Result<void> change_speed(double factor);
+    /// As the clip began: by the commands that it was given at first, and playing; `loops`: at least the
+    /// whole of it, if it is long enough.
+    Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);
+    /// From the beginning again at the end, or not.
+    Result<void> toggle_loop();
+    /// Once a turn of the window: goes to where it is to go, one place after the other. So whoever drags the
+    /// seek bar sees every place that there is time for, and in the end the last. `moment`: what is seen now.
+    Result<void> go_on(const WatchedMoment* moment);
+
+private:
+    Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0) {
+        return clip_->session().ask(verb, first, second);
+    }
+
+    OpenedClip* clip_;
+    std::optional<std::int64_t> wanted_ns_;  // of the clip, to be gone to
 };
 
 }  // namespace touchable

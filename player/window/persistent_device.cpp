@@ -4,12 +4,22 @@
 #include <limits>
 #include <utility>
 
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
+
+/// What is wrong with a device that has failed; empty: it works.
+std::string words_of_fault(const PersistentDevice& hand) {
+    if (hand.is_looked_for()) return "looking for the " + hand.name();
+    const auto health = hand.health();
+    const std::string why = health ? hand.name() + " has failed" : health.error().message;
+    if (hand.is_gone()) return "no device: " + why + " - press F to look for it again";
+    return health ? std::string() : "the device is away: " + why;
+}
 
 }  // namespace
 
@@ -25,7 +35,7 @@ PersistentDevice::~PersistentDevice() {
 
 Result<void> PersistentDevice::open() {
     if (state() != State::closed) return {};
-    if (auto opened = device_->open(); !opened.ok()) return opened;
+    TRY(device_->open());
     state_.store(State::open, std::memory_order_release);
     return {};
 }
@@ -68,7 +78,30 @@ void PersistentDevice::look_again() {
         const bool is_there = device_->open().ok();
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });
-    if (!begun.ok()) state_.store(State::gone, std::memory_order_release);
+    if (!begun) state_.store(State::gone, std::memory_order_release);
+}
+
+HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside) {
+    using Mood = HandState::Mood;
+    using What = HandState::What;
+    if (std::string fault = words_of_fault(hand); !fault.empty())
+        return {Mood::away, What::away, std::move(fault), {}};
+    std::string remark = hand.prompt();
+    if (remark.empty() && !(hand.age_s() <= HapticDevice::oldest_s)) remark = "no position comes from it";
+    if (!remark.empty()) remark = hand.name() + ": " + remark;
+    const DeviceCapabilities has = hand.capabilities();
+    if (has.axes_driven == 0)
+        return {Mood::off, What::has_no_force,
+                "the " + hand.name() + " exerts no force: you see what you touch", remark};
+    if (control.is_repositioned())
+        return {Mood::off, What::repositioned, "no force while the hand is repositioned", remark};
+    if (control.force_is_asked()) {
+        const bool has_to_come_out = remark.empty() && (is_inside || control.waits_to_be_free());
+        if (has_to_come_out) remark = "lift the finger off the surface: then it is felt";
+        return {Mood::on, What::on, "forces on - F turns them off", remark, has_to_come_out};
+    }
+    const std::string button = has.buttons > 0 ? std::string(" or ") + has.first_button : "";
+    return {Mood::off, What::off, "forces off - press F" + button, remark};
 }
 
 }  // namespace touchable

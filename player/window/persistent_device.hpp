@@ -2,15 +2,17 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "device/hand.hpp"
 #include "device/haptic_device.hpp"
 
 namespace touchable {
 
 /// A device that a person holds in a window, for sessions that come and go: it stays open from one to the
-/// next. Where it has failed for good the session goes on without a hand, until it is looked for again.
+/// next. When it has failed for good, the session goes on without a hand, until it is looked for again.
 class PersistentDevice final : public HapticDevice {
 public:
     /// Not opened yet.
@@ -28,19 +30,19 @@ public:
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override;
-    double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< any thread may ask
+    double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< by any thread
     std::string prompt() const override { return device_->prompt(); }
     std::string why_no_position() const override { return device_->why_no_position(); }
     Result<void> health() const override { return device_->health(); }
 
-    // The window's.
-    /// It has failed, and comes back only when it is looked for.
+    // By the window's thread.
+    /// Whether it has failed, and comes back only when it is looked for.
     bool is_gone() const { return state() == State::gone; }
     bool is_looked_for() const { return state() == State::looked_for; }
-    /// Opens the device that is gone again, on a thread of its own; does nothing to one that is not.
+    /// Opens the device again if it is gone, on a thread of its own.
     void look_again();
-    /// No force reaches the device from the session's next tick on, whoever asks for it. Waits for nobody,
-    /// and is for good.
+    /// No force reaches the device from the session's next tick on, by any caller. Waits for nothing, and is
+    /// for good.
     void power_off() { is_unpowered_.store(true, std::memory_order_release); }
 
 private:
@@ -48,12 +50,35 @@ private:
     State state() const { return state_.load(std::memory_order_acquire); }
 
     const std::shared_ptr<HapticDevice> device_;
-    // While it is `open` the session's haptic thread has the device; while it is not, whoever opens it.
+    // While `open`, the session's haptic thread has the device; otherwise the thread that opens it.
     std::atomic<State> state_{State::closed};
     std::atomic<double> age_s_;
     std::atomic<bool> is_unpowered_{false};
     const std::vector<glm::dvec3> zeros_;
     std::thread looking_;
+};
+
+/// Whether a device that is held exerts forces, and what to do about it.
+struct HandState {
+    enum class Mood { off, on, away };
+    enum class What { away, has_no_force, repositioned, on, off };
+    Mood mood = Mood::off;
+    What what = What::off;
+    std::string words;             ///< always to be read in the picture
+    std::string remark;            ///< what the person has to do (HapticDevice::prompt); empty: nothing
+    bool has_to_come_out = false;  ///< `remark` is that the finger is to leave the surface first
+};
+
+/// `is_inside`: the guard keeps a finger's force back until it has been free.
+HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside = false);
+
+/// What the panel shows of a device.
+struct HandFacts {
+    std::string device;  ///< its name
+    HandState state;
+    double age_s = 0;            ///< of the positions; infinite: there are none
+    double scene_per_metre = 1;  ///< metres of the scene that a finger goes for one of the hand
+    int buttons = 0;
 };
 
 }  // namespace touchable

@@ -8,47 +8,64 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
-#include "engine/scene/remark.hpp"
-#include "player/audio/spoken_sound.hpp"
-#include "player/session/session_options.hpp"
+#include "engine/scene/scene.hpp"
+#include "player/audio/heard_sound.hpp"
+#include "player/session/touch_setup.hpp"
 #include "player/window/kiosk.hpp"
-#include "player/window/kiosk_texts.hpp"
 #include "player/window/persistent_device.hpp"
-#include "player/window/playlist.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/study.hpp"
-#include "player/window/touch_labels.hpp"
-#include "player/window/touch_meter.hpp"
-#include "player/window/window_script.hpp"
+#include "player/window/user_files.hpp"
+#include "player/window/window_command.hpp"
+
+// The window: shows a clip, lets a person touch it, and ends when the person closes it.
+//
+// A program fills in PlayOptions and calls play_in_window, which returns what was counted (PlayFigures), or
+// the error that ended the window. Everything else happens in between: the clip and the clips after it are
+// opened, a session (player/session) computes forces of a held device or of the mouse, panels change
+// settings, the brush changes materials, and recordings, sounds, films and pictures are written.
+//
+//     PlayOptions options;
+//     options.session.clip.file = "globe.mkv";
+//     options.screen.width = 1920;
+//     const Result<PlayFigures> played = play_in_window(std::move(options));
+//
+// Variants: `kiosk` (unattended, loops, asks visitors to touch), `study` (a kiosk whose visitors answer
+// questions), `headless` (no window; needs `seconds`, `screenshot` or a script that quits), `script` (input
+// at fixed moments).
+//
+// play_in_window is called by the main thread and returns once the window is closed. It starts the threads
+// that it needs (screen, session, opening, files) and ends them. A signal ends it, too
+// (player/run/terminal.hpp): the error then is of kind interrupted, and a held device is without power
+// before anything is waited for.
 
 namespace touchable {
 
-/// What the terminal reads of a window's files and of what is guessed of its clip, as whoever started it
-/// calls them.
+/// Texts for the terminal: how the program that opened the window calls output files and guessed values.
 struct PlayNames {
     std::string record = "the recording", sound = "the sound", video = "the film", screenshot = "the picture";
     std::string (*remark)(const Remark&) = remark_in_words;
-    /// That a clip's materials are in `file` now, and what makes a clip of both.
+    /// Says that a clip's materials are in `file` now, and which command makes a clip of both.
     std::string (*saved)(const std::string& clip, const std::string& file) =
         [](const std::string&, const std::string& file) { return "saved as " + file; };
-    /// What makes a clip of relief by these settings (settings_in_effect); empty: nobody knows.
+    /// The command that makes a clip of relief by these settings (settings_in_effect); empty: unknown.
     std::string (*relief)(const std::string& clip, const std::map<std::string, std::string>& in_effect) =
         [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
-    /// What makes a clip of it that is read faster; empty: nobody knows.
+    /// The command that makes a clip of it that is read faster; empty: unknown.
     std::string (*faster)(const std::string& clip) = [](const std::string&) { return std::string(); };
     std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
-/// A window in a public place, where nobody watches over it.
+/// A window in a public place that runs unattended.
 struct KioskOptions {
     KioskTimes times{};
     KioskTexts texts{};
     TouchedBy touched_by = TouchedBy::mouse;  ///< where no device is held
     bool has_bar = true;                      ///< of large buttons; not of a study
     TouchLabels labels{};                     ///< of the first clip
-    /// What is said of each label, in the language of the texts; null: nothing.
+    /// A spoken sound for each label, in the language of the texts; null: none.
     std::vector<std::shared_ptr<const SpokenSound>> label_sounds{};
     std::optional<std::filesystem::path> use_log{};  ///< UseLog; nothing: none is kept
 };
@@ -59,45 +76,46 @@ struct StudyOptions {
     std::filesystem::path results;  ///< a folder
 };
 
-/// A window, and what becomes of it.
+/// What a window shows, how it is touched, and which files are written.
 struct PlayOptions {
     SessionOptions session;
-    std::shared_ptr<PersistentDevice> hand{};  ///< that leads the fingers; nothing: the mouse does
-    std::vector<ClipChoice> next_clips{};      ///< that come after the session's, in their order
+    std::shared_ptr<PersistentDevice> hand{};  ///< leads the fingers; nothing: the mouse does
+    std::vector<ClipChoice> next_clips{};      ///< after the session's, in their order
     /// Where none of the clips can be opened, an empty window stays and says why.
     bool stays_without_clip = false;
     ScreenOptions screen;
     bool headless = false;
     std::optional<double> scale{};  ///< of words and bars; nothing: the display's
-    /// That takes the place of a window, such as a test's.
+    /// Makes a screen in place of GLFW's or the headless one, such as a test's.
     std::function<std::unique_ptr<Screen>(const ScreenOptions&)> make_screen{};
-    /// What a dropped file or folder is; such as a test's, of a disk that does not answer.
+    /// The clips in a dropped file or folder; a test puts a disk in its place that does not answer.
     std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> clips_of =
         touchable::clips_of;
     std::optional<KioskOptions> kiosk{};  ///< it loops and keeps no settings
     std::optional<StudyOptions> study{};  ///< of a kiosk
     std::shared_ptr<TouchMeter> meter{};  ///< the window's own: measures what its study wants
-    std::shared_ptr<RunGpu> gpu{};        ///< that draws; nothing: the window opens one
+    std::shared_ptr<RunGpu> gpu{};        ///< draws; nothing: the window opens one
     std::string painter = "auto";         ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
-    std::optional<std::filesystem::path>
-        screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done
-    double screenshot_s = 3;
-    std::optional<double> seconds;       ///< the window closes then
-    std::optional<double> most_newtons;  ///< of any finger, whatever settings are chosen
+    std::optional<std::filesystem::path> screenshot;  ///< of the window, the last thing done before it closes
+    double screenshot_s = 3;             ///< the default of `seconds` that a program may take for it
+    std::optional<double> seconds;       ///< after which the window closes
+    std::optional<double> most_newtons;  ///< limit for any finger, whatever settings are chosen
     std::optional<std::filesystem::path> record;
-    std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
+    std::optional<std::filesystem::path> sound;  ///< a WAV file of what is heard
     bool rumble = false;  ///< a gamepad rumbles by what is felt; not where it is `headless`
-    std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)
+    std::optional<std::filesystem::path> video;  ///< a film of what the window shows (FilmWriter)
     Existing existing = Existing::keep;
     PlayNames names{};
-    std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
-    std::optional<std::filesystem::path> segments;       ///< what the clip's segments are like, at first
-    /// Folder in which changes by a brush last from window to window (BrushFiles); nothing: nowhere.
+    std::optional<std::filesystem::path> settings_file;  ///< nothing: settings are not kept
+    std::optional<std::filesystem::path>
+        segments;  ///< file of the clip's segments and their materials, at first
+    /// Folder in which changes by a brush last from window to window (BrushFiles); nothing: they do not.
     std::optional<std::filesystem::path> brush_history;
-    std::optional<bool> dent;     ///< whether a surface that gives way is drawn so; nothing: as it is kept
-    bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
-    bool filters_are_stated = false;  ///< likewise by `session.clip`: kept sets A and B stay as they are
+    std::optional<bool> dent;  ///< whether a surface that gives way is drawn so; nothing: as it is kept
+    /// A person gave the size in `screen` (the last window's is ignored), or the filters in `session.clip`
+    /// (kept sets A and B stay as they are).
+    bool size_is_stated = false, filters_are_stated = false;
 };
 
 /// The newest of many values: a window may be open for days.
@@ -117,7 +135,7 @@ private:
     std::size_t next_ = 0;
 };
 
-/// How it went.
+/// What was counted and measured while the window was open.
 struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
@@ -141,5 +159,9 @@ struct PlayFigures {
 
 /// Shows a clip in a window and lets it be touched, until the person closes it. By the main thread.
 Result<PlayFigures> play_in_window(PlayOptions options);
+
+/// Whether the machine has a touch screen: an input of Linux's that lies on a display and reports several
+/// fingers. `inputs`: the kernel's folder of them.
+bool has_touch_screen(const std::filesystem::path& inputs = "/sys/class/input");
 
 }  // namespace touchable

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "device/pointer_device.hpp"
-#include "engine/base/number_words.hpp"
+#include "device/haptic_device.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 /// As FilterSettings has it.
 constexpr int most_passes = 16;
 
-/// What the setting can be, for whoever meant something else.
+/// The values that the setting can have, for a message.
 std::string right_values(const SessionSetting& setting) {
     if (setting.words.empty()) {
         const std::string range = formatted("%.4g to %.4g", setting.least, setting.most);
@@ -30,11 +30,10 @@ std::string right_values(const SessionSetting& setting) {
     return words;
 }
 
-/// The value as it is kept; nothing where it is none.
+/// The value as it is kept; nothing: the setting cannot have it.
 std::optional<std::string> settled(const SessionSetting& setting, const std::string& value) {
     if (!setting.words.empty()) {
-        const bool known =
-            std::find(setting.words.begin(), setting.words.end(), value) != setting.words.end();
+        const bool known = std::ranges::find(setting.words, value) != setting.words.end();
         return known ? std::optional(value) : std::nullopt;
     }
     const auto number = number_of(value);
@@ -80,7 +79,7 @@ int whole(const std::string& value) {
     return static_cast<int>(number_of(value).value_or(0));
 }
 
-/// All filters at once, in place of what the command line says of them.
+/// Sets all filters at once, in place of what the command line says of them.
 void apply_filters(const std::string& value, SessionOptions& options) {
     ClipChoice& clip = options.clip;
     clip.median.reset();
@@ -185,7 +184,7 @@ std::vector<SessionSetting> filter_settings() {
          .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.scene.filter.temporal); }}};
 }
 
-/// What a person has set of the relief so far; with all of the others as `touchable relief` has them.
+/// The relief as a person has set it so far; what is not set is as in `touchable relief`.
 ReliefChoice& relief_of(SessionOptions& options) {
     if (!options.clip.relief) options.clip.relief.emplace().settings.amount = 0;
     return *options.clip.relief;
@@ -263,8 +262,8 @@ SessionSetting brush_setting() {
 
 std::vector<SessionSetting> all_settings() {
     std::vector<SessionSetting> all = force_settings();
-    for (SessionSetting& filter : filter_settings()) all.push_back(std::move(filter));
-    for (SessionSetting& relief : relief_settings()) all.push_back(std::move(relief));
+    for (const auto& some : {filter_settings(), relief_settings()})
+        all.insert(all.end(), some.begin(), some.end());
     all.push_back(brush_setting());
     return all;
 }

@@ -7,15 +7,18 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "player/session/session_options.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
-/// Something that a person can set about what is felt, and what it can be set to.
+// What of a touch a person can set in the window: one table of settings (metric, filters, relief, ...), which
+// the panel, commands and the settings file go by, and the values that a person has set, in one set or in two
+// that are compared (A and B).
+
+/// A setting, and what it can be set to.
 struct SessionSetting {
-    const char* name;                ///< as commands and the settings file have it
-    const char* what = "";           ///< for who sees it for the first time
+    const char* name;                ///< in commands and in the settings file
+    const char* what = "";           ///< for a person who sees it for the first time
     std::vector<const char*> words;  ///< what it can be; empty: a number
     double least = 0, most = 0;      ///< of a number
     bool whole = false;              ///< the number is a whole one
@@ -30,16 +33,16 @@ struct SessionSetting {
     /// The value that a run has; null: the setting has none of its own, as "filters".
     std::string (*in_effect)(const TouchSetup& setup) = nullptr;
 };
-/// The one table of them. "filters" is before the ones that it sets together.
+/// All settings. "filters" is before the ones that it sets together.
 std::span<const SessionSetting> session_settings();
-/// Null where there is none of that name.
+/// Null: no setting has that name.
 const SessionSetting* session_setting(const std::string& name);
 
-/// The values that a person has set in the window, by name and in words. Settings that are not among them are
-/// as the command line and the clip say.
+/// The values that a person has set in the window, by name and in words. All other settings are as the
+/// command line and the clip say.
 class SessionSettings {
 public:
-    /// "median", "5". "filters" sets all of them, whatever they were set to one by one. Refused
+    /// "median", "5". "filters" sets all filters, and forgets what they were set to one by one. Refused
     /// (ErrorKind::usage) with what would be right.
     Result<void> set(const std::string& name, const std::string& value);
     const std::map<std::string, std::string>& values() const { return values_; }
@@ -54,15 +57,15 @@ private:
 /// Two sets of settings to compare, of which one is in effect.
 struct TwoSettings {
     SessionSettings a;
-    std::optional<SessionSettings> b;  ///< nothing: nobody has looked at it yet
+    std::optional<SessionSettings> b;  ///< nothing: not looked at yet
     bool b_is_on = false;
 
     const SessionSettings& now() const { return b_is_on ? *b : a; }
-    /// Of those in effect, as SessionSettings has it.
+    /// Sets one of those in effect (SessionSettings::set).
     Result<void> set(const std::string& name, const std::string& value) {
         return (b_is_on ? *b : a).set(name, value);
     }
-    /// Whoever looks at B for the first time finds A without filters.
+    /// The first time, B is A without filters.
     void turn_to(bool to_b);
     std::string in_words() const { return (b_is_on ? "B: " : "A: ") + now().in_words(); }
     bool operator==(const TwoSettings&) const = default;
@@ -70,10 +73,10 @@ struct TwoSettings {
 
 /// The options of a run with these settings.
 SessionOptions with_settings(SessionOptions options, const SessionSettings& settings);
-/// Every setting but "filters" as a run has it, by name and in words.
+/// The value of every setting but "filters" in a run, by name and in words.
 std::map<std::string, std::string> settings_in_effect(const TouchSetup& setup);
 
-/// The whole of a word; nothing where it is no number.
+/// The number that the whole word is; nothing: it is none.
 std::optional<double> number_of(const std::string& word);
 
 }  // namespace touchable

@@ -1,28 +1,38 @@
 #include "player/window/study.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
 #include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 
-#include "engine/scene/checked_json.hpp"
-#include "player/window/plain_line.hpp"
-#include "player/window/touch_labels.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "player/window/kiosk.hpp"
 
 namespace touchable {
 namespace {
 
-using Node = checked_json::Node;
-using Kind = StudyStep::Kind;
+using StudyNode = checked_json::Node;
+using StepKind = StudyStep::Kind;
 
 constexpr std::size_t most_steps = 100, most_questions = 50, most_choices = 6, most_lines = 8,
                       longest_id = 40;
 constexpr std::int64_t most_clips = 1000, largest_answer = 10;
-constexpr double longest_s = 24 * 3600;
-constexpr std::pair<const char*, StudyForce> forces[] = {{"on", StudyForce::on}, {"off", StudyForce::off}};
+constexpr double longest_wait_s = 24 * 3600;
+constexpr std::pair<const char*, StudyForce> force_words[] = {{"on", StudyForce::on},
+                                                              {"off", StudyForce::off}};
 
-/// A name that stands in a table, and in formulas of whoever reads that.
-std::string read_id(const Node& node) {
+/// A name for a table of results, and for formulas over it.
+std::string read_id(const StudyNode& node) {
     std::string id = node.text();
     const auto is_legal = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -34,39 +44,27 @@ std::string read_id(const Node& node) {
     return id;
 }
 
-std::string read_lines(const Node& node) {
+std::string read_lines(const StudyNode& node) {
     if (!node.is_list()) return read_plain_line(node);
     std::string lines;
-    for (const Node& line : node.elements(1, most_lines, "a line, or up to 8 of them")) {
+    for (const StudyNode& line : node.elements(1, most_lines, "a line, or up to 8 of them")) {
         if (!lines.empty()) lines += '\n';
         lines += read_plain_line(line);
     }
     return lines;
 }
 
-/// A line or several of any language, or an object with those of each.
-StudyWords read_words(const Node& node) {
-    if (!node.is_object()) return {{"", read_lines(node)}};
-    StudyWords words;
-    for (const std::string& language : node.members()) {
-        if (!is_language(language)) node.refuse("an object of languages, such as {\"en\": ..., \"de\": ...}");
-        words.emplace(language, read_lines(node[language.c_str()]));
-    }
-    if (words.empty()) node.refuse("a text, or an object of one for each language");
-    return words;
-}
-
-double read_seconds(const Node& node) {
+double read_seconds(const StudyNode& node) {
     const double seconds = node.number();
-    if (!(seconds >= 0 && seconds <= longest_s)) node.refuse("seconds, up to a day of them");
+    if (!(seconds >= 0 && seconds <= longest_wait_s)) node.refuse("seconds, up to a day of them");
     return seconds;
 }
 
-std::size_t read_clip(const Node& node) {
+std::size_t read_clip(const StudyNode& node) {
     return static_cast<std::size_t>(node.integer(1, most_clips) - 1);
 }
 
-void read_scale(const Node& node, StudyQuestion& question) {
+void read_scale(const StudyNode& node, StudyQuestion& question) {
     node.allow_only({"least", "most", "low", "high"});
     question.is_scale = true;
     const std::int64_t least = node["least"].integer(0, largest_answer),
@@ -74,26 +72,26 @@ void read_scale(const Node& node, StudyQuestion& question) {
     if (most <= least) node.refuse("from least to most, which is more");
     for (std::int64_t value = least; value <= most; ++value)
         question.answers.push_back({std::to_string(value), {{"", std::to_string(value)}}});
-    question.low = read_words(node["low"]);
-    question.high = read_words(node["high"]);
+    question.low = read_by_language(node["low"], read_lines);
+    question.high = read_by_language(node["high"], read_lines);
 }
 
-void read_choices(const Node& node, StudyQuestion& question) {
+void read_choices(const StudyNode& node, StudyQuestion& question) {
     std::set<std::string> values;
-    for (const Node& choice : node.elements(2, most_choices, "a list of 2 to 6 choices")) {
+    for (const StudyNode& choice : node.elements(2, most_choices, "a list of 2 to 6 choices")) {
         choice.allow_only({"value", "text"});
         StudyAnswer& answer = question.answers.emplace_back();
         answer.value = read_id(choice["value"]);
-        answer.words = read_words(choice["text"]);
+        answer.words = read_by_language(choice["text"], read_lines);
         if (!values.insert(answer.value).second) choice["value"].refuse("a value of its own");
     }
 }
 
-StudyQuestion read_question(const Node& node) {
+StudyQuestion read_question(const StudyNode& node) {
     node.allow_only({"id", "text", "scale", "choices"});
     StudyQuestion question;
     question.id = read_id(node["id"]);
-    question.words = read_words(node["text"]);
+    question.words = read_by_language(node["text"], read_lines);
     if (node.has("scale") == node.has("choices")) node.refuse("a question with a scale, or with choices");
     if (node.has("scale"))
         read_scale(node["scale"], question);
@@ -102,7 +100,7 @@ StudyQuestion read_question(const Node& node) {
     return question;
 }
 
-void read_times(const Node& node, StudyStep& step) {
+void read_times(const StudyNode& node, StudyStep& step) {
     if (node.has("least_s")) step.least_s = read_seconds(node["least_s"]);
     if (!node.has("most_s")) return;
     step.most_s = read_seconds(node["most_s"]);
@@ -111,61 +109,61 @@ void read_times(const Node& node, StudyStep& step) {
 }
 
 /// `in_condition`: the force is the condition's.
-StudyStep read_step(const Node& node, bool in_condition) {
-    constexpr std::pair<const char*, Kind> kinds[] = {
-        {"text", Kind::text}, {"touch", Kind::touch}, {"questions", Kind::questions}};
+StudyStep read_step(const StudyNode& node, bool in_condition) {
+    constexpr std::pair<const char*, StepKind> kinds[] = {
+        {"text", StepKind::text}, {"touch", StepKind::touch}, {"questions", StepKind::questions}};
     StudyStep step;
     step.kind = node["kind"].one_of(kinds);
     step.id = read_id(node["id"]);
-    if (step.kind == Kind::questions) {
+    if (step.kind == StepKind::questions) {
         node.allow_only({"id", "kind", "questions"});
-        for (const Node& question :
+        for (const StudyNode& question :
              node["questions"].elements(1, most_questions, "a list of 1 to 50 questions"))
             step.questions.push_back(read_question(question));
         return step;
     }
     read_times(node, step);
-    step.words = read_words(node["text"]);
-    if (step.kind == Kind::text) {
+    step.words = read_by_language(node["text"], read_lines);
+    if (step.kind == StepKind::text) {
         node.allow_only({"id", "kind", "title", "text", "least_s", "most_s"});
-        if (node.has("title")) step.title = read_words(node["title"]);
+        if (node.has("title")) step.title = read_by_language(node["title"], read_lines);
         return step;
     }
     node.allow_only({"id", "kind", "text", "least_s", "most_s", "clip", "force"});
     if (node.has("clip")) step.clip = read_clip(node["clip"]);
     if (node.has("force") && in_condition) node["force"].refuse("left out: the condition has it");
-    if (node.has("force")) step.force = node["force"].one_of(forces);
+    if (node.has("force")) step.force = node["force"].one_of(force_words);
     return step;
 }
 
-StudyCondition read_condition(const Node& node) {
+StudyCondition read_condition(const StudyNode& node) {
     node.allow_only({"name", "force", "clip"});
     StudyCondition condition;
     condition.name = read_id(node["name"]);
-    condition.force = node["force"].one_of(forces);
+    condition.force = node["force"].one_of(force_words);
     if (node.has("clip")) condition.clip = read_clip(node["clip"]);
     return condition;
 }
 
-/// Each step, and each question, is told from the others by its name: `known`.
-std::vector<StudyStep> read_steps(const Node& node, const char* member, bool in_condition,
+/// Each step, and each question, has a name of its own; `known`: those so far.
+std::vector<StudyStep> read_steps(const StudyNode& node, const char* member, bool in_condition,
                                   std::set<std::string>& known) {
     std::vector<StudyStep> steps;
     if (!node.has(member)) return steps;
-    const auto is_new = [&](const Node& id) {
+    const auto is_new = [&](const StudyNode& id) {
         if (!known.insert(id.text()).second) id.refuse("a name of its own");
     };
-    for (const Node& step : node[member].elements(1, most_steps, "a list of 1 to 100 steps")) {
+    for (const StudyNode& step : node[member].elements(1, most_steps, "a list of 1 to 100 steps")) {
         steps.push_back(read_step(step, in_condition));
         is_new(step["id"]);
-        if (steps.back().kind != Kind::questions) continue;
-        for (const Node& question : step["questions"].elements(1, most_questions, "questions"))
+        if (steps.back().kind != StepKind::questions) continue;
+        for (const StudyNode& question : step["questions"].elements(1, most_questions, "questions"))
             is_new(question["id"]);
     }
     return steps;
 }
 
-Study read_study(const Node& node) {
+Study read_study(const StudyNode& node) {
     node.allow_only(
         {"touchable_study", "name", "idle_s", "start", "before", "conditions", "in_each_condition", "after"});
     if (node["touchable_study"].integer(1, 1'000'000) != 1)
@@ -174,10 +172,10 @@ Study read_study(const Node& node) {
     study.name = read_id(node["name"]);
     if (node.has("idle_s")) study.idle_s = read_seconds(node["idle_s"]);
     if (study.idle_s < 1) node["idle_s"].refuse("at least a second");
-    const Node start = node["start"];
+    const StudyNode start = node["start"];
     start.allow_only({"title", "text"});
-    study.title = read_words(start["title"]);
-    study.words = read_words(start["text"]);
+    study.title = read_by_language(start["title"], read_lines);
+    study.words = read_by_language(start["text"], read_lines);
     std::set<std::string> known{"end"};  // the last row of a participant's table
     study.before = read_steps(node, "before", false, known);
     study.in_each_condition = read_steps(node, "in_each_condition", true, known);
@@ -188,13 +186,49 @@ Study read_study(const Node& node) {
         node.refuse("a study of one step at least: before, in_each_condition, after");
     if (!node.has("conditions")) return study;
     std::set<std::string> names;
-    for (const Node& condition : node["conditions"].elements(
+    for (const StudyNode& condition : node["conditions"].elements(
              1, most_study_conditions,
              "a list of 1 to " + std::to_string(most_study_conditions) + " conditions")) {
         study.conditions.push_back(read_condition(condition));
         if (!names.insert(study.conditions.back().name).second) condition["name"].refuse("a name of its own");
     }
     return study;
+}
+
+namespace fs = std::filesystem;
+
+constexpr const char* table_header =
+    "study,participant,language,hand,time,condition,place,step,question,answer,seconds,contact_s,touches,"
+    "mean_force_n,max_force_n\n";
+
+/// A device's name, in a table.
+std::string plain_field(std::string words) {
+    std::ranges::replace_if(
+        words, [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, ' ');
+    return words;
+}
+
+constexpr std::string_view file_stem = "participant-";
+constexpr const char *partial_ending = ".partial.csv", *whole_ending = ".csv", *left_ending = ".left.csv";
+constexpr std::size_t largest_number = 999'999;
+
+/// The participant's number in a file's name; 0: it is no file of results.
+std::size_t participant_of(const std::string& name) {
+    if (!name.starts_with(file_stem)) return 0;
+    std::size_t number = 0;
+    const char* const end = name.data() + name.size();
+    const auto [rest, fault] = std::from_chars(name.data() + file_stem.size(), end, number);
+    const bool is_one = fault == std::errc() && rest != end && *rest == '.' && number <= largest_number;
+    return is_one ? number : 0;
+}
+
+Result<std::size_t> largest_in(const fs::path& folder) {
+    std::error_code failed;
+    std::size_t largest = 0;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+        largest = std::max(largest, participant_of(at->path().filename().string()));
+    if (failed) return input_error(folder.string() + ": cannot be read: " + failed.message());
+    return largest;
 }
 
 }  // namespace
@@ -232,7 +266,7 @@ std::string Study::all_words(const std::string& language) const {
 Result<Study> parse_study(std::string_view json, std::string_view where) {
     try {
         const checked_json::Json text = checked_json::parse(json, largest_study);
-        return read_study(Node(text, ""));
+        return read_study(StudyNode(text, ""));
     } catch (const checked_json::Refusal& reason) {
         return input_error(std::string(where) + ": " + reason.message);
     }
@@ -250,6 +284,461 @@ std::vector<std::size_t> order_of_conditions(std::size_t count, std::size_t numb
     // Of an odd number of conditions half of the followers come in the mirrored rows.
     if (row >= count) std::ranges::reverse(order);
     return order;
+}
+
+std::vector<StudyScreen> screens_of(const Study& study, std::size_t number) {
+    std::vector<StudyScreen> screens;
+    const auto add = [&screens](const std::vector<StudyStep>& steps, const StudyCondition* condition,
+                                std::size_t place) {
+        for (const StudyStep& step : steps) {
+            if (step.kind != StepKind::questions) screens.push_back({&step, nullptr, condition, place});
+            for (const StudyQuestion& question : step.questions)
+                screens.push_back({&step, &question, condition, place});
+        }
+    };
+    add(study.before, nullptr, 0);
+    std::size_t place = 0;
+    for (const std::size_t k : order_of_conditions(study.conditions.size(), number))
+        add(study.in_each_condition, &study.conditions[k], ++place);
+    add(study.after, nullptr, 0);
+    return screens;
+}
+
+Result<void> TouchMeter::take(const TouchTick& tick) {
+    const std::lock_guard lock(mutex_);
+    touched_.resize(tick.contacts.size());
+    constexpr int most_ticks = 100;  // that a late tick stands for
+    double largest = 0;
+    int ticks = 0;
+    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+        const bool does = tick.contacts[k].touching;
+        measured_.touches += does && !touched_[k];
+        touched_[k] = does;
+        if (!does) continue;
+        ticks = std::max(ticks, std::min(tick.contacts[k].ticks, most_ticks));
+        largest =
+            std::max(largest, glm::length(force_ == StudyForce::on ? tick.sent(k) : tick.forces[k].force));
+    }
+    if (ticks == 0) return {};
+    contact_ticks_ += ticks;
+    sum_newtons_ += ticks * largest;
+    measured_.most_newtons = std::max(measured_.most_newtons, largest);
+    return {};
+}
+
+/// A finger that touches already has come to the surface for this touch, too.
+void TouchMeter::begin(StudyForce force) {
+    const std::lock_guard lock(mutex_);
+    force_ = force;
+    contact_ticks_ = 0;
+    sum_newtons_ = 0;
+    measured_ = {};
+    touched_.clear();
+}
+
+TouchMeasures TouchMeter::measures() const {
+    const std::lock_guard lock(mutex_);
+    TouchMeasures measures = measured_;
+    measures.contact_s = static_cast<double>(contact_ticks_) * 1e-9 * tick_ns;
+    if (contact_ticks_ > 0) measures.mean_newtons = sum_newtons_ / static_cast<double>(contact_ticks_);
+    return measures;
+}
+
+// These two have names of their own, because a member of StudyRun holds them.
+
+/// The table of one participant. All calls wait for the disk.
+class ParticipantFile {
+public:
+    /// Makes the file of the next participant: its number is one more than the largest number in the folder,
+    /// whole or not. A number that another program takes at the same moment is left to that one.
+    static Result<ParticipantFile> create(const fs::path& folder);
+    ~ParticipantFile() {
+        if (out_ >= 0) close(out_);
+    }
+    ParticipantFile(ParticipantFile&& other) noexcept
+        : folder_(std::move(other.folder_)),
+          number_(other.number_),
+          out_(std::exchange(other.out_, -1)),
+          waiting_(std::move(other.waiting_)),
+          fault_(std::move(other.fault_)) {}
+    ParticipantFile& operator=(ParticipantFile&&) = delete;
+
+    std::size_t number() const { return number_; }
+    /// Makes its name safe on the disk: until then a machine that is switched off may lose the file.
+    void secure() { sync_folder(folder_); }
+    /// Writes a row, and what still waits. If there is no room it waits for the next one, and `fault` says
+    /// so.
+    void add(const std::string& row) {
+        waiting_ += row;
+        write();
+    }
+    /// Why rows are not in the file; nothing: all are.
+    const std::optional<Error>& fault() const { return fault_; }
+    /// Makes it safe on the disk, under its last name. If rows are missing, or the name is taken, it stays
+    /// partial.
+    Result<void> finish(bool is_whole);
+
+private:
+    ParticipantFile(fs::path folder, std::size_t number) : folder_(std::move(folder)), number_(number) {}
+    fs::path named(const char* ending) const {
+        return folder_ / (std::string(file_stem) + formatted("%03zu", number_) + ending);
+    }
+    Error failed(int why) const {
+        return input_error(named(partial_ending).string() + ": answers are not kept: " + std::strerror(why));
+    }
+    void write();
+
+    fs::path folder_;
+    std::size_t number_;
+    int out_ = -1;
+    std::string waiting_ = table_header;  // whole rows
+    std::optional<Error> fault_;
+};
+
+Result<ParticipantFile> ParticipantFile::create(const fs::path& folder) {
+    constexpr int most_tries = 100;
+    TRY_ASSIGN(const auto largest, largest_in(folder));
+    for (std::size_t number = largest + 1; number <= largest + most_tries; ++number) {
+        if (number > largest_number) break;
+        ParticipantFile file(folder, number);
+        const fs::path name = file.named(partial_ending);
+        file.out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
+        if (file.out_ < 0 && errno == EEXIST) continue;
+        if (file.out_ < 0) return file.failed(errno);
+        std::error_code ignored;
+        const bool is_taken =
+            fs::exists(file.named(whole_ending), ignored) || fs::exists(file.named(left_ending), ignored);
+        file.write();
+        if (!is_taken && !file.fault_) return file;
+        const auto fault = file.fault_;
+        (void)unlink(name.c_str());
+        if (fault) return *fault;
+    }
+    return input_error(folder.string() + ": there is no number for another participant; right would be an " +
+                       "empty folder");
+}
+
+/// Writes all that waits, or nothing of it.
+void ParticipantFile::write() {
+    fault_.reset();
+    if (const int why = append_durably(out_, waiting_))
+        fault_ = failed(why);
+    else
+        waiting_.clear();
+}
+
+Result<void> ParticipantFile::finish(bool is_whole) {
+    write();
+    if (fault_) return *fault_;
+    const fs::path last = named(is_whole ? whole_ending : left_ending);
+    if (const int why = move_to_free_name(named(partial_ending), last); why != 0)
+        return *(fault_ = input_error(named(partial_ending).string() + ": stays partial: " +
+                                      last.filename().string() + ": " + std::strerror(why)));
+    sync_folder(folder_);
+    return {};
+}
+
+/// The files of participants, one after the other, and their state for the window.
+class ParticipantFiles {
+public:
+    explicit ParticipantFiles(fs::path folder) : folder_(std::move(folder)) {}
+
+    // By the thread that writes.
+    void begin();
+    void add(const std::string& row) {
+        file_->add(row);
+        tell();
+    }
+    void end(bool is_whole);
+    /// Ends the file once more, if it could not be ended.
+    void end_again() {
+        if (ended_) end(*ended_);
+    }
+
+    // By the window's thread.
+    const fs::path& folder() const { return folder_; }
+    void ask();
+    struct Told {
+        bool is_beginning = false;
+        std::optional<std::size_t> number{};
+        std::optional<Error> fault{};
+    };
+    Told told() const {
+        const std::lock_guard lock(mutex_);
+        return told_;
+    }
+
+private:
+    void answer(Told told) {
+        const std::lock_guard lock(mutex_);
+        told_ = std::move(told);
+    }
+    void tell() {
+        const std::lock_guard lock(mutex_);
+        told_.fault = file_->fault();
+    }
+
+    const fs::path folder_;
+    std::optional<ParticipantFile> file_;
+    std::optional<bool> ended_;  // `file_` could not be finished so
+
+    mutable std::mutex mutex_;
+    Told told_;  // guarded by it
+};
+
+void ParticipantFiles::ask() {
+    const std::lock_guard lock(mutex_);
+    told_.is_beginning = true;
+    told_.number.reset();
+}
+
+void ParticipantFiles::begin() {
+    end_again();
+    if (ended_) return answer({.fault = file_->fault()});
+    auto made = ParticipantFile::create(folder_);
+    if (!made) return answer({.fault = made.error()});
+    file_.emplace(std::move(*made));
+    // The participant need not wait for the rest.
+    answer({.number = file_->number()});
+    file_->secure();
+}
+
+void ParticipantFiles::end(bool is_whole) {
+    const Result<void> done = file_->finish(is_whole);
+    tell();
+    ended_.reset();
+    if (done)
+        file_.reset();
+    else
+        ended_ = is_whole;
+}
+
+/// The results of all participants, written by a thread of their own.
+class StudyRun::Results {
+public:
+    Results(fs::path folder, std::unique_ptr<DiskWork> disk)
+        : files_(std::make_shared<ParticipantFiles>(std::move(folder))), disk_(std::move(disk)) {}
+
+    /// Asks for the file of the next participant. If that of the one before could not be finished, that comes
+    /// first.
+    void begin() {
+        files_->ask();
+        disk_->give([files = files_] { files->begin(); });
+    }
+    void add(std::string row) {
+        disk_->give([files = files_, row = std::move(row)] { files->add(row); });
+    }
+    void end(bool is_whole) {
+        disk_->give([files = files_, is_whole] { files->end(is_whole); });
+    }
+    /// `number`: nothing was asked for, or no file can be made. `fault`: why answers are not kept.
+    ParticipantFiles::Told told() const { return files_->told(); }
+    /// Whether all that was asked for is done, after that long at most.
+    bool wait(std::chrono::milliseconds longest) const { return disk_->wait(longest); }
+    /// Once, the last call: waits, for that long at most. Fails if answers are missing.
+    Result<void> finish(std::chrono::milliseconds longest) {
+        disk_->give([files = files_] { files->end_again(); });
+        if (!disk_->finish(longest)) return no_answer();
+        const auto missing = told().fault;
+        return missing ? Result<void>(*missing) : Result<void>();
+    }
+    Error no_answer() const {
+        return input_error(files_->folder().string() +
+                           ": its disk does not answer; the last answers may be lost");
+    }
+
+private:
+    const std::shared_ptr<ParticipantFiles> files_;  // the thread's, too
+    const std::unique_ptr<DiskWork> disk_;
+};
+
+Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, std::string language,
+                                                 std::string hand, std::unique_ptr<DiskWork> disk) {
+    std::error_code failed;
+    fs::create_directory(folder, failed);
+    std::error_code unknown;
+    if (!fs::is_directory(folder, unknown))
+        return input_error(folder.string() + ": results cannot be kept there" +
+                           (failed ? ": " + failed.message() : std::string()) + "; right would be a folder");
+    TRY(NewFile(folder / "participant-000.csv", Existing::keep).check());
+    return std::unique_ptr<StudyRun>(
+        new StudyRun(std::move(study), std::move(language), plain_field(std::move(hand)),
+                     std::make_unique<Results>(std::move(folder), std::move(disk))));
+}
+
+StudyRun::StudyRun(Study study, std::string language, std::string hand, std::unique_ptr<Results> results)
+    : study_(std::move(study)),
+      language_(std::move(language)),
+      hand_(std::move(hand)),
+      results_(std::move(results)) {}
+
+StudyRun::~StudyRun() = default;
+
+double StudyRun::share_done() const {
+    if (screens_.empty()) return 0;
+    return static_cast<double>(at_) / static_cast<double>(screens_.size());
+}
+
+/// Before a participant has begun, the first clip of the study: it is open by the time it is wanted.
+std::size_t StudyRun::clip() const {
+    const std::vector<StudyScreen> first =
+        screens_.empty() ? screens_of(study_, 1) : std::vector<StudyScreen>();
+    const std::vector<StudyScreen>& screens = screens_.empty() ? first : screens_;
+    for (std::size_t k = at_; k < screens.size(); ++k)
+        if (screens[k].is_touch()) return screens[k].clip();
+    for (std::size_t k = std::min(at_, screens.size()); k > 0; --k)
+        if (screens[k - 1].is_touch()) return screens[k - 1].clip();
+    return 0;
+}
+
+bool StudyRun::gives_force() const {
+    return screen() && screen()->is_touch() && screen()->force() == StudyForce::on;
+}
+
+void StudyRun::choose(std::size_t answer) {
+    if (screen() && screen()->question && answer < screen()->question->answers.size()) chosen_ = answer;
+}
+
+void StudyRun::choose_by(int by) {
+    if (!screen() || !screen()->question) return;
+    const auto count = static_cast<int>(screen()->question->answers.size());
+    if (!chosen_)
+        choose(by > 0 ? 0 : static_cast<std::size_t>(count - 1));
+    else
+        choose(static_cast<std::size_t>((static_cast<int>(*chosen_) + by + count) % count));
+}
+
+double StudyRun::wait_s(double now_s) const {
+    const double all = screen() ? std::max(screen()->step->least_s, least_s) : least_s;
+    return std::max(began_s_ + all - now_s, 0.0);
+}
+
+bool StudyRun::may_go_on(double now_s) const {
+    if (wait_s(now_s) > 0) return false;
+    return screen() ? chosen_ || !screen()->question : !is_beginning_;
+}
+
+void StudyRun::go_on(double now_s, Time time) {
+    if (!may_go_on(now_s)) return;
+    if (!screen()) {
+        is_beginning_ = true;
+        results_->begin();
+        return;
+    }
+    add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
+    if (at_ + 1 == screens_.size()) {
+        add_end(now_s, time, "finished");
+        return finish(true, now_s);
+    }
+    ++at_;
+    begin_screen(now_s);
+}
+
+void StudyRun::pass(double now_s, Time time) {
+    passed_s_ = now_s;
+    if (results_->wait(std::chrono::milliseconds(0))) answered_s_ = now_s;
+    begin_if_answered(now_s);
+    if (!screen() || !screen()->step->most_s) return;
+    if (now_s >= began_s_ + std::max(*screen()->step->most_s, least_s)) go_on(now_s, time);
+}
+
+void StudyRun::wait(double now_s) {
+    if (!screen()) return;
+    began_s_ = now_s;
+    if (screen()->is_touch()) meter_->begin(screen()->force());
+}
+
+void StudyRun::begin_if_answered(double now_s) {
+    if (!is_beginning_ || results_->told().is_beginning) return;
+    is_beginning_ = false;
+    const auto number = results_->told().number;
+    if (!number) return;
+    screens_ = screens_of(study_, *number);
+    at_ = 0;
+    came_s_ = now_s;
+    begin_screen(now_s);
+}
+
+void StudyRun::begin_screen(double now_s) {
+    ++turn_;
+    began_s_ = now_s;
+    chosen_.reset();
+    if (screen() && screen()->is_touch()) meter_->begin(screen()->force());
+}
+
+/// `rest`: from the condition on.
+std::string StudyRun::row(const std::string& rest, Time time) const {
+    std::string row;
+    for (const std::string& field :
+         {study_.name, std::to_string(*results_->told().number), language_, hand_, in_universal_time(time)})
+        row += field + ',';
+    return row + rest + '\n';
+}
+
+void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
+    const StudyScreen& now = *screen();
+    const std::string condition =
+        now.condition ? now.condition->name + "," + std::to_string(now.place) : std::string(",");
+    std::string touched = ",,,";
+    if (now.is_touch()) {
+        const TouchMeasures m = meter_->measures();
+        touched = formatted("%.3f,%d,%.4f,%.4f", m.contact_s, m.touches, m.mean_newtons, m.most_newtons);
+    }
+    const std::string question = now.question ? now.question->id : std::string();
+    std::string rest = condition;
+    for (const std::string& field :
+         {now.step->id, question, answer, formatted("%.2f", now_s - began_s_), touched}) {
+        rest += ',';
+        rest += field;
+    }
+    results_->add(row(rest, time));
+}
+
+/// The last row of a participant.
+void StudyRun::add_end(double now_s, Time time, const char* how) {
+    results_->add(row(formatted(",,end,,%s,%.2f,,,,", how, now_s - came_s_), time));
+}
+
+void StudyRun::leave(double now_s, Time time) {
+    if (!screen()) return;
+    const bool is_done = at_ + 1 == screens_.size() && screen()->step->kind == StudyStep::Kind::text;
+    add_row(now_s, time, "");
+    add_end(now_s, time, is_done ? "finished" : "left");
+    finish(is_done, now_s);
+}
+
+/// The start screen is next, even if the file cannot be finished.
+void StudyRun::finish(bool is_whole, double now_s) {
+    results_->end(is_whole);
+    screens_.clear();
+    at_ = 0;
+    chosen_.reset();
+    began_s_ = now_s;
+    ++turn_;
+}
+
+/// The file of a participant who has not finished stays partial.
+Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds longest) {
+    using Clock = std::chrono::steady_clock;
+    const auto until = Clock::now() + longest;
+    // A participant who began just now counts, too.
+    if (is_beginning_ && results_->wait(longest)) begin_if_answered(now_s);
+    if (screen()) {
+        add_row(now_s, time, "");
+        add_end(now_s, time, "ended");
+        screens_.clear();
+    }
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    return results_->finish(std::max(left, std::chrono::milliseconds(0)));
+}
+
+bool StudyRun::wait_for_disk(std::chrono::milliseconds longest) const {
+    return results_->wait(longest);
+}
+
+std::optional<Error> StudyRun::fault() const {
+    if (passed_s_ > answered_s_ + patience_s) return results_->no_answer();
+    return results_->told().fault;
 }
 
 }  // namespace touchable

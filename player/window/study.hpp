@@ -1,24 +1,34 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/window/disk_work.hpp"
 
 namespace touchable {
 
-/// What a participant reads, by language; "" is any. Lines are separated by \n.
+// A study, whose participants are the visitors of a kiosk: its file (Study), the order in which each
+// participant meets the conditions, the screens that come of both, what is measured while a participant
+// touches, and the run that leads participants through it and keeps their results (StudyRun).
+
+/// A text for participants, by language; "" is any. Lines are separated by \n.
 using StudyWords = std::map<std::string, std::string>;
 
-/// Whether a finger's force reaches the participant. Without it everything else is the same.
+/// Whether forces reach the participant's hand. Without them everything else is the same.
 enum class StudyForce { on, off };
 
 struct StudyAnswer {
-    std::string value;  ///< as results have it
+    std::string value;  ///< in the table of results
     StudyWords words;   ///< of a choice; of a scale the number itself
 };
 
@@ -79,12 +89,142 @@ inline constexpr std::size_t most_study_conditions = 8;
 /// A longer file is refused, bytes.
 inline constexpr std::size_t largest_study = std::size_t{1} << 18;
 
-/// Refused (ErrorKind::input, beginning with `where`) where that cannot be.
+/// Refused with ErrorKind::input; the message begins with `where`.
 Result<Study> parse_study(std::string_view json, std::string_view where);
 
-/// In which order participants meet `count` conditions: that of participant `number`, from 1. Two take turns.
-/// With more each has each place equally often, and each follows each other equally often (Williams'
-/// designs), in every `count` participants, or twice as many where `count` is odd.
+/// The order in which participant `number`, from 1, meets `count` conditions. Two conditions take turns. Of
+/// more, each has each place equally often, and each follows each other equally often (Williams' designs), in
+/// every `count` participants, or in twice as many if `count` is odd.
 std::vector<std::size_t> order_of_conditions(std::size_t count, std::size_t number);
+
+/// One screen for a participant: a text, a touch, or one question. Refers to its study.
+struct StudyScreen {
+    const StudyStep* step = nullptr;
+    const StudyQuestion* question = nullptr;    ///< null: a text or a touch
+    const StudyCondition* condition = nullptr;  ///< null: outside
+    std::size_t place = 0;                      ///< of the condition in the order, from 1; 0: outside
+
+    bool is_touch() const { return step->kind == StudyStep::Kind::touch; }
+    StudyForce force() const { return condition ? condition->force : step->force; }
+    std::size_t clip() const { return condition ? condition->clip.value_or(step->clip) : step->clip; }
+};
+
+/// The screens of participant `number`, from 1, in their order.
+std::vector<StudyScreen> screens_of(const Study& study, std::size_t number);
+
+/// How a participant touched, by the session's ticks.
+struct TouchMeasures {
+    double contact_s = 0;     ///< in which at least one finger touched
+    int touches = 0;          ///< how often a finger came to the surface
+    double mean_newtons = 0;  ///< on the finger with the largest force, over the time of contact; 0: none
+    double most_newtons = 0;  ///< on any finger
+};
+
+/// Measures one touch after the other. `take` is called by a session's thread, the rest by the window's.
+class TouchMeter final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override;
+    /// Begins a touch. With the force on, forces are those that reach the hand (all of them, for a mouse);
+    /// with it off, those that it would have felt.
+    void begin(StudyForce force);
+    TouchMeasures measures() const;
+
+private:
+    mutable std::mutex mutex_;
+    StudyForce force_ = StudyForce::on;
+    std::int64_t contact_ticks_ = 0;
+    double sum_newtons_ = 0;
+    TouchMeasures measured_;
+    std::vector<bool> touched_;  // by finger, in the tick before
+};
+
+/// A study as it goes: one participant after the other, from the start screen through all screens and back to
+/// it. The results of each are a table (CSV) in the folder of the study: participant-007.partial.csv while it
+/// grows, participant-007.csv once it is whole, participant-007.left.csv if the participant went away. Each
+/// row is safe on the disk before the next one, and nothing is ever written over. A thread of its own writes
+/// them: no call waits for the disk but `wait_for_disk` and `end`. All calls belong to the window's thread.
+/// Times `now_s` are the window's own, seconds, and do not go backward.
+class StudyRun {
+public:
+    using Time = std::chrono::system_clock::time_point;
+    /// A screen stays for that long at least: a click too many does not go past a screen unread.
+    static constexpr double least_s = 0.4;
+    /// After waiting for the disk for that long there is a `fault`.
+    static constexpr double patience_s = 5;
+
+    /// `hand`: what participants touch by, for the results: "mouse", or a device's name. `folder` is made if
+    /// it is not there, and `disk` writes there. Refused (ErrorKind::input) if no results can be written.
+    static Result<std::unique_ptr<StudyRun>> open(Study study, std::filesystem::path folder,
+                                                  std::string language, std::string hand,
+                                                  std::unique_ptr<DiskWork> disk);
+    ~StudyRun();
+
+    const Study& study() const { return study_; }
+    const std::string& language() const { return language_; }
+    /// Measures what participants touch: a sink of the window's sessions.
+    const std::shared_ptr<TouchMeter>& meter() const { return meter_; }
+
+    /// Null: the start screen; no participant has begun.
+    const StudyScreen* screen() const { return screens_.empty() ? nullptr : &screens_[at_]; }
+    /// Changes with each screen.
+    std::size_t turn() const { return turn_; }
+    /// The share of the participant's screens that are done, 0 to 1.
+    double share_done() const;
+    /// The chosen answer of a question, from 0.
+    std::optional<std::size_t> chosen() const { return chosen_; }
+    /// The clip of the touch that is on, or comes next, from 0.
+    std::size_t clip() const;
+    /// Whether the participant is to be given forces now.
+    bool gives_force() const;
+
+    /// Chooses an answer; does nothing if there is no such answer.
+    void choose(std::size_t answer);
+    /// Chooses the answer `by` further; the first, or last, if none was chosen.
+    void choose_by(int by);
+    /// How long the screen has to be seen still, seconds, before the participant may go on.
+    double wait_s(double now_s) const;
+    /// Whether `go_on` would: time enough has passed, a question is answered.
+    bool may_go_on(double now_s) const;
+    /// The participant has done with the screen, or begins: `pass` has the first screen once there is a file.
+    void go_on(double now_s, Time time);
+    /// To be called all the time: goes on by itself when the screen's time has passed, or the disk has
+    /// answered.
+    void pass(double now_s, Time time);
+    /// The screen is not to be seen yet: its time begins now.
+    void wait(double now_s);
+    /// The participant went away. One who has answered everything has finished.
+    void leave(double now_s, Time time);
+    /// The program ends; the last call. Fails if results are missing.
+    Result<void> end(double now_s, Time time, std::chrono::milliseconds longest = std::chrono::seconds(2));
+
+    /// Whether a participant has begun, and waits for a file of results.
+    bool is_beginning() const { return is_beginning_; }
+    /// Whether all that was done until now is kept, or refused, after that long at most.
+    bool wait_for_disk(std::chrono::milliseconds longest) const;
+    /// Why answers are not kept, now; nothing: they are.
+    std::optional<Error> fault() const;
+
+private:
+    class Results;
+    StudyRun(Study study, std::string language, std::string hand, std::unique_ptr<Results> results);
+    void begin_if_answered(double now_s);
+    void begin_screen(double now_s);
+    void add_row(double now_s, Time time, const std::string& answer);
+    void add_end(double now_s, Time time, const char* how);
+    void finish(bool is_whole, double now_s);
+    std::string row(const std::string& rest, Time time) const;
+
+    const Study study_;
+    const std::string language_, hand_;
+    const std::shared_ptr<TouchMeter> meter_ = std::make_shared<TouchMeter>();
+    std::vector<StudyScreen> screens_;  // of the participant; empty: none has begun
+    std::size_t at_ = 0, turn_ = 0;
+    double began_s_ = 0, came_s_ = 0;  // the screen, the participant
+    std::optional<std::size_t> chosen_;
+    const std::unique_ptr<Results> results_;
+    bool is_beginning_ = false;
+    double passed_s_ = 0;    // the last `pass`
+    double answered_s_ = 0;  // the last one at which the disk had nothing to do
+};
 
 }  // namespace touchable

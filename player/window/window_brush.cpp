@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <system_error>
-#include <utility>
 
-#include "engine/base/given_file.hpp"
-#include "engine/base/stop_request.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/surface_pick.hpp"
-#include "player/session/painted_choice.hpp"
+#include "player/draw/view.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 namespace {
@@ -47,7 +46,7 @@ Result<void> check_saved(const std::filesystem::path& file) {
     if (!std::filesystem::exists(file, failed) && !failed) return {};
     TRY_ASSIGN(const auto text,
                read_given_file(file, file.string(), "a file of segments", largest_segment_names));
-    if (parse_segment_names(text, file.string()).ok()) return {};
+    if (parse_segment_names(text, file.string())) return {};
     return input_error(file.string() +
                        ": is there, and says nothing of segments; materials are not saved in its place");
 }
@@ -149,7 +148,7 @@ void WindowBrush::do_next() {
               [brush = brush_, command](const std::stop_token& given_up) -> Result<Work> {
                   const WorkUntil until(given_up);
                   Work done{brush, done_by(brush->brush(), command)};
-                  if (done.said.ok()) done.history = brush->history();
+                  if (done.said) done.history = brush->history();
                   return done;
               });
 }
@@ -164,7 +163,7 @@ void WindowBrush::take_made() {
     if (has_begun) brush_ = (*made)->brush;
     note_state();
     const Result<std::string> said = made->ok() ? (*made)->said : made->error();
-    if (said.ok())
+    if (said)
         news_.remarks.push_back({*said, Tone::remark, true});
     else if (said.error().kind != ErrorKind::interrupted)
         say(said.error().message, said.error().kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
@@ -172,7 +171,7 @@ void WindowBrush::take_made() {
         news_.has_begun = true;
     else
         asked_.pop_front();
-    if (said.ok() && !has_begun) keep_history((*made)->history);
+    if (said && !has_begun) keep_history((*made)->history);
 }
 
 /// There are no segments.
@@ -216,14 +215,14 @@ void WindowBrush::note_files() {
     for (const auto& [file, kind, clip, written] : files_.take()) {
         const bool is_saved = kind == TextFiles::Kind::saved;
         if (is_saved)
-            save_fault_ = written.ok() ? std::nullopt : std::optional(written.error());
-        else if (!written.ok())
+            save_fault_ = written ? std::nullopt : std::optional(written.error());
+        else if (!written)
             lost_history_ = file;
         else if (file == lost_history_)
             lost_history_.clear();
-        if (!written.ok() && (is_saved || faults_.insert(written.error().message).second))
+        if (!written && (is_saved || faults_.insert(written.error().message).second))
             say(written.error().message, Tone::fault);
-        if (written.ok() && is_saved) say(options_.names.saved(clip, file.string()));
+        if (written && is_saved) say(options_.names.saved(clip, file.string()));
     }
 }
 
@@ -283,7 +282,7 @@ void WindowBrush::hold_still(bool still) {
     const PlaybackState now = clip_->session().playback();
     if (still && (!now.playing || now.at_end)) return;
     holds_clip_ = still;
-    if (auto asked = clip_->session().ask(still ? PlaybackVerb::pause : PlaybackVerb::play); !asked.ok())
+    if (auto asked = clip_->session().ask(still ? PlaybackVerb::pause : PlaybackVerb::play); !asked)
         say(asked.error().message, Tone::refusal);
 }
 

@@ -12,15 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "player/window/brush_tool.hpp"
-#include "player/window/kept_brush.hpp"
+#include "player/window/brush.hpp"
 #include "player/window/long_work.hpp"
-#include "player/window/materials_panel.hpp"
-#include "player/window/notices.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/panel_facts.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/screen.hpp"
-#include "player/window/text_files.hpp"
+#include "player/window/window_files.hpp"
 
 namespace touchable {
 

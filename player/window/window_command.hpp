@@ -1,15 +1,32 @@
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
-#include "engine/authoring/segment_names.hpp"
+#include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"
+#include "player/window/input_event.hpp"
 
 namespace touchable {
 
-/// What keys, buttons of the panel, scripts and tests ask of the window: one set for all of them.
+// What a window can be asked to do. Keys, buttons of the panel, scripts and tests all ask by the same
+// WindowCommand, so that each can do what the others can.
+//
+// - WindowVerb names the commands; parse_window_command reads one from words, such as "seek 10".
+// - key_groups has the keys, in the order of the help page; binding_of finds the command of a key.
+// - read_window_script reads a file of timed inputs and commands; the window plays it by a ScriptClock, which
+//   does not count the time in which the program stood still.
+// - read_pixel_of_frame reads a pixel as commands of the brush name it; the command line reads it so, too.
+//
+// The window's loop carries commands out (window_loop_commands.cpp). Everything here is a pure function or a
+// plain value but ScriptClock, which belongs to the window's thread. Words that are refused are
+// ErrorKind::usage and say what would be right; nothing here knows an option of the command line.
+
 enum class WindowVerb {
     play_pause,
     seek_by,      ///< `number`: seconds, either way
@@ -19,11 +36,11 @@ enum class WindowVerb {
     speed,        ///< `number`: 0.1 to 4, times the clip's own
     loop,         ///< on or off
     next,         ///< clip of the playlist
-    previous,     ///< likewise
+    previous,     ///< clip of the playlist
     fingers,      ///< `number`: 1 to 5
     deeper,       ///< `number`: millimetres of the device, pressed in by
-    point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
-    point_down,   ///< likewise
+    point_right,  ///< `number`: pixels by which the pointer moves, for a person without a mouse
+    point_down,   ///< `number`: pixels, downward
     force,        ///< on or off; `number` -1: off
     clutch,       ///< `number`: 1 while a held device is repositioned, 0 afterwards
     recentre,     ///< the place where a held device is now becomes the middle of its workspace
@@ -57,7 +74,7 @@ enum class WindowVerb {
     paint,       ///< `places`: a pixel of the segment that gets the material in hand
     join,        ///< `places`: pixels of two segments that are one from now on
     cut,         ///< `places`: a stroke over a segment that is two from now on
-    otherwise,   ///< `word`: material of all segments that nobody painted; empty: a guess for each
+    otherwise,   ///< `word`: material of all segments that are not painted; empty: a guess for each
     undo,
     redo,
     save_materials,  ///< `word`: the file; empty: the clip's own
@@ -81,8 +98,7 @@ struct KeyBinding {
     const char* what;  ///< for a person; null: the same as the row above
     bool control = false;
 };
-/// Keys that belong together: what a list of them has under one title. The first are those that somebody
-/// new needs.
+/// Keys that belong together, under one title of the help page. The first group has what a beginner needs.
 struct KeyGroup {
     enum class Topic { begin, touch, view, play, data, window };
     Topic topic;
@@ -91,20 +107,41 @@ struct KeyGroup {
 };
 /// All keys, in the order of the list.
 std::span<const KeyGroup> key_groups();
-/// Likewise, without titles.
+/// The same keys, without titles.
 std::span<const KeyBinding> key_bindings();
-/// Keys of a study, beside key_bindings(), that a script may press.
-inline constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
-/// Of a key with what is held; null: it does nothing. The key that takes the force off does so whatever is
-/// held.
+/// The binding of a key with Ctrl and Shift; null: it does nothing. The key that takes the force off does so
+/// with any of them held.
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
-
 /// Whether a key that is held does it again and again: what goes on by steps, never what switches.
 bool goes_by_steps(WindowVerb verb);
 
-/// Whether it is the first word of a command.
-bool names_window_command(const std::string& word);
-/// "seek 10", "speed 0.5", "overlay depth" and so on. Refused (ErrorKind::usage) with what would be right.
+/// "X,Y" or "X,Y,FRAME": a pixel's column and row up to 16383, and its frame, all from 0; without a frame it
+/// is -1. Nothing: the word is no pixel.
+std::optional<PixelOfFrame> read_pixel_of_frame(std::string_view word);
+/// "seek 10", "speed 0.5", "overlay depth", "paint 120,80", or a setting of what is felt, "median 5".
 Result<WindowCommand> parse_window_command(const std::string& words);
+
+/// What is done to the window at a moment of a script.
+struct ScriptedInput {
+    double seconds = 0;  ///< since the first picture, by a ScriptClock
+    std::variant<InputEvent, WindowCommand> what;
+};
+
+/// The time of a script, and when the window that it leads closes. A window that stood still, as on a machine
+/// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
+class ScriptClock {
+public:
+    /// At this moment of the window's own clock, seconds; moments do not go backward. `stands`: nothing of
+    /// the time since the last one counts.
+    double at(double now_s, bool stands = false);
+
+private:
+    double seen_s_ = 0, time_s_ = 0;
+};
+
+/// A file of timed inputs (docs/play-options.md), a line each: SECONDS, then move X Y, press BUTTON, release
+/// BUTTON, wheel NOTCHES, key NAME, key-up NAME, touch N X Y, touch-move N X Y, touch-end N, leave, drop
+/// FILE, or a command of the window. Times must not go backward. Refused with the line.
+Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file);
 
 }  // namespace touchable

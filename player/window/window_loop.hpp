@@ -1,8 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -13,35 +16,79 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/threads.hpp"
 #include "player/audio/window_sound.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/double_click.hpp"
-#include "player/window/frames_shown.hpp"
 #include "player/window/imgui_layer.hpp"
-#include "player/window/kept_settings.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/long_work.hpp"
-#include "player/window/measure_tool.hpp"
-#include "player/window/notices.hpp"
+#include "player/window/measure.hpp"
 #include "player/window/opened_clip.hpp"
-#include "player/window/picture_governor.hpp"
+#include "player/window/panel_facts.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/playback_control.hpp"
-#include "player/window/playlist.hpp"
-#include "player/window/pointer_input.hpp"
-#include "player/window/redraw_estimator.hpp"
-#include "player/window/resting_fingers.hpp"
-#include "player/window/screenshots.hpp"
-#include "player/window/slow_reading.hpp"
-#include "player/window/study_run.hpp"
-#include "player/window/touch_input.hpp"
-#include "player/window/use_log.hpp"
+#include "player/window/pointer.hpp"
+#include "player/window/screen.hpp"
+#include "player/window/study.hpp"
+#include "player/window/user_files.hpp"
 #include "player/window/window_brush.hpp"
-#include "player/window/window_clock.hpp"
-#include "player/window/window_film.hpp"
+#include "player/window/window_files.hpp"
 #include "player/window/window_panel.hpp"
 
 namespace touchable {
+
+/// The window's clock: std::chrono::steady_clock, which a test can put forward, so that a day of a kiosk
+/// takes minutes. Sessions and their forces go by their own.
+class WindowClock {
+public:
+    using duration = std::chrono::steady_clock::duration;
+    using rep = duration::rep;
+    using period = duration::period;
+    using time_point = std::chrono::steady_clock::time_point;
+    static constexpr bool is_steady = true;
+
+    static time_point now() {
+        return std::chrono::steady_clock::now() + duration(ahead_.load(std::memory_order_relaxed));
+    }
+    static void put_forward(duration by) { ahead_.fetch_add(by.count(), std::memory_order_relaxed); }
+    /// For how long the machine has been suspended so far, which `now` sleeps through; a test can suspend it.
+    static duration slept() {
+        const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+        return std::chrono::nanoseconds(boot_ns()) - steady +
+               duration(asleep_.load(std::memory_order_relaxed));
+    }
+    static void suspend(duration by) { asleep_.fetch_add(by.count(), std::memory_order_relaxed); }
+
+private:
+    static inline std::atomic<rep> ahead_{0}, asleep_{0};
+};
+
+/// Tells the second of two quick presses at the same place from presses that touch.
+class DoubleClick {
+public:
+    static constexpr double longest_s = 0.3;    ///< from press to press
+    static constexpr double farthest_px = 6.0;  ///< likewise
+
+    /// Whether the press of that moment, at that place, is a second one; a third is a first again.
+    bool press(double now_s, const glm::dvec2& at) {
+        const bool is_second =
+            first_s_ && now_s - *first_s_ <= longest_s && glm::distance(at, at_) <= farthest_px;
+        first_s_ = is_second ? std::nullopt : std::optional(now_s);
+        at_ = at;
+        return is_second;
+    }
+    /// What comes next belongs to no press before it.
+    void forget() { first_s_.reset(); }
+
+private:
+    std::optional<double> first_s_;
+    glm::dvec2 at_{0.0};
+};
+
+/// How large words, lines and bars are in a window, as ScreenSize::scale: the display's, and more where the
+/// window has more room than 1280x720 of such pixels. By the root of that, because whoever has a large window
+/// wants to see more in it; `from_afar`, as visitors of a kiosk look, by all of it. In steps of a quarter, so
+/// that a window that is being resized seldom changes them.
+double words_scale(const ScreenSize& size, bool from_afar);
 
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
@@ -56,56 +103,6 @@ public:
 private:
     using Clock = WindowClock;
 
-    Result<void> open();
-    Result<void> open_screen(const KeptSettings& kept);
-    Result<std::unique_ptr<WindowGraphics>> make_graphics();
-    Result<void> open_graphics();
-    Result<void> open_graphics_anew(const Error& error);
-    Result<void> open_parts();
-    double scale_of_words(const ScreenSize& size) const;
-    Result<void> fit_words(const ScreenSize& size);
-    void ask_for_first_clip();
-    Result<void> turn();
-    void go_on_with_clip();
-    bool is_at_work() const;
-    void take_script();
-    void take(const InputEvent& event);
-    void take_of_pointer(const InputEvent& event);
-    void take_of_touch(const InputEvent& event);
-    void lift_touches();
-    void lift_after_sleep();
-    TouchInput::Ground ground_at(double x, double y);
-    void take(const WindowCommand& command);
-    void take_of_time(const WindowCommand& command);
-    void play_or_pause();
-    void take_of_view(const WindowCommand& command);
-    void set_turning(bool on);
-    void take_of_fingers(const WindowCommand& command);
-    void take_of_window(const WindowCommand& command);
-    void take_of_sound(const WindowCommand& command);
-    Result<void> draw_newest();
-    bool leave_what_is_in_front();
-    bool clicks_for_full_screen(const InputEvent& event, bool is_of_panel);
-    void turn_full_screen();
-    bool bar_is_wanted() const;
-    void take_of_hand(const WindowCommand& command);
-    void change_scale(double times);
-    void stop_force_at_once(InputEvent& event);
-    void lead_force();
-    void look_after_hand(const WatchedMoment* moment);
-    void power_hand_off();
-    void set_overlay(const std::string& name);
-    static Overlay overlay_for_visitors(Overlay now);
-    void take_of_measure(const WindowCommand& command);
-    void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
-    void open_others(std::vector<std::string> named);
-    void open_instead(Playlist list, int by);
-    void go_in_list(int by);
-    void go_on_in_list(const WatchedMoment* moment);
-    void go_to_first();
-    void say_place_in_list();
-    void tell_skipped(std::span<const Error> skipped);
-    Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with; and
     /// what a brush painted.
     struct WindowSettings {
@@ -113,9 +110,6 @@ private:
         std::shared_ptr<const PaintedSegments> painted{};
         bool operator==(const WindowSettings&) const = default;
     };
-    static bool has_materials(const WindowSettings& settings);
-    static std::string in_words(const WindowSettings& settings);
-    void feel(const WindowCommand& command);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
     /// Neither: none of the clips could be opened.
     struct Ready {
@@ -126,49 +120,147 @@ private:
         Playlist list{};               // in which the clip is now
         std::vector<Error> skipped{};  // why the clips before it are not open
     };
+
+    // Begin, turns, end, what is said (window_loop.cpp).
+    Result<void> open();
+    Result<void> open_screen(const KeptSettings& kept);
+    Result<void> open_parts();
+    double scale_of_words(const ScreenSize& size) const;
+    Result<void> fit_words(const ScreenSize& size);
+    Result<std::unique_ptr<WindowGraphics>> make_graphics();
+    Result<void> open_graphics();
+    Result<void> open_graphics_anew(const Error& error);
+    Result<void> turn();
+    void go_on_with_clip();
+    bool is_at_work() const;
+    void take_script();
+    double now_s() const;
+    static double thread_cpu_ms();
+    static double seconds_between(Clock::time_point from, Clock::time_point to) {
+        return std::chrono::duration<double>(to - from).count();
+    }
+    void note_sound();
+    void note_slow_reading();
+    void note_screenshots();
+    void note_files();
+    Result<void> keep_picture(const std::filesystem::path& name);
+    void say(std::string words, Tone tone = Tone::remark, About about = About::window);
+    /// What was refused, or went wrong.
+    void say(const Error& error);
+    void say(const Result<void>& done);
+    void tell(const std::string& fault);
+    bool has_to_stay();
+    Result<PlayFigures> end(Result<void> ended);
+    Result<PlayFigures> end_without_clip(Result<void> ended);
+    Result<void> write_settings() const;
+    KeptSettings to_keep() const;
+    void note_last_failure();
+    Result<void> finish_screenshots(bool is_kept, Result<void> kept);
+    Result<void> finish_brush();
+    Error interruption() const;
+    void sum_up();
+    std::string relief_words() const;
+    void count_session();
+
+    // Pictures (window_picture.cpp).
+    void watch(const WatchedMoment* moment, Clock::time_point now);
+    bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
+    double pause_ms() const;
+    double frame_ms() const;
+    ViewCamera drawn_camera(const ScreenSize& size) const;
+    int vertex_step(const ViewCamera& camera);
+    Result<void> draw_what_is_there(const WatchedMoment* moment);
+    Result<void> draw_newest();
+    bool pointer_is_on_bar() const;
+    Result<void> draw(const WatchedMoment& moment);
+    PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
+    void note_picture(const PanelFacts& facts, Clock::time_point begin);
+    void note_frame(const WatchedMoment& moment, bool is_new);
+    Result<void> draw_opening();
+
+    // What a person does (window_input.cpp).
+    void take(const InputEvent& event);
+    void take_of_pointer(const InputEvent& event);
+    TouchInput::Ground ground_at(double x, double y);
+    void take_of_touch(const InputEvent& event);
+    void lift_touches();
+    void lift_after_sleep();
+    bool has_touch_screen() const;
+    bool clicks_for_full_screen(const InputEvent& event, bool is_of_panel);
+    void turn_full_screen();
+    bool bar_is_wanted() const;
+    void take(const WindowCommand& command);
+    void refuse_without_clip();
+    void take_of_time(const WindowCommand& command);
+    void play_or_pause();
+    void take_of_view(const WindowCommand& command);
+    void set_turning(bool on);
+    void take_of_fingers(const WindowCommand& command);
+    void take_of_window(const WindowCommand& command);
+    void set_overlay(const std::string& name);
+    bool leave_what_is_in_front();
+    void take_of_sound(const WindowCommand& command);
+    void take_of_measure(const WindowCommand& command);
+    void measure(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
+    void take_of_brush(const WindowCommand& command);
+    void take_of_hand(const WindowCommand& command);
+    void change_scale(double times);
+    void look_after_hand(const WatchedMoment* moment);
+    void power_hand_off();
+    void stop_force_at_once(InputEvent& event);
+    void lead_force();
+
+    // Clips and settings that come and go (window_clips.cpp).
+    bool waits_for_wish() const { return !clip_ && options_.session.clip.file.empty(); }
+    void ask_for_first_clip();
     Result<Ready> open_clip(ClipChoice choice, const TwoSettings& kept, const std::stop_token& given_up);
     Result<Ready> open_first(Playlist list, int by, ClipChoice choice, const TwoSettings& kept,
                              const std::stop_token& given_up);
     void ask_for_clip(const Playlist& list, int by, const ClipChoice& choice);
     void ask_for_named(std::vector<std::string> named);
     void ask_for_change(const WindowSettings& wanted);
-    bool waits_for_wish() const { return !clip_ && options_.session.clip.file.empty(); }
-    static bool needs_clip(WindowVerb verb);
-    void refuse_without_clip();
-    Result<void> go_on_without_clip(const Error& why);
-    Result<PlayFigures> end_without_clip(Result<void> ended);
     Result<void> go_on_opening();
-    void go_on_changing();
     Result<void> take_made(Result<Ready> made);
+    Result<void> go_on_without_clip(const Error& why);
+    void go_on_changing();
     Result<void> take(Ready& ready);
     Result<void> show(Ready& ready);
     bool note_failure();
     void tell_guesses();
-    std::string words_of_opening() const;
-    void reset();
-    void take_of_brush(const WindowCommand& command);
+    void open_others(std::vector<std::string> named);
+    void open_instead(Playlist list, int by);
+    void go_in_list(int by);
+    void go_on_in_list(const WatchedMoment* moment);
+    void tell_skipped(std::span<const Error> skipped);
+    void say_place_in_list();
+    /// In effect, or to be.
+    const WindowSettings& wanted_settings() const { return wanted_settings_ ? *wanted_settings_ : settings_; }
+    void feel(const WindowCommand& command);
     void heed_brush();
     void compare_with_before();
-    bool has_to_stay();
-    Result<void> finish_brush();
+    void reset();
+    static bool has_materials(const WindowSettings& settings);
+    static std::string in_words(const WindowSettings& settings);
+
+    // A kiosk, and a study in it (window_kiosk.cpp).
     Result<void> open_kiosk();
     std::string kiosk_letters() const;
     void tell_of_letters();
     Result<void> check_labels() const;
     void watch_over();
+    void begin_anew();
+    void begin_anew_at_end();
+    bool clip_repeats() const { return playlist_.size() < 2 || study_; }
+    void try_again();
+    void welcome(const InputEvent& event);
+    void show_how(const HeightField& field, const ViewCamera& camera);
     void look_for_labels(const WatchedMoment& moment);
+    static Overlay overlay_for_visitors(Overlay now);
     KioskFacts kiosk_facts(const PanelFacts& facts) const;
-    bool has_touch_screen() const;
     void put_in_kiosk_words(HandState& state) const;
     void log_visit(const std::optional<KioskWatch::Visit>& visit);
     void log_fault(const std::string& fault);
     void end_log(const Result<void>& ended);
-    void welcome(const InputEvent& event);
-    void show_how(const HeightField& field, const ViewCamera& camera);
-    void begin_anew();
-    void begin_anew_at_end();
-    void try_again();
-    bool clip_repeats() const { return playlist_.size() < 2 || study_; }  // in a kiosk
     Result<void> open_study();
     bool study_has_page() const;
     bool study_clip_is_there() const;
@@ -176,45 +268,9 @@ private:
     void take_of_study_hand();
     bool take_of_study(const InputEvent& event);
     void take_of_study(const WindowCommand& command);
-    bool pointer_is_on_bar() const;
     void hide_forces(std::vector<FingerMark>& marks, const HeightField& field) const;
-    StudyFacts study_facts() const;
     double study_strip(const ScreenSize& size) const;
-    void note_sound();
-    void note_slow_reading();
-    void note_files();
-    void note_screenshots();
-    KeptSettings to_keep() const;
-    Result<PlayFigures> end(Result<void> ended);
-    Result<void> write_settings() const;
-    void note_last_failure();
-    Result<void> finish_screenshots(bool is_kept, Result<void> kept);
-    Error interruption() const;
-    void say(std::string words, Tone tone = Tone::remark, About about = About::window);
-    /// What was refused, or went wrong.
-    void say(const Error& error);
-    void tell(const std::string& fault);
-    void say(const Result<void>& done);
-    void sum_up();
-    std::string relief_words() const;
-    void count_session();
-    double pause_ms() const;
-    double frame_ms() const;
-    void watch(const WatchedMoment* moment, Clock::time_point now);
-    bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
-    ViewCamera drawn_camera(const ScreenSize& size) const;
-    int vertex_step(const ViewCamera& camera);
-    Result<void> draw_opening();
-    Result<void> draw_what_is_there(const WatchedMoment* moment);
-    Result<void> draw(const WatchedMoment& moment);
-    PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
-    void note_picture(const PanelFacts& facts, Clock::time_point begin);
-    static double thread_cpu_ms();
-    void note_frame(const WatchedMoment& moment, bool is_new);
-    double now_s() const;
-    static double seconds_between(Clock::time_point from, Clock::time_point to) {
-        return std::chrono::duration<double>(to - from).count();
-    }
+    StudyFacts study_facts() const;
 
     PlayOptions options_;
     const Clock::time_point asked_for_;

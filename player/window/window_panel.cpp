@@ -4,43 +4,152 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
-#include "engine/base/number_words.hpp"
-#include "player/window/corner_panels.hpp"
-#include "player/window/empty_page.hpp"
-#include "player/window/help_page.hpp"
-#include "player/window/invitation.hpp"
-#include "player/window/kiosk_bar.hpp"
-#include "player/window/measure_panel.hpp"
-#include "player/window/panel_rows.hpp"
-#include "player/window/pixel_words.hpp"
+#include "engine/base/words.hpp"
+#include "player/window/panel_parts.hpp"
 
 namespace touchable {
 namespace {
 
 const ImVec4 bad_words(1.0F, 0.62F, 0.45F, 1);
 
+std::string clock_words(double seconds) {
+    const auto tenths = static_cast<long>(std::floor(std::max(seconds, 0.0) * 10 + 0.5));
+    return formatted("%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
+}
+
+/// How wide words are with any digits in the place of theirs.
+float wide_digits(std::string words) {
+    for (char& letter : words)
+        if (letter >= '0' && letter <= '9') letter = '0';
+    return ImGui::CalcTextSize(words.c_str()).x;
+}
+
+/// The least needed first, which is also the first to go where there is little room.
+enum class Need { colours, loop, speed, other_clip, settings, turn, measure, home, always };
+
+struct BarButton {
+    std::string words;  ///< with an identity behind ##
+    const char* what;   ///< for a person
+    Need need;
+    WindowCommand command;
+    bool is_lit = false;
+    ButtonSign sign = ButtonSign::none;
+    float width = 0;  ///< 0: as wide as its words
+
+    float wide(float side) const {
+        if (sign != ButtonSign::none) return side;
+        const float words_wide = ImGui::CalcTextSize(words.c_str(), nullptr, true).x;
+        return std::max({side, width, words_wide + 2 * ImGui::GetStyle().FramePadding.x});
+    }
+};
+
+/// Whether it is explained.
+bool draw_bar_button(const BarButton& button, float side, std::vector<WindowCommand>& asked) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec4* const colours = ImGui::GetStyle().Colors;
+    if (button.is_lit) ImGui::PushStyleColor(ImGuiCol_Text, colours[ImGuiCol_SliderGrab]);
+    if (ImGui::Button(button.words.c_str(), ImVec2(button.wide(side), side))) asked.push_back(button.command);
+    if (button.is_lit) ImGui::PopStyleColor();
+    draw_sign(button.sign, at, side, ImGui::GetColorU32(ImGuiCol_Text));
+    const bool is_explained = explain_button(button.what);
+    ImGui::SameLine();
+    return is_explained;
+}
+
+BarButton play_button(const PanelFacts& facts) {
+    const bool plays = facts.playing && !facts.at_end;
+    return {.words = "##play",
+            .what = "play, or pause (Space)",
+            .need = Need::always,
+            .command = {WindowVerb::play_pause},
+            .sign = plays ? ButtonSign::pause : ButtonSign::play};
+}
+
+/// Right of the seek bar.
+std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool panel_shown, bool help_shown) {
+    std::vector<BarButton> buttons{{.words = formatted("%g\xC3\x97##speed", facts.speed),
+                                    .what = "how fast the clip plays ([ ])",
+                                    .need = Need::speed,
+                                    .command = {WindowVerb::speed, facts.speed >= 4 ? 0.25 : facts.speed * 2},
+                                    .width = 46 * scale},
+                                   {.words = "loop",
+                                    .what = "again from the beginning at the end, or not (L)",
+                                    .need = Need::loop,
+                                    .command = {WindowVerb::loop},
+                                    .is_lit = facts.looping},
+                                   {.words = facts.overlay + "##overlay",
+                                    .what = "what the surface is coloured by (O)",
+                                    .need = Need::colours,
+                                    .command = {WindowVerb::overlay},
+                                    .width = 132 * scale}};
+    if (!facts.hand)  // there dragging always turns
+        buttons.push_back({.words = "turn",
+                           .what = "dragging turns the view, or presses again (V)",
+                           .need = Need::turn,
+                           .command = {WindowVerb::turning},
+                           .is_lit = facts.is_turning});
+    buttons.insert(buttons.end(), {{.words = "##home",
+                                    .what = "back to the clip's own view (Home)",
+                                    .need = Need::home,
+                                    .command = {WindowVerb::home},
+                                    .sign = ButtonSign::home},
+                                   {.words = "measure",
+                                    .what = "how far two places are apart: click both (T)",
+                                    .need = Need::measure,
+                                    .command = {WindowVerb::measure},
+                                    .is_lit = facts.measure.is_held},
+                                   {.words = "settings",
+                                    .what = "fingers, filters, colours, and how it goes (Tab)",
+                                    .need = Need::settings,
+                                    .command = {WindowVerb::panel},
+                                    .is_lit = panel_shown},
+                                   {.words = "?",
+                                    .what = "all keys",
+                                    .need = Need::always,
+                                    .command = {WindowVerb::help},
+                                    .is_lit = help_shown}});
+    return buttons;
+}
+
+/// Left of it, beside play.
+std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
+    if (facts.clips < 2) return {};
+    return {{.words = "##previous",
+             .what = "the clip before (PageUp)",
+             .need = Need::other_clip,
+             .command = {WindowVerb::previous},
+             .sign = ButtonSign::previous},
+            {.words = "##next",
+             .what = "the next clip (PageDown)",
+             .need = Need::other_clip,
+             .command = {WindowVerb::next},
+             .sign = ButtonSign::next}};
+}
+
+/// Where the clip is.
+struct TimeWords {
+    std::string words;
+    float width = 0;  ///< that it needs while the clip plays and while it rests, whatever the digits are
+};
+
+TimeWords time_words(const PanelFacts& facts, bool has_room) {
+    const std::string now = clock_words(facts.seconds);
+    if (!has_room) return {now, wide_digits(now)};
+    const std::string frame = now + " frame " + std::to_string(facts.frame),
+                      end = facts.clip_seconds > 0 ? now + " / " + clock_words(facts.clip_seconds) : now;
+    const bool plays = facts.playing && !facts.at_end;
+    return {plays ? end : frame, std::max(wide_digits(frame), wide_digits(end))};
+}
+
+float bar_width(const std::vector<BarButton>& buttons, float side) {
+    float wide = 0;
+    for (const BarButton& button : buttons) wide += button.wide(side) + ImGui::GetStyle().ItemSpacing.x;
+    return wide;
+}
+
 }  // namespace
-
-WindowPanel::Box WindowPanel::note_box() {
-    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-    return boxes_.emplace_back(Box{at.x, at.y, at.x + size.x, at.y + size.y});
-}
-
-/// Beside what is set in the panel; and at the end, where it is what goes on.
-bool WindowPanel::wants_bar(const PanelFacts& facts) const {
-    return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
-}
-
-bool WindowPanel::covers(double x, double y) const {
-    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
-}
-
-void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick_us) {
-    curves_.remember({facts.forces, frame_ms, tick_us, facts.late_ticks, facts.dropped_frames});
-}
 
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
@@ -87,45 +196,11 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (shown) draw_side(facts, w, h, asked);
 }
 
-/// What is written leaves the bar its place, shown or not: nothing moves when it comes and goes.
-void WindowPanel::draw_kiosk(const PanelFacts& facts, float width, float height,
-                             std::vector<WindowCommand>& asked) {
-    const KioskFacts& kiosk = *facts.kiosk;
-    const bool is_stopped = !facts.force_on && !facts.hand;
-    const KioskBar bar(facts, width, height, scale_);
-    const float above = kiosk.has_bar ? bar.top() : height;
-    const bool has_words = draw_kiosk_words(kiosk, is_stopped, width, height, above);
-    bar_box_ = kiosk.has_bar ? Box{bar.left(), bar.top(), bar.right(), bar.bottom()} : Box{};
-    if (kiosk.invited_s) return;
-    draw_force(facts, height, scale_);
-    constexpr float widest_scale = 330;
-    const float right = width - panel_margin * scale_;
-    const bool is_beside = !kiosk.has_bar || right - widest_scale * scale_ > bar.right();
-    if (kiosk.scale && !has_words)
-        draw_overlay_scale(*kiosk.scale, right, (is_beside ? height : above) - panel_margin * scale_, scale_);
-    if (!kiosk.has_bar && kiosk.is_turned) draw_turn_back(kiosk.texts.turn_back, width, asked);
-    if (!kiosk.has_bar || !bar_shown) return;
-    bar.draw(asked);
-    boxes_.push_back(bar_box_);
-}
-
-/// For visitors who have no keys, and participants of a study.
-void WindowPanel::draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked) {
-    const float m = panel_margin * scale_;
-    begin_box("turn back", {.x = width - m, .y = m, .pivot_x = 1});
-    note_box();
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(12 * scale_, 10 * scale_));
-    if (ImGui::Button((words + "##turn back").c_str())) asked.push_back({WindowVerb::home});
-    ImGui::PopStyleVar();
-    ImGui::End();
-}
-
 void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int height,
                                     std::vector<WindowCommand>& asked) {
-    const auto w = static_cast<float>(width);
+    const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     words_bottom_ = 0;
-    const auto h = static_cast<float>(height);
     if (facts.is_empty && !help_shown) draw_empty_page(w, h, scale_);
     draw_fault(facts, w, asked);
     draw_message(facts, w);
@@ -135,145 +210,18 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     ImGui::End();
 }
 
-void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    draw_label("fingers", scale);
-    const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
-    const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
-    if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
-    explain_row("How many fingers there are round the pointer.");
-    draw_label("depth, mm", scale);
-    auto depth = static_cast<float>(facts.pressed_mm);
-    const std::string depth_words = pressed_in_words(facts.pressed_mm);
-    if (draw_slider("##depth", depth, -6, 12, depth_words, scale))
-        asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
-    explain_row(
-        "How deep a finger is meant to be in the surface, or how far above it, millimetres of the hand. So "
-        "does the wheel.");
+bool WindowPanel::covers(double x, double y) const {
+    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
 }
 
-void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
-    draw_label("device", scale);
-    ImGui::TextUnformatted(hand.device.c_str());
-    explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
-    draw_label("forces", scale);
-    ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
-                           : hand.state.mood == HandState::Mood::off ? "off"
-                                                                     : "off: it is away");
-    explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
-    draw_label("position", scale);
-    if (std::isfinite(hand.age_s))
-        ImGui::Text("%.1f ms old", 1000 * hand.age_s);
-    else
-        ImGui::TextUnformatted("none");
-    explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
-    draw_label("scale", scale);
-    ImGui::Text("1 m is %.3g m", hand.scene_per_metre);
-    explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
+WindowPanel::Box WindowPanel::note_box() {
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    return boxes_.emplace_back(Box{at.x, at.y, at.x + size.x, at.y + size.y});
 }
 
-/// For whoever has neither a middle button nor keys.
-void WindowPanel::draw_view(float scale, std::vector<WindowCommand>& asked) {
-    draw_label("view", scale);
-    const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
-    ImGui::PushButtonRepeat(true);
-    if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
-    ImGui::SameLine(0, gap);
-    if (ImGui::ArrowButton("##right", ImGuiDir_Right)) asked.push_back({WindowVerb::turn, 5});
-    ImGui::SameLine(0, gap);
-    if (ImGui::ArrowButton("##up", ImGuiDir_Up)) asked.push_back({WindowVerb::tilt, 5});
-    ImGui::SameLine(0, gap);
-    if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
-    ImGui::SameLine(0, gap);
-    if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
-    ImGui::SameLine(0, gap);
-    if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
-    ImGui::PopButtonRepeat();
-    explain_row(
-        "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
-}
-
-/// What the finger and the clip do now.
-void WindowPanel::draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    if (facts.hand)
-        draw_hand(*facts.hand, scale);
-    else
-        draw_pointer(facts, scale, asked);
-    draw_label("speed", scale);
-    auto speed = static_cast<float>(facts.speed);
-    if (draw_slider("##rate", speed, 0.1F, 4, formatted("%.2f\xC3\x97", facts.speed), scale,
-                    ImGuiSliderFlags_Logarithmic))
-        asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
-    explain_row("How fast the clip plays. Fingers keep their own time.");
-    draw_label("volume", scale);
-    auto volume = static_cast<float>(facts.volume);
-    if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
-        asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
-    explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
-    draw_label("colours", scale);
-    if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
-        asked.push_back({WindowVerb::overlay});
-    explain_row("What the surface is coloured by. A click, or O: the next.");
-    draw_label("dents", scale);
-    const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
-    if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
-    explain_row(
-        "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "
-        "force.");
-    draw_view(scale, asked);
-    draw_measure(facts.measure, scale, asked);
-    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
-        asked.push_back({WindowVerb::force});
-    ImGui::SameLine();
-    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
-}
-
-/// The clip's name, as far as there is room, and what forgets all settings.
-void WindowPanel::draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    const ImGuiStyle& style = ImGui::GetStyle();
-    const float reset_width = 56 * scale, room = ImGui::GetContentRegionAvail().x - reset_width;
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    ImGui::PushClipRect(at, ImVec2(at.x + room - style.ItemSpacing.x, at.y + ImGui::GetFrameHeight()), true);
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(facts.clip.c_str());
-    ImGui::PopClipRect();
-    ImGui::SameLine(style.WindowPadding.x + room);
-    if (ImGui::Button("reset", ImVec2(-1, 0))) asked.push_back({WindowVerb::reset});
-}
-
-void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
-                            std::vector<WindowCommand>& asked) {
-    const bool roomy = is_roomy(width), tall = height > 600 * scale_;
-    const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
-    ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
-    ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
-    // The picture behind it is what the settings are about.
-    if (!roomy) ImGui::SetNextWindowBgAlpha(0.7F);
-    // What does not fit is scrolled to.
-    ImGui::Begin("panel", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-    note_box();
-    ImGui::SetWindowFontScale(scale / scale_);
-    const ImGuiStyle& style = ImGui::GetStyle();
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale));
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
-    draw_title(facts, scale, asked);
-    draw_finger(facts, scale, asked);
-    // Whoever takes a tool wants to see what else there is.
-    const bool is_held = facts.brush.tool != BrushTool::touch;
-    if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
-    if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
-    if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
-    if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
-    if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);
-    if (draw_fold("How it goes", tall)) {
-        curves_.draw(facts.limit_newtons, scale);
-        for (const std::string& line : facts.figures) draw_remark(line);
-    }
-    ImGui::PopStyleVar(2);
-    ImGui::End();
+/// Beside what is set in the panel; and at the end, where it is what goes on.
+bool WindowPanel::wants_bar(const PanelFacts& facts) const {
+    return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
@@ -338,8 +286,65 @@ void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     ImGui::End();
 }
 
-float WindowPanel::side_width(float width) const {
-    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float scale, bool panel_shown,
+                       bool help_shown, std::vector<WindowCommand>& asked) {
+    const float m = panel_margin * scale, side = 30 * scale, least_seek = 90 * scale;
+    begin_box(
+        "playback",
+        {.x = m, .y = height - m, .pivot_y = 1, .width = width - 2 * m, .height = panel_bar_height * scale});
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(8 * scale, (side - ImGui::GetFontSize()) / 2));
+    const TimeWords time = time_words(facts, width > 420 * scale);
+    std::vector<BarButton> left = buttons_of_list(facts),
+                           right = buttons_of(facts, scale, panel_shown, help_shown);
+    const auto room = [&] {
+        const float gap = ImGui::GetStyle().ItemSpacing.x;
+        return ImGui::GetContentRegionAvail().x - bar_width(left, side) - bar_width(right, side) -
+               (side + gap) - (time.width + gap);
+    };
+    for (Need need = Need::colours; need != Need::always && room() < least_seek;
+         need = static_cast<Need>(static_cast<int>(need) + 1))
+        for (auto* const buttons : {&left, &right})
+            std::erase_if(*buttons, [need](const BarButton& button) { return button.need == need; });
+    const float seek = room();
+    explains_ = false;
+    const auto draw_one = [&](const BarButton& button) {
+        explains_ = draw_bar_button(button, side, asked) || explains_;
+    };
+    if (!left.empty()) draw_one(left.front());
+    draw_one(play_button(facts));
+    if (!left.empty()) draw_one(left.back());
+    ImGui::AlignTextToFramePadding();
+    const float time_left = ImGui::GetCursorPosX();
+    ImGui::TextUnformatted(time.words.c_str());
+    ImGui::SameLine(time_left + time.width + ImGui::GetStyle().ItemSpacing.x);
+    draw_seek(facts, scale, seek, asked);
+    ImGui::SameLine();
+    for (const BarButton& button : right) draw_one(button);
+    ImGui::PopStyleVar();
+}
+
+/// The bar of time, with a mark where the picture's depth changes all at once.
+void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
+                            std::vector<WindowCommand>& asked) {
+    const float wide = std::max(60 * scale, room);
+    ImGui::SetNextItemWidth(wide);
+    const ImVec2 at_left = ImGui::GetCursorScreenPos();
+    float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
+    // At the last frame the handle is at the end; a still has no other.
+    const auto end = static_cast<float>(std::max(facts.last_seconds, 0.001));
+    if (!dragging_ && facts.at_end) at = end;
+    if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
+        dragged_seconds_ = at;
+        asked.push_back({WindowVerb::seek_to, static_cast<double>(std::clamp(at, 0.0F, end))});
+    }
+    dragging_ = ImGui::IsItemActive();
+    const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
+    for (const double cut : facts.cuts) {
+        if (cut > end) continue;  // of what has no end
+        const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;
+        ImGui::GetWindowDrawList()->AddLine(ImVec2(x, at_left.y + tall * 0.68F), ImVec2(x, at_left.y + tall),
+                                            IM_COL32(255, 200, 110, 230), 2 * scale);
+    }
 }
 
 }  // namespace touchable

@@ -1,15 +1,86 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "player/window/curves_panel.hpp"
-#include "player/window/panel_contents.hpp"
-#include "player/window/playback_bar.hpp"
-#include "player/window/settings_panel.hpp"
+#include "player/window/panel_facts.hpp"
+#include "player/window/pointer.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
+
+/// The last values of something that is drawn as a curve.
+class Curve {
+public:
+    static constexpr std::size_t most = 240;  // values
+    void add(double value) {
+        values_[next_] = static_cast<float>(value);
+        next_ = (next_ + 1) % most;
+    }
+    /// The k-th, oldest first.
+    float operator[](std::size_t k) const { return values_[(next_ + k) % most]; }
+    float newest() const { return values_[(next_ + most - 1) % most]; }
+    float greatest() const;
+
+private:
+    std::array<float, most> values_{};
+    std::size_t next_ = 0;
+};
+
+/// Curves over the last pictures: each finger's force, the time that a picture and a tick take, and ticks and
+/// frames that came too late.
+class CurvesPanel {
+public:
+    /// Once a picture, whether it is drawn or not.
+    void remember(const PanelFacts& facts, double picture_ms, double tick_us);
+    /// Where Dear ImGui's cursor is. `most_newtons`: of the highest force; `scale` as in ScreenSize.
+    void draw(double most_newtons, float scale);
+
+private:
+    std::array<Curve, PointerFingers::most> forces_;
+    Curve picture_ms_, tick_us_, late_ticks_, dropped_frames_;
+    std::int64_t all_late_ = 0, all_dropped_ = 0;
+};
+
+/// The bar below: play, time, seek, and a button for whatever somebody without keys looks for. Of those there
+/// are as many as leave the seek bar some width; the most needed stay longest.
+class PlaybackBar {
+public:
+    /// `scale` as in ScreenSize. Between begin_box and ImGui::End. `panel_shown`, `help_shown`: whether they
+    /// are, for their buttons.
+    void draw(const PanelFacts& facts, float width, float height, float scale, bool panel_shown,
+              bool help_shown, std::vector<WindowCommand>& asked);
+
+    /// Whether a button is explained, above the bar.
+    bool explains() const { return explains_; }
+
+private:
+    void draw_seek(const PanelFacts& facts, float scale, float room, std::vector<WindowCommand>& asked);
+
+    float dragged_seconds_ = 0;
+    bool dragging_ = false, explains_ = false;
+};
+
+/// The panel's parts for the settings of what is felt, a row each, where Dear ImGui's cursor is. `scale` as
+/// in panel_parts.hpp.
+class SettingsPanel {
+public:
+    void draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
+
+private:
+    void draw_row(const SessionSetting& setting, const SettingsFacts& facts,
+                  std::vector<WindowCommand>& asked);
+    void draw_number(const SessionSetting& setting, const SettingsFacts& facts,
+                     std::vector<WindowCommand>& asked);
+
+    float scale_ = 1;
+    std::string held_;   // the slider that somebody holds
+    float dragged_ = 0;  // what it says
+};
 
 /// Dear ImGui's part of the window. What a person asks of it comes out as commands.
 class WindowPanel {
@@ -29,20 +100,17 @@ public:
     /// Whether the bar is, or would be, there.
     bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
     /// Once a picture, whether it is drawn or not.
-    void remember(const PanelFacts& facts, double frame_ms, double tick_us);
+    void remember(const PanelFacts& facts, double picture_ms, double tick_us) {
+        curves_.remember(facts, picture_ms, tick_us);
+    }
 
 private:
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
-    void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
-    static void draw_view(float scale, std::vector<WindowCommand>& asked);
-    void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_kiosk(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
     void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);
-    void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
-    void draw_hand(const HandFacts& hand, float scale);
     /// Between what the panel and the forces leave free of the width.
     struct Free {
         float from, to;

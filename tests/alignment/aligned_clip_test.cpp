@@ -1,5 +1,5 @@
 // Depth that was guessed picture by picture gets one scale, and what truly moves goes on moving.
-#include "engine/clip/aligned_clip.hpp"
+#include "engine/clip/readers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <ctime>
 #include <iostream>
 
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/clip/shot_alignment.hpp"
-#include "engine/picture/png_bytes.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 #include "tests/sanitizers.hpp"
 

@@ -1,5 +1,5 @@
 // The line on which most points lie.
-#include "engine/clip/line_fit.hpp"
+#include "engine/clip/shot_alignment.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -7,9 +7,9 @@
 #include <functional>
 #include <iostream>
 
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/background/still_scene.hpp"
 #include "tests/real_data.hpp"
 

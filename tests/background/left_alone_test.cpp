@@ -3,9 +3,8 @@
 
 #include <stop_token>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "engine/clip/reader_around.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "tests/background/still_scene.hpp"
 #include "tests/real_data.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/authoring/filled_clip.hpp"
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 
 namespace touchable::test {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/content/random.hpp"
-#include "engine/scene/raw_frame.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 namespace {

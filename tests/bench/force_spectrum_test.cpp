@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 namespace {

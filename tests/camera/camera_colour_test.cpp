@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "engine/camera/v4l2_camera.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

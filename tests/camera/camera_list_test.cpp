@@ -1,5 +1,5 @@
 // What `touchable cameras` tells a person.
-#include "engine/camera/camera_list.hpp"
+#include "engine/camera/camera.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/camera/video_system.hpp"
+#include "engine/camera/v4l2_stream.hpp"
 
 namespace touchable::test {
 

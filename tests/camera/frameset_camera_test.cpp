@@ -14,7 +14,7 @@
 #include <future>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/camera/live_bytes.hpp"
 #include "tests/camera/frameset_bytes.hpp"
 #include "tests/temporary_folder.hpp"

@@ -1,5 +1,5 @@
 // Framesets found in bytes that are whole, cut, damaged, or none.
-#include "engine/camera/frameset_format.hpp"
+#include "engine/camera/frameset_camera.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/clip/sender_clock.hpp"
+#include "engine/clip/readers.hpp"
 #include "tests/camera/frameset_bytes.hpp"
 
 namespace touchable::test {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "engine/camera/node_facts.hpp"
 #include "engine/camera/v4l2_stream.hpp"
 
 namespace touchable::test {

@@ -1,5 +1,5 @@
 // A camera that stays open from run to run.
-#include "engine/camera/shared_camera.hpp"
+#include "engine/camera/camera.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "engine/clip/camera_run.hpp"
+#include "engine/clip/readers.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

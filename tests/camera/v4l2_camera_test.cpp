@@ -1,7 +1,7 @@
 // A camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline, and none has
 // met a camera.
 #include "engine/camera/v4l2_camera.hpp"
-#include "engine/camera/node_facts.hpp"
+#include "engine/camera/v4l2_stream.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>

@@ -9,11 +9,11 @@
 
 #include "capi/frames.hpp"
 #include "capi/touchable.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/surface/filter_choice.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "tests/capi/hill.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -12,7 +12,6 @@
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/surface_timeline.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "haptics_cpu/force_hash.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/capi/hill.hpp"
 #include "tests/frame/allocations.hpp"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -1,9 +1,9 @@
 // A part of a clip as a clip.
-#include "engine/clip/clip_part.hpp"
+#include "engine/clip/readers.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -64,7 +64,7 @@ TEST_F(PartOfAClip, HasEachNthFrameFromOneToAnother) {
 }
 
 TEST_F(PartOfAClip, KeepsEveryVertexWhereItWasWhenCropped) {
-    const PixelBox box{5, 3, 11, 9};
+    const CropBox box{5, 3, 11, 9};
     auto whole = open_clip(folder_ / "clip.mkv");
     auto reader = open({0, std::nullopt, 1, box});
     ASSERT_EQ(message(reader), "");
@@ -91,9 +91,9 @@ TEST_F(PartOfAClip, KeepsEveryVertexWhereItWasWhenCropped) {
 TEST_F(PartOfAClip, IsRefusedWhereTheClipHasNoSuchFrameOrPixel) {
     for (const ClipPart& part :
          {ClipPart{10}, ClipPart{0, 10}, ClipPart{3, 2}, ClipPart{-1}, ClipPart{0, std::nullopt, 0},
-          ClipPart{0, std::nullopt, 1, PixelBox{20, 0, 5, 5}},
-          ClipPart{0, std::nullopt, 1, PixelBox{0, 0, 0, 5}},
-          ClipPart{0, std::nullopt, 1, PixelBox{0, 14, 5, 5}}}) {
+          ClipPart{0, std::nullopt, 1, CropBox{20, 0, 5, 5}},
+          ClipPart{0, std::nullopt, 1, CropBox{0, 0, 0, 5}},
+          ClipPart{0, std::nullopt, 1, CropBox{0, 14, 5, 5}}}) {
         const auto refused = open(part);
         ASSERT_FALSE(refused.ok());
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);

@@ -1,4 +1,4 @@
-#include "engine/clip/far_plane.hpp"
+#include "engine/clip/readers.hpp"
 
 #include <gtest/gtest.h>
 

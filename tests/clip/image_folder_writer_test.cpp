@@ -1,11 +1,11 @@
 // Clips as folders of pictures.
-#include "engine/formats/image_folder_writer.hpp"
+#include "engine/formats/formats_written.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

@@ -1,5 +1,5 @@
 // A recording that behaves like a camera. No test depends on a deadline.
-#include "engine/clip/replay_camera.hpp"
+#include "engine/clip/readers.hpp"
 
 #include <chrono>
 #include <thread>

@@ -1,11 +1,9 @@
 // Pictures at another size: what is touched is never mixed, and stays where it was.
-#include "engine/clip/resized_frame.hpp"
+#include "engine/clip/clip.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "engine/clip/plane_role.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

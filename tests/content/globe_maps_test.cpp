@@ -6,9 +6,8 @@
 #include <limits>
 #include <map>
 
-#include "engine/content/cube_grid.hpp"
-#include "engine/content/random.hpp"
-#include "engine/content/valley_floor.hpp"
+#include "engine/content/mapped_ground.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
 

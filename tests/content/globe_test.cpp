@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/content/presets.hpp"
+#include "engine/content/families.hpp"
 #include "tests/content/made.hpp"
 
 namespace touchable {

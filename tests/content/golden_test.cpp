@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/byte_hash.hpp"
-#include "engine/content/strokes.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/height_fields.hpp"
 #include "tests/content/made.hpp"
 
 // Generated scenes and strokes are the same bits on every compiler, optimisation level and machine: these

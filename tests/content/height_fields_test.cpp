@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "engine/content/strokes.hpp"
 #include "tests/content/made.hpp"
 
 namespace touchable {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string_view>
 
-#include "engine/content/random.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 

@@ -3,12 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "engine/base/byte_hash.hpp"
-#include "engine/base/trigonometry.hpp"
-#include "engine/content/cube_pyramid.hpp"
-#include "engine/content/displaced_sphere.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
-#include "engine/content/presets.hpp"
 #include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
 

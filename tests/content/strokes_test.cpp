@@ -1,4 +1,4 @@
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "device/device_watch.hpp"
-#include "device/held_handle.hpp"
+#include "device/device_catalog.hpp"
+#include "device/point_motion.hpp"
 
 namespace touchable::test {
 

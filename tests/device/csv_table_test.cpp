@@ -1,4 +1,4 @@
-#include "device/csv_table.hpp"
+#include "device/hand.hpp"
 
 #include <gtest/gtest.h>
 

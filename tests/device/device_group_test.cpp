@@ -1,4 +1,4 @@
-#include "device/device_group.hpp"
+#include "device/haptic_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "device/device_list.hpp"
+#include "device/device_catalog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,6 @@
 #include <regex>
 #include <set>
 #include <string>
-
-#include "device/device_catalog.hpp"
 #include "device/known_devices.hpp"
 #include "device/udev_rules.hpp"
 #include "tests/temporary_folder.hpp"

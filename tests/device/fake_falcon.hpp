@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/usb_port.hpp"
+#include "device/falcon_device.hpp"
 
 namespace touchable::test {
 

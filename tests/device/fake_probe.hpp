@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-#include "device/surface_probe.hpp"
+#include "device/hand.hpp"
 
 namespace touchable {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/report_transport.hpp"
+#include "device/hid_transport.hpp"
 
 namespace touchable {
 

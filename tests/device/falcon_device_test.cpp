@@ -7,7 +7,6 @@
 #include <string>
 
 #include "device/falcon_device.hpp"
-#include "device/libusb_port.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

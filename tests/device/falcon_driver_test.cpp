@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "device/driven_device.hpp"
-#include "device/falcon_driver.hpp"
+#include "device/falcon_device.hpp"
 #include "tests/device/fake_falcon.hpp"
 
 namespace touchable::test {

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "device/falcon_kinematics.hpp"
+#include "device/falcon_device.hpp"
 
 namespace touchable::test {
 namespace {

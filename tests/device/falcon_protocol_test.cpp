@@ -5,8 +5,7 @@
 #include <random>
 #include <string>
 
-#include "device/falcon_protocol.hpp"
-#include "device/ftdi_transport.hpp"
+#include "device/falcon_device.hpp"
 
 namespace touchable::test {
 namespace {

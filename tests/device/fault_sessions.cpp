@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "device/driven_device.hpp"
-#include "device/hand_control.hpp"
-#include "device/steady_time.hpp"
+#include "device/hand.hpp"
+#include "device/haptic_device.hpp"
 #include "tests/sanitizers.hpp"
 #include "tests/sweep.hpp"
 

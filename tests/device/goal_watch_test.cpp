@@ -1,4 +1,4 @@
-#include "device/goal_watch.hpp"
+#include "device/hand.hpp"
 
 #include <gtest/gtest.h>
 

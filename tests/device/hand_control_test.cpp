@@ -1,4 +1,4 @@
-#include "device/hand_control.hpp"
+#include "device/hand.hpp"
 
 #include <gtest/gtest.h>
 

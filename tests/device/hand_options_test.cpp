@@ -3,7 +3,6 @@
 #include <array>
 
 #include "device/hand.hpp"
-#include "device/hand_options.hpp"
 #include "tests/device/fake_probe.hpp"
 
 namespace touchable {

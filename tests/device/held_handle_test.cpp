@@ -1,4 +1,4 @@
-#include "device/held_handle.hpp"
+#include "device/point_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,8 @@
-#include "device/hid_node.hpp"
+#include "device/hid_transport.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
-
-#include "device/hid_transport.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/temporary_folder.hpp"
 

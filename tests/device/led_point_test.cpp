@@ -1,11 +1,11 @@
-#include "device/led_point.hpp"
+#include "device/point_motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

@@ -1,6 +1,6 @@
 // What a gliding finger takes its ground for, by the limits of docs/hands.md ("Cliffs, holes and rough
 // ground"), on surfaces whose steps, slopes and bends are given.
-#include "device/local_relief.hpp"
+#include "device/hand_parts.hpp"
 
 #include <gtest/gtest.h>
 

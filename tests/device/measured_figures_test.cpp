@@ -1,11 +1,9 @@
 // Figures of moments and places, worked out by hand.
-#include "device/measured_figures.hpp"
+#include "device/device_measure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "device/drive_times.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,5 +1,5 @@
 // A network hand over real sockets of this machine.
-#include "device/network_driver.hpp"
+#include "device/network_device.hpp"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,6 @@
 #include <chrono>
 #include <memory>
 #include <vector>
-
-#include "device/network_device.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

@@ -10,8 +10,8 @@
 #include <deque>
 
 #include "device/driven_device.hpp"
-#include "device/held_handle.hpp"
-#include "device/network_driver.hpp"
+#include "device/network_device.hpp"
+#include "device/point_motion.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

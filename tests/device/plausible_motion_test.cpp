@@ -1,4 +1,4 @@
-#include "device/plausible_motion.hpp"
+#include "device/point_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-#include "device/pointer_device.hpp"
+#include "device/haptic_device.hpp"
+#include "device/point_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "device/pointer_device.hpp"
+#include "device/haptic_device.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "device/principal_axes.hpp"
+#include "device/hand_parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "device/recorded_motion.hpp"
+#include "device/hand_parts.hpp"
 #include "tests/device/hand_path.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/real_data.hpp"

@@ -1,4 +1,4 @@
-#include "device/simulated_device.hpp"
+#include "device/haptic_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,6 @@
 
 #include "device/driven_device.hpp"
 #include "device/spacemouse_device.hpp"
-#include "device/spacemouse_driver.hpp"
-#include "device/spacemouse_motion.hpp"
-#include "device/spacemouse_protocol.hpp"
 #include "tests/device/fake_reports.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "device/surface_search.hpp"
+#include "device/hand_parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(NearestSurface, PrefersTheClosestOfARing) {
 
 TEST(MiddleOf, IsCentredAndScaled) {
     const FakeProbe probe = flat_view();
-    const PixelBox whole = middle_of(probe, 1), half = middle_of(probe, 0.5);
+    const HandArea whole = middle_of(probe, 1), half = middle_of(probe, 0.5);
     EXPECT_EQ(whole.least, glm::dvec2(0, 0));
     EXPECT_EQ(whole.greatest, glm::dvec2(639, 479));
     EXPECT_EQ(half.least, glm::dvec2(159.75, 119.75));

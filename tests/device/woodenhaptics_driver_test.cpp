@@ -1,4 +1,4 @@
-#include "device/woodenhaptics_driver.hpp"
+#include "device/woodenhaptics_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,9 +12,6 @@
 #include <string>
 
 #include "device/woodenhaptics_device.hpp"
-#include "device/woodenhaptics_kinematics.hpp"
-#include "device/woodenhaptics_parameters.hpp"
-#include "device/woodenhaptics_protocol.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_build.hpp"

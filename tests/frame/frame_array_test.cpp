@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/scene/frame_array.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable::test {
 namespace {

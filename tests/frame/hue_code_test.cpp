@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/scene/surface_frame.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable::test {
 

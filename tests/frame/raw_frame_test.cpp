@@ -1,4 +1,4 @@
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/scene/vertex_source.hpp"
+#include "engine/scene/frames.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,6 @@
 #include <limits>
 #include <string>
 #include <vector>
-
-#include "engine/scene/surface_frame.hpp"
 #include "tests/frame/random.hpp"
 
 namespace touchable {

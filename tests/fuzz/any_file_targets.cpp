@@ -1,5 +1,5 @@
 // What a person gives the program: any file.
-#include "engine/formats/guessed_video.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

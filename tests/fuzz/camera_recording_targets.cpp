@@ -1,11 +1,10 @@
 // Recordings of cameras in files of their own makers.
 #include <cmath>
 
-#include "engine/clip/frame_times_text.hpp"
-#include "engine/formats/azure_kinect_calibration.hpp"
-#include "engine/formats/bag_clip.hpp"
+#include "engine/clip/containers.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/formats/rvl.hpp"
+#include "engine/formats/ros_messages.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/camera/colour_converter.hpp"
-#include "engine/formats/colour_registration.hpp"
-#include "engine/formats/frame_cameras.hpp"
+#include "engine/camera/v4l2_camera.hpp"
+#include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/pinhole_frames.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

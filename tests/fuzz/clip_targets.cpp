@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/clip/block_addition.hpp"
-#include "engine/clip/clip_file_reader.hpp"
-#include "engine/clip/clip_tags.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/picture/container_checks.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/matroska_check.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

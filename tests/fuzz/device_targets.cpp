@@ -2,9 +2,9 @@
 #include <cmath>
 #include <span>
 
-#include "device/device_log.hpp"
-#include "device/inverse3_protocol.hpp"
-#include "device/network_packet.hpp"
+#include "device/inverse3_device.hpp"
+#include "device/network_device.hpp"
+#include "device/recorded_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

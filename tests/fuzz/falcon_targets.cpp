@@ -7,9 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "device/falcon_kinematics.hpp"
-#include "device/falcon_loader.hpp"
-#include "device/falcon_protocol.hpp"
+#include "device/falcon_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/camera/frameset_format.hpp"
+#include "engine/camera/frameset_camera.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

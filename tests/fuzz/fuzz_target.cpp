@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/base/printable.hpp"
+#include "engine/base/words.hpp"
 #include "tests/fuzz/live_memory.hpp"
 
 namespace touchable::fuzz {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/clip_reader.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable::fuzz {
 

@@ -1,9 +1,8 @@
 // Hands: their words, and the tables that they repeat.
 #include <cmath>
 
-#include "device/csv_table.hpp"
 #include "device/hand.hpp"
-#include "device/recorded_motion.hpp"
+#include "device/hand_parts.hpp"
 #include "player/run/force_table.hpp"
 #include "tests/device/fake_probe.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "engine/formats/heic_image.hpp"
-#include "engine/formats/heif_depth_meaning.hpp"
-#include "engine/formats/heif_properties.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

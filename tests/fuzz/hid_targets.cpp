@@ -3,10 +3,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "device/hid_node.hpp"
-#include "device/spacemouse_protocol.hpp"
-#include "device/woodenhaptics_kinematics.hpp"
-#include "device/woodenhaptics_protocol.hpp"
+#include "device/hid_transport.hpp"
+#include "device/spacemouse_device.hpp"
+#include "device/woodenhaptics_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

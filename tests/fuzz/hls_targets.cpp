@@ -4,10 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "engine/stream/hls_input.hpp"
-#include "engine/stream/hls_playlist.hpp"
-#include "engine/stream/labelled_decoder.hpp"
-#include "engine/stream/picture_message.hpp"
+#include "engine/stream/hls.hpp"
+#include "engine/stream/labelled_codec.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

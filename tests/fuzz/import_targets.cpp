@@ -3,10 +3,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/formats/camera_file.hpp"
-#include "engine/formats/depthkit_clip.hpp"
-#include "engine/formats/depthkit_metadata.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
+#include "engine/formats/source_description.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

@@ -1,12 +1,9 @@
 // What stands in a JPEG beside its picture: segments, EXIF, XMP, a depth map.
 #include <cmath>
 
-#include "engine/formats/dynamic_depth.hpp"
-#include "engine/formats/exif.hpp"
+#include "engine/formats/depth_photo.hpp"
 #include "engine/formats/jpeg_depth.hpp"
-#include "engine/formats/jpeg_segments.hpp"
-#include "engine/formats/xmp.hpp"
-#include "engine/picture/base64.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 

@@ -7,10 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "player/window/kiosk_texts.hpp"
-#include "player/window/plain_line.hpp"
-#include "player/window/study_screen.hpp"
-#include "player/window/touch_labels.hpp"
+#include "player/window/kiosk.hpp"
+#include "player/window/study.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

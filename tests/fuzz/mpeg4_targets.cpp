@@ -2,12 +2,11 @@
 // plain and in fragments.
 #include <algorithm>
 
-#include "engine/clip/clip_file_reader.hpp"
-#include "engine/formats/mp4_stills.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/mpeg4/bifs.hpp"
+#include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
-#include "engine/mpeg4/scene_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

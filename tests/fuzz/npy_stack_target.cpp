@@ -1,4 +1,4 @@
-#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/numpy.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

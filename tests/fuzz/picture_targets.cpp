@@ -3,11 +3,9 @@
 #include <array>
 #include <cstdint>
 
-#include "engine/picture/coded_image.hpp"
-#include "engine/picture/exr_image.hpp"
-#include "engine/picture/netpbm_image.hpp"
-#include "engine/picture/npy_stack.hpp"
-#include "engine/picture/tiff_image.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/number_pictures.hpp"
+#include "engine/picture/numpy.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -3,7 +3,7 @@
 #include <glm/matrix.hpp>
 #include <string>
 
-#include "player/commands/device_options.hpp"
+#include "player/commands/run_options.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,8 +1,8 @@
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "player/run/recording.hpp"
 #include "player/run/surface_feed.hpp"
-#include "player/session/playback_script.hpp"
-#include "player/session/recorded_facts.hpp"
+#include "player/session/replay.hpp"
+#include "player/session/touch_setup.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/sound_track.hpp"
-#include "engine/picture/stored_sound.hpp"
+#include "engine/picture/sound.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/stream/stream_clip.hpp"
+#include "engine/stream/receiving.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

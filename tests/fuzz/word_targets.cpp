@@ -1,15 +1,13 @@
 // Words of a person: options, scripts of the window and its settings, and text as messages quote it.
 #include <cmath>
 
-#include "engine/base/printable.hpp"
-#include "player/commands/camera_options.hpp"
-#include "player/commands/filters_option.hpp"
-#include "player/commands/temporal_option.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/draw/view_camera.hpp"
-#include "player/session/camera_words.hpp"
-#include "player/window/kept_settings.hpp"
-#include "player/window/window_script.hpp"
+#include "engine/base/words.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/draw/view.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/user_files.hpp"
+#include "player/window/window_command.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

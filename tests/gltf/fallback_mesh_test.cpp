@@ -1,5 +1,5 @@
 // The still surface that programs show which know no depth video.
-#include "engine/formats/fallback_mesh.hpp"
+#include "engine/formats/gltf_writer.hpp"
 
 #include <cmath>
 

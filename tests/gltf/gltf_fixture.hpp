@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/formats/gltf_clip_writer.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/gpu/gpu_facts.hpp"
+#include "engine/gpu/gpu_device.hpp"
 
 namespace touchable::test {
 namespace {

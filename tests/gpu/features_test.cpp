@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/gpu/gpu_features.hpp"
+#include "engine/gpu/gpu_device.hpp"
 
 namespace touchable::test {
 namespace {

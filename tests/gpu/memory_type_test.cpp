@@ -1,4 +1,4 @@
-#include "engine/gpu/memory_type.hpp"
+#include "engine/gpu/gpu_commands.hpp"
 
 #include <gtest/gtest.h>
 

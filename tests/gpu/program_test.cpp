@@ -1,4 +1,4 @@
-#include "engine/gpu/gpu_program.hpp"
+#include "engine/gpu/gpu_commands.hpp"
 
 #include <functional>
 #include <vector>

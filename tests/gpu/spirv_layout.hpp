@@ -8,7 +8,7 @@
 #include <string>
 
 #include "engine/base/result.hpp"
-#include "engine/gpu/gpu_program.hpp"
+#include "engine/gpu/gpu_commands.hpp"
 
 namespace touchable {
 

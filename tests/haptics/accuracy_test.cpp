@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {

@@ -5,8 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics_cpu/surface_lattice.hpp"
-#include "haptics_cpu/world_space.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "haptics_cpu/finger_guard.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

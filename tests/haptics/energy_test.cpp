@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "engine/content/strokes.hpp"
-#include "haptics_cpu/energy_account.hpp"
+#include "engine/content/height_fields.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptics_cpu/surface_lattice.hpp"
-#include "haptics_cpu/world_space.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"
@@ -17,8 +16,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// One frame of drawn codes, and a finger. Also of planes that a scene may not have: who links the solver need
-/// not ask.
+/// One frame of drawn codes, and a finger. Also of planes that a scene may not have: who links the solver
+/// need not ask.
 class CodedScene {
 public:
     CodedScene(const Scene& made, stress::DrawnPlanes planes) : scene(made) {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/base/trigonometry.hpp"
-#include "engine/content/random.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/force_guard.hpp"
-#include "haptics_cpu/force_hash.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

@@ -4,8 +4,8 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "engine/base/trigonometry.hpp"
-#include "engine/content/presets.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/content/families.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"

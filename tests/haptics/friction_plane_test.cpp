@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"
 

@@ -7,9 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "haptics_cpu/finger_guard.hpp"
-#include "haptics_cpu/surface_lattice.hpp"
-#include "haptics_cpu/world_space.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/force_path.hpp"
 #include "tests/haptics/small_field.hpp"

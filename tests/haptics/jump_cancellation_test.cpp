@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptics_cpu/jump_cancellation.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/touch_rig.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/certificate.hpp"

@@ -2,10 +2,10 @@
 // surfaces.
 #include <gtest/gtest.h>
 
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
-#include "haptics_cpu/tick_log.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/haptics/touch_rig.hpp"
 

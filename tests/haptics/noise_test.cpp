@@ -1,7 +1,7 @@
 // The solver on fields that have no mercy: uniform noise, cliffs, and grain, under a goal that jumps.
 #include <gtest/gtest.h>
 
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/certificate.hpp"
 

@@ -1,6 +1,6 @@
 // What a real-time thread asks of its machine. Each test asks in a process of its own, for what is granted
 // stays.
-#include "haptics_cpu/realtime.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "haptics_cpu/tick_velocity.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/force_path.hpp"
 

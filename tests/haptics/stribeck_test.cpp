@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "haptics_cpu/friction.hpp"
+#include "haptics_cpu/slide.hpp"
 #include "tests/haptics/small_field.hpp"
 
 namespace touchable::test {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "haptics_cpu/nearest_place.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/surface_carry.hpp"
-#include "haptics_cpu/surface_lattice.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"

@@ -1,5 +1,5 @@
 // Files of cameras that lie beside pictures, as other programs write them: which is taken, and what it means.
-#include "engine/formats/camera_beside.hpp"
+#include "engine/formats/camera_sidecar.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,7 @@
 #endif
 
 #include "engine/formats/guessed_scene.hpp"
-#include "engine/formats/known_camera.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

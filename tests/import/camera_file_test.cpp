@@ -1,8 +1,8 @@
-#include "engine/formats/camera_file.hpp"
+#include "engine/formats/source_description.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/formats/camera_beside.hpp"
+#include "engine/formats/camera_sidecar.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <stop_token>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/formats/value_estimator.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/formats/value_evidence.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

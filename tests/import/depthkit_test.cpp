@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/video/quicktime.hpp"

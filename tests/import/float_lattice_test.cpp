@@ -1,4 +1,4 @@
-#include "engine/formats/float_lattice.hpp"
+#include "engine/formats/value_evidence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <functional>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {

@@ -1,5 +1,5 @@
 // Frames with a camera each: brought onto the clip's, beside a plain twin and a plane in the world.
-#include "engine/formats/frame_cameras.hpp"
+#include "engine/formats/camera_sidecar.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cstring>
 #include <functional>
 
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/formats/image_folder_writer.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/formats/formats_written.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

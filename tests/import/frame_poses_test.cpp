@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "engine/clip/clip_part.hpp"
-#include "engine/clip/mp4_writer.hpp"
-#include "engine/formats/image_folder_writer.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/formats/formats_written.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
@@ -91,7 +91,9 @@ TEST(GdepthJpeg, IsAClipOfOneFrame) {
         EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(v)), 10.0 * 2 / (10 - v / 255.0 * (10 - 2)),
                     1e-12);
     EXPECT_TRUE(has_note(**clip, "guessed: lengths are metres"));
-    EXPECT_TRUE(has_note(**clip, "guessed: the camera sees 60 degrees from left to right; if it sees 70, all shapes are 18 % too narrow (a scene file"));
+    EXPECT_TRUE(has_note(**clip,
+                         "guessed: the camera sees 60 degrees from left to right; if it sees 70, all shapes "
+                         "are 18 % too narrow (a scene file"));
     EXPECT_FALSE(has_note(**clip, "resampled"));
     EXPECT_EQ((*clip)->frame_count(), 1);
     ASSERT_EQ((*clip)->tracks().size(), 2U);

@@ -15,8 +15,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "engine/formats/guessed_scene.hpp"
-#include "engine/formats/known_camera.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

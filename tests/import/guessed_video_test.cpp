@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/formats/guessed_video.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/formats/formats_read.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable::test {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/raw_png.hpp"

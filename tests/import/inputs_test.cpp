@@ -2,11 +2,11 @@
 
 #include <set>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/video/quicktime.hpp"
 #include "tests/real_data.hpp"
+#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {

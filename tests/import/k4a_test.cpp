@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/formats/azure_kinect_calibration.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"

@@ -15,14 +15,10 @@
 #include <stop_token>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "engine/picture/coded_image.hpp"
-#include "engine/picture/exr_image.hpp"
-#include "engine/picture/image_file.hpp"
-#include "engine/picture/npy_stack.hpp"
-#include "engine/picture/stored_image.hpp"
-#include "engine/picture/tiff_image.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/number_pictures.hpp"
+#include "engine/picture/numpy.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 

@@ -1,5 +1,5 @@
 // A static MPEG-4 scene in one MP4 file: its textures are pictures, each a track with one sample.
-#include "engine/formats/mp4_stills.hpp"
+#include "engine/formats/formats_read.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cstring>
 #include <map>
 
-#include "engine/clip/plane_role.hpp"
+#include "engine/clip/clip.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"

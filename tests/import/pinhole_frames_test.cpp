@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/formats/colour_registration.hpp"
 #include "engine/formats/pinhole_frames.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"

@@ -6,8 +6,8 @@
 #include <functional>
 #include <sstream>
 
-#include "engine/scene/camera.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"

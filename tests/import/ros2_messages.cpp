@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
 

@@ -1,5 +1,5 @@
 // The text of an MPEG-4 scene beside the pictures that it names.
-#include "engine/formats/scene_text_clip.hpp"
+#include "engine/formats/formats_read.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <cstring>
 
+#include "engine/formats/formats_written.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/formats/scene_text_still.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/stored_code.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

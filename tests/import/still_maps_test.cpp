@@ -1,12 +1,12 @@
 // Maps that serve a whole clip: pictures, and surfaces of X3D and glTF, whose texts are written here by hand.
-#include "engine/formats/still_maps.hpp"
+#include "engine/formats/open_clip.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"

@@ -7,8 +7,8 @@
 #include <functional>
 #include <stop_token>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/clip/far_plane.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/clip/readers.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/content/random.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

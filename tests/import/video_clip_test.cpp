@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/clip/video_file.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"

@@ -1,8 +1,8 @@
-#include "engine/formats/xmp.hpp"
+#include "engine/formats/jpeg_depth.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/picture/base64.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "engine/authoring/segment_search.hpp"
+#include "engine/authoring/segments.hpp"
 
 namespace touchable::test {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/authoring/segment_store.hpp"
+#include "engine/authoring/segments.hpp"
 
 namespace touchable::test {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/authoring/material_clip.hpp"
+#include "engine/authoring/materials.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/materials/colour_segments.hpp"
 #include "tests/materials/drawn_segments.hpp"

@@ -1,12 +1,10 @@
 // A clip whose segments feel like materials: all its other planes as they were, and what a person says of it.
-#include "engine/authoring/material_clip.hpp"
+#include "engine/authoring/materials.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "engine/authoring/haptic_painter.hpp"
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/materials/colour_segments.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/authoring/palette.hpp"
+#include "engine/authoring/segments.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "engine/authoring/haptic_painter.hpp"
-#include "engine/authoring/material_guess.hpp"
+#include "engine/authoring/materials.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

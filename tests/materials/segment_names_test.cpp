@@ -1,4 +1,4 @@
-#include "engine/authoring/segment_names.hpp"
+#include "engine/authoring/segments.hpp"
 
 #include <gtest/gtest.h>
 

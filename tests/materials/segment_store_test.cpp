@@ -1,5 +1,5 @@
 // Labels of whole clips in little memory, and segments that a stroke cuts in two.
-#include "engine/authoring/segment_store.hpp"
+#include "engine/authoring/segments.hpp"
 
 #include <gtest/gtest.h>
 

@@ -280,7 +280,7 @@ TEST(Modules, LiteralsAreFoundInCode) {
 // player/commands/setting_words.cpp knows its option.
 TEST(Modules, OnlyTheCommandLineNamesOptions) {
     const std::map<std::string, std::string> allowed{
-        {"engine/camera/video_system.cpp", "udevadm's"},
+        {"engine/camera/v4l2_stream.cpp", "udevadm's"},
         {"device/udev_rules.hpp", "udevadm's, behind the command that prints the rules"}};
     std::size_t literals = 0;
     for (const auto& [name, module] : modules()) {
@@ -313,7 +313,7 @@ std::set<std::string> library_words(std::string line) {
 }
 
 // The C library's may round otherwise on another machine (docs/architecture.md, decision 3);
-// engine/base/trigonometry.hpp has some that do not.
+// engine/base/same_bits.hpp has some that do not.
 TEST(Modules, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
     const std::set<std::string> rounded{
         "sin",  "cos",    "tan",    "asin",  "acos",   "atan",      "atan2", "sinh",
@@ -325,7 +325,7 @@ TEST(Modules, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
         if (module.folder.starts_with("player") && name != "run" && name != "session") continue;
         for (const fs::path& file : files_of(module)) {
             // This one compares forces that were written down, for a person.
-            if (file.filename() == "force_comparison.cpp") continue;
+            if (file.filename() == "force_table.cpp") continue;
             std::ifstream in(file);
             ++files;
             for (std::string line; std::getline(in, line);)

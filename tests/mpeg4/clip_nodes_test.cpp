@@ -1,4 +1,4 @@
-#include "engine/mpeg4/clip_nodes.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 
 #include <gtest/gtest.h>
 

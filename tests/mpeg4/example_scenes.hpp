@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/mpeg4/scene_text.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "engine/base/byte_source.hpp"
-#include "engine/mpeg4/clip_nodes.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
+#include "engine/base/files.hpp"
+#include "engine/mpeg4/boxes.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/mpeg4/scene_stream.hpp"
+#include "engine/mpeg4/boxes.hpp"
 
 #include <gtest/gtest.h>
 

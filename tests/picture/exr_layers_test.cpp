@@ -13,8 +13,7 @@
 
 #include <cmath>
 
-#include "engine/picture/exr_image.hpp"
-#include "engine/picture/linear_light.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

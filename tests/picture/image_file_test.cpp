@@ -1,11 +1,8 @@
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-
-#include "engine/picture/coded_image.hpp"
-#include "engine/picture/stored_image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/picture/encoded_picture.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limited_memory.hpp"

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "engine/picture/image_file.hpp"
-#include "engine/picture/npy_stack.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/numpy.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/numpy.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/npy_bytes.hpp"
 

@@ -1,5 +1,5 @@
 // Against swscale's plain C, which the conversion was before, and against pixels moved one by one.
-#include "engine/picture/packed_rgb.hpp"
+#include "engine/picture/decoding.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include "engine/picture/decoded_picture.hpp"
-#include "engine/picture/rgb_converter.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"

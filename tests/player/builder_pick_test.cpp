@@ -1,4 +1,4 @@
-#include "player/session/builder_pick.hpp"
+#include "player/session/touch_setup.hpp"
 
 #include <gtest/gtest.h>
 

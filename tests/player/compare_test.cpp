@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "player/run/force_comparison.hpp"
+#include "player/run/force_table.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/temporary_folder.hpp"

@@ -12,9 +12,9 @@
 #include <sstream>
 #include <utility>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/commands/commands.hpp"
 #include "player/session/touch_figures.hpp"

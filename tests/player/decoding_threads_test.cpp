@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "device/device_catalog.hpp"
-#include "device/network_packet.hpp"
-#include "player/commands/device_check_report.hpp"
+#include "device/network_device.hpp"
+#include "player/commands/device_check.hpp"
 #include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"
 

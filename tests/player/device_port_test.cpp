@@ -1,5 +1,5 @@
 // A hand that holds a device: where its goals are once forces push back. No clock takes part.
-#include "player/run/device_port.hpp"
+#include "player/run/touch_session.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <new>
 #include <thread>
 
-#include "player/run/playback_board.hpp"
+#include "player/run/playback.hpp"
 #include "tests/frame/allocations.hpp"
 
 namespace touchable::test {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/content/random.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

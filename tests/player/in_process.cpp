@@ -1,7 +1,7 @@
 #include "tests/player/in_process.hpp"
 
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "player/run/recording.hpp"
 #include "player/session/replay.hpp"
 #include "player/session/touch_figures.hpp"

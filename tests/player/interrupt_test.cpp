@@ -1,4 +1,4 @@
-#include "player/run/interrupt.hpp"
+#include "player/run/terminal.hpp"
 
 #include <gtest/gtest.h>
 

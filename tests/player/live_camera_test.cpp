@@ -3,9 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/clip/prefetch.hpp"
-#include "engine/clip/replay_camera.hpp"
-#include "player/session/camera_words.hpp"
+#include "engine/clip/readers.hpp"
+#include "player/session/clip_choice.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/touched_camera.hpp"
 

@@ -8,12 +8,11 @@
 #include <utility>
 
 #include "device/hand.hpp"
-#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "engine/surface/fallback_builder.hpp"
+#include "engine/surface/surface_builder.hpp"
 #include "player/commands/picture_options.hpp"
-#include "player/run/field_probe.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_figures.hpp"
 #include "tests/gpu/blockade.hpp"

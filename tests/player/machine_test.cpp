@@ -5,7 +5,6 @@
 
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/touch_trial.hpp"
-#include "player/commands/vulkan_facts.hpp"
 
 // What `touchable check` makes of what it has measured.
 namespace touchable::test {

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image_file.hpp"
-#include "player/commands/globe_options.hpp"
+#include "engine/picture/image.hpp"
+#include "player/commands/make_command.hpp"
 #include "tests/player/program.hpp"
 #include "tests/real_data.hpp"
 #include "tests/sanitizers.hpp"

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/video/clip_remux.hpp"

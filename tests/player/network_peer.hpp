@@ -13,8 +13,7 @@
 #include <optional>
 #include <span>
 
-#include "device/network_packet.hpp"
-#include "device/udp_socket.hpp"
+#include "device/network_device.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

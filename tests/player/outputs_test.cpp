@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "engine/base/new_file.hpp"
+#include "engine/base/files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/gpu/gpu_device.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -1,12 +1,12 @@
 // What is said to be lost, by numbers worked out by hand.
-#include "player/commands/plane_loss.hpp"
+#include "player/commands/convert_command.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "player/run/progress.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable::test {
 namespace {

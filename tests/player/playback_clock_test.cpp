@@ -1,5 +1,5 @@
 // Which moment of a clip a tick is of.
-#include "player/run/playback_clock.hpp"
+#include "player/run/playback.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "player/run/touch_session.hpp"
-#include "player/session/playback_script.hpp"
+#include "player/session/touch_setup.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "player/commands/touch_run.hpp"
-#include "player/session/camera_words.hpp"
+#include "player/session/clip_choice.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"

@@ -7,7 +7,7 @@
 
 #include "engine/content/scenes.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "haptics_cpu/force_hash.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"

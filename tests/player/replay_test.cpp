@@ -4,11 +4,11 @@
 #include <fstream>
 #include <limits>
 
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/picture/image_file.hpp"
-#include "haptics_cpu/force_rules.hpp"
+#include "engine/picture/image.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "player/run/recording.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"

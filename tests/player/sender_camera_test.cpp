@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "player/session/camera_words.hpp"
+#include "player/session/clip_choice.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/touched_camera.hpp"
 

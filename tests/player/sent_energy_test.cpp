@@ -1,5 +1,5 @@
 // What a hand got of the energy that the guard's books have.
-#include "player/session/sent_energy.hpp"
+#include "player/session/touch_figures.hpp"
 
 #include <gtest/gtest.h>
 

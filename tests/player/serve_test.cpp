@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "engine/stream/hls_input.hpp"
-#include "engine/stream/http_request.hpp"
-#include "engine/stream/labelled_decoder.hpp"
+#include "engine/stream/hls.hpp"
+#include "engine/stream/labelled_codec.hpp"
+#include "engine/stream/listeners.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/stream/stream_peer.hpp"

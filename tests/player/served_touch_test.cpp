@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "player/run/device_port.hpp"
 #include "player/run/live_session.hpp"
-#include "player/session/camera_words.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"

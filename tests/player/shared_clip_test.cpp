@@ -1,5 +1,5 @@
 // A clip that is opened once for several runs over it.
-#include "player/session/shared_clip.hpp"
+#include "player/session/clip_choice.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/frame/random.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/run/standard_output.hpp"
+#include "player/run/terminal.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 
 namespace touchable::test {
 namespace {

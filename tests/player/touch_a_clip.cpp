@@ -3,9 +3,7 @@
 #include <cstdio>
 
 #include "engine/formats/open_clip.hpp"
-#include "haptics_cpu/force_hash.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/run/field_probe.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "player/run/touch_session.hpp"
 
 using namespace touchable;

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable::test {
 namespace {

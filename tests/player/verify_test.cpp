@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "engine/gpu/gpu_device.hpp"
-#include "player/session/builder_choice.hpp"
+#include "player/session/touch_setup.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "player/run/recording.hpp"
-#include "player/session/recorded_facts.hpp"
+#include "player/session/replay.hpp"
 #include "player/session/touch_figures.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/player/in_process.hpp"

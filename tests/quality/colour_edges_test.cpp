@@ -1,5 +1,5 @@
 // Where edges of colour are, against edges of depth that are known.
-#include "engine/authoring/colour_edges.hpp"
+#include "engine/authoring/clip_quality.hpp"
 
 #include <gtest/gtest.h>
 

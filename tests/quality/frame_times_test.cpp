@@ -1,5 +1,5 @@
 // How frames follow each other.
-#include "engine/authoring/frame_times.hpp"
+#include "engine/authoring/clip_quality.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What haptic pictures ask of a device.
-#include "engine/authoring/haptic_values.hpp"
+#include "engine/authoring/clip_quality.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Depth that goes to and fro as a whole.
-#include "engine/authoring/pumping.hpp"
+#include "engine/authoring/clip_quality.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "haptics_cpu/proxy.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "tests/reference/surface.hpp"
 
 namespace touchable::reference {

@@ -1,5 +1,5 @@
 // The Laplacian of Gaussian, against sums that are written out.
-#include "engine/authoring/difference_of_gaussians.hpp"
+#include "engine/authoring/relief.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // A clip with relief: its other planes as they were, heights that are the same bits everywhere.
-#include "engine/authoring/relief_clip.hpp"
+#include "engine/authoring/relief.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
 
-#include "engine/base/byte_hash.hpp"
-#include "engine/clip/plane_role.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

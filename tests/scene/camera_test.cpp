@@ -1,11 +1,9 @@
-#include "engine/scene/camera.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include "engine/scene/depth_coding.hpp"
 #include "tests/scene/random.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "engine/scene/depth_coding.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/scene/frame_rate.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 

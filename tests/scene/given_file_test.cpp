@@ -1,4 +1,4 @@
-#include "engine/base/given_file.hpp"
+#include "engine/base/files.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -18,8 +18,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

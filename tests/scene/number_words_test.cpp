@@ -1,4 +1,4 @@
-#include "engine/base/number_words.hpp"
+#include "engine/base/words.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/base/printable.hpp"
+#include "engine/base/words.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/base/row_bands.hpp"
+#include "engine/base/threads.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/scene/scene_description.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 

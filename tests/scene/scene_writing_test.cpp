@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "engine/scene/filter_codes.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/terraces.hpp"
 #include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 #include "tests/sweep.hpp"

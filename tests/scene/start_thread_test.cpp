@@ -1,4 +1,4 @@
-#include "engine/base/start_thread.hpp"
+#include "engine/base/threads.hpp"
 
 #include <gtest/gtest.h>
 #include <pthread.h>

@@ -1,12 +1,9 @@
-#include "engine/scene/temporal.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <tuple>
-
-#include "engine/scene/terraces.hpp"
-#include "engine/scene/working_codes.hpp"
 
 namespace touchable {
 namespace {

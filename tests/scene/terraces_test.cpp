@@ -1,10 +1,8 @@
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "engine/scene/temporal.hpp"
 
 namespace touchable {
 namespace {

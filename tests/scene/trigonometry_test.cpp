@@ -1,4 +1,4 @@
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 
 #include <gtest/gtest.h>
 

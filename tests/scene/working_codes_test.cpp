@@ -1,13 +1,10 @@
-#include "engine/scene/working_codes.hpp"
+#include "engine/scene/filter_codes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include "engine/scene/temporal.hpp"
-#include "engine/scene/terraces.hpp"
 
 // Codes that are looked up because multiplied ones would not fit 15 bits.
 namespace touchable {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/scene/raw_frame.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

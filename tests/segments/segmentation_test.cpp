@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-#include "engine/base/byte_hash.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/segments/generated_table.hpp"
 #include "tests/sweep.hpp"
 

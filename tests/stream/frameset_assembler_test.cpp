@@ -1,4 +1,4 @@
-#include "engine/stream/frameset_assembler.hpp"
+#include "engine/stream/receiver.hpp"
 
 #include <gtest/gtest.h>
 

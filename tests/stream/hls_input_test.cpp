@@ -1,11 +1,11 @@
-#include "engine/stream/hls_input.hpp"
+#include "engine/stream/hls.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
 
-#include "engine/stream/hls_writer.hpp"
+#include "engine/stream/sending.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/web_server.hpp"
 #include "tests/sweep.hpp"

@@ -1,10 +1,8 @@
-#include "engine/stream/hls_playlist.hpp"
+#include "engine/stream/hls.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include "engine/stream/hls_text.hpp"
 
 namespace touchable {
 namespace {

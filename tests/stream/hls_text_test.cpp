@@ -1,4 +1,4 @@
-#include "engine/stream/hls_text.hpp"
+#include "engine/stream/hls.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/stream/hls_writer.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <set>
 #include <sstream>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/picture/ffmpeg_input.hpp"
-#include "engine/stream/hls_text.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/stream/hls.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/video/sounding_clip.hpp"
 

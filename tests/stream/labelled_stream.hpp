@@ -10,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/plane_role.hpp"
-#include "engine/stream/labelled_decoder.hpp"
-#include "engine/stream/labelled_encoder.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/stream/labelled_codec.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -1,4 +1,4 @@
-#include "engine/stream/level_choice.hpp"
+#include "engine/stream/hls.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/stream/link_rate.hpp"
+#include "engine/stream/listeners.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Streams as live sources. What waits here waits for what happens, and never for a time.
-#include "engine/stream/live_stream.hpp"
+#include "engine/stream/receiving.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
-#include "engine/stream/matroska_gate.hpp"
+#include "engine/stream/stream_pictures.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine/picture/demuxer.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 

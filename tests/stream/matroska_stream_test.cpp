@@ -1,13 +1,13 @@
-#include "engine/stream/matroska_stream.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
-#include "engine/clip/block_addition.hpp"
-#include "engine/picture/demuxer.hpp"
-#include "engine/picture/sound_track.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/sound.hpp"
 #include "engine/stream/stream_pictures.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -1,10 +1,10 @@
-#include "engine/stream/mpegts_stream.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string_view>
 
-#include "engine/picture/ffmpeg_input.hpp"
+#include "engine/picture/ffmpeg.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/stream/narrow_link.hpp"
+#include "engine/stream/listeners.hpp"
 
 #include <gtest/gtest.h>
 

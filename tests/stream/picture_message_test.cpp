@@ -1,4 +1,4 @@
-#include "engine/stream/picture_message.hpp"
+#include "engine/stream/labelled_codec.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,11 +4,10 @@
 #include <fstream>
 #include <memory>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/stream/hls_writer.hpp"
-#include "engine/stream/live_stream.hpp"
-#include "engine/stream/segment_pace.hpp"
-#include "engine/stream/stream_clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/stream/jitter_buffer.hpp"
+#include "engine/stream/receiving.hpp"
+#include "engine/stream/sending.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/web_server.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/stream/srt_output.hpp"
+#include "engine/stream/sending.hpp"
 
 namespace touchable::test {
 

@@ -10,8 +10,7 @@
 #include <atomic>
 #include <thread>
 
-#include "engine/stream/srt_bytes.hpp"
-#include "engine/stream/srt_socket.hpp"
+#include "engine/stream/srt.hpp"
 #include "tests/stream/relay.hpp"
 #include "tests/stream/sent_out.hpp"
 #include "tests/stream/srt_peer.hpp"

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <thread>
 
-#include "engine/stream/srt_socket.hpp"
+#include "engine/stream/srt.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,12 +1,11 @@
 // Streams as clips that are read as they come.
-#include "engine/stream/stream_clip.hpp"
+#include "engine/stream/receiving.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/stream/http_source.hpp"
+#include "engine/base/threads.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 

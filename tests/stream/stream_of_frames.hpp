@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/stream/matroska_stream.hpp"
-#include "engine/stream/stream_receiver.hpp"
+#include "engine/stream/receiver.hpp"
+#include "engine/stream/sending.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

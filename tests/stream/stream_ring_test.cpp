@@ -1,10 +1,10 @@
-#include "engine/stream/stream_ring.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "engine/stream/http_request.hpp"
+#include "engine/stream/listeners.hpp"
 
 namespace touchable {
 namespace {

@@ -1,11 +1,10 @@
-#include "engine/stream/stream_sender.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "engine/clip/block_addition.hpp"
-#include "engine/stream/matroska_stream.hpp"
+#include "engine/clip/clip_format.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

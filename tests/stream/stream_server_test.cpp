@@ -1,10 +1,10 @@
-#include "engine/stream/stream_server.hpp"
+#include "engine/stream/sending.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine/stream/stream_clip.hpp"
+#include "engine/stream/receiving.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/stream_peer.hpp"
 

@@ -5,9 +5,8 @@
 #include <thread>
 
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/stream/live_stream.hpp"
-#include "engine/stream/mpegts_stream.hpp"
-#include "engine/stream/stream_clip.hpp"
+#include "engine/stream/receiving.hpp"
+#include "engine/stream/sending.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/srt_peer.hpp"
 #include "tests/stream/stream_of_frames.hpp"

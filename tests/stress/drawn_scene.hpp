@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 
@@ -23,8 +23,8 @@ inline bool chance(SplitMix64& random, double share) {
 /// axis, any coding but hue; with or without friction, heights, a haptic image's ranges, invalid codes and
 /// filters.
 Scene draw_scene(SplitMix64& random, int most_pixels = 72);
-/// The same scene with planes as far apart as a scene may have them: near down to a millionth of far, far from
-/// 1e-3 to 1e12 units.
+/// The same scene with planes as far apart as a scene may have them: near down to a millionth of far, far
+/// from 1e-3 to 1e12 units.
 void draw_wide_planes(SplitMix64& random, Scene& scene);
 /// A small square picture of planar depths, a unit a code, without friction. Focal length `side` - 1 and the
 /// axis through the middle pixel: where that is a power of two, places on lattice lines are exact in doubles.

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/stress/hands.hpp"
 #include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"

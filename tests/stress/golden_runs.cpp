@@ -4,7 +4,7 @@
 #include <array>
 #include <variant>
 
-#include "engine/content/strokes.hpp"
+#include "engine/content/height_fields.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/stress/hands.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/trigonometry.hpp"
+#include "engine/base/same_bits.hpp"
 #include "tests/stress/drawn_scene.hpp"
 
 namespace touchable::stress {

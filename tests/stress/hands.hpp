@@ -2,8 +2,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "engine/content/random.hpp"
-#include "engine/scene/surface_frame.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
 
 /// Where the goals of the stress suites come from.
 namespace touchable::stress {

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <thread>
 
-#include "player/run/interrupt.hpp"
+#include "player/run/terminal.hpp"
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/soak.hpp"
 #include "tests/stress/tick_states.hpp"

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "player/run/interrupt.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable::stress {
 

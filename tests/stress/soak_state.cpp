@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/base/new_file.hpp"
-#include "engine/content/random.hpp"
+#include "engine/base/files.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable::stress {
 

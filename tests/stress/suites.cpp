@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 
 namespace touchable::stress {
 

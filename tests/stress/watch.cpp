@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "haptics_cpu/force_hash.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/reference/certificate.hpp"
 #include "tests/reference/comparison.hpp"

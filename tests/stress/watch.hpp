@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "haptics_cpu/touch_tick.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "tests/stress/coverage.hpp"
 #include "tests/stress/stress_run.hpp"
 

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "device/hand_control.hpp"
-#include "player/window/study_run.hpp"
+#include "device/hand.hpp"
+#include "player/window/study.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/surface/pictures.hpp"

@@ -1,5 +1,5 @@
 // How wide and how high terraces are, worked out by hand, and what is chosen by it.
-#include "engine/surface/contour_estimator.hpp"
+#include "engine/surface/estimators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,8 @@
 #include <functional>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/working_codes.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "engine/surface/filter_choice.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 

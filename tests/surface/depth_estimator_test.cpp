@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/plain_estimator.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/surface/fallback_builder.hpp"
+#include "engine/surface/surface_builder.hpp"
 #include "tests/gpu/blockade.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"

@@ -1,10 +1,10 @@
 // From which measurement on each filter is chosen, and how strong: the numbers of docs/scene_file.md, Filters
 // that are left out.
-#include "engine/surface/filter_choice.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "tests/surface/pictures.hpp"
 
 namespace touchable::test {

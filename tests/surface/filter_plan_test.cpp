@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/surface/filter_plan.hpp"
+#include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 
 namespace touchable::test {

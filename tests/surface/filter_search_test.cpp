@@ -1,5 +1,5 @@
 // Filters are tried on smooth places of a recording, put side by side.
-#include "engine/surface/filter_search.hpp"
+#include "engine/surface/estimators.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/flying_pixels.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 

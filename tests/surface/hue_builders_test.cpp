@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/stored_code.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/surface/pictures.hpp"

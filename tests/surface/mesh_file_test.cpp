@@ -1,4 +1,4 @@
-#include "engine/surface/mesh_file.hpp"
+#include "engine/surface/mesh.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What the first frames of a clip tell of its noise and holes, and which filters that asks for.
-#include "engine/surface/noise_estimator.hpp"
+#include "engine/surface/estimators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/random.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/terraces.hpp"
-#include "engine/surface/filter_choice.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 

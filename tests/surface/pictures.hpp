@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
 #include "tests/frame/random.hpp"
 
 namespace touchable::test {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/surface/code_picture.hpp"
-#include "engine/surface/noise_estimator.hpp"
+#include "engine/surface/estimators.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 namespace touchable::test {
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "engine/surface/depth_estimator.hpp"
-#include "engine/surface/filter_choice.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 

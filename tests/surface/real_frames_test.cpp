@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

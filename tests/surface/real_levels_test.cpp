@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "engine/scene/temporal.hpp"
-#include "engine/surface/fallback_builder.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"

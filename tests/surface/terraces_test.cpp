@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/scene/terraces.hpp"
+#include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"

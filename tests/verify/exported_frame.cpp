@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable::verify {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/verify/verify_forces.hpp"
 
 namespace touchable::verify {

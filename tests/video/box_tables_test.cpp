@@ -1,10 +1,8 @@
-#include "engine/picture/box_tables.hpp"
+#include "engine/picture/ffmpeg.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include "engine/picture/demuxer.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/quicktime.hpp"
 

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <optional>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"

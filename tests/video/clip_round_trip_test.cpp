@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "engine/clip/clip_part.hpp"
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/formats/image_folder_writer.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"

@@ -1,5 +1,5 @@
 // Recordings whose files go on where they end: zeros that a recorder had asked for, or what is written still.
-#include "engine/picture/container_end.hpp"
+#include "engine/picture/container_checks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/picture/demuxer.hpp"
-#include "engine/picture/matroska_check.hpp"
-#include "engine/picture/sound_track.hpp"
-#include "engine/picture/stored_sound.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/sound.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/quicktime.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/picture/image_file.hpp"
-#include "engine/picture/sound_track.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/sound.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/film_reader.hpp"

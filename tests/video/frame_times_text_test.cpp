@@ -1,4 +1,4 @@
-#include "engine/clip/frame_times_text.hpp"
+#include "engine/clip/containers.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "engine/picture/image_file.hpp"
-#include "engine/picture/stored_image.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"

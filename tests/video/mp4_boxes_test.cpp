@@ -4,9 +4,9 @@
 #include <map>
 #include <memory>
 
-#include "engine/clip/mp4_writer.hpp"
-#include "engine/mpeg4/clip_nodes.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/mpeg4/boxes.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/mp4_boxes.hpp"

@@ -5,13 +5,11 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/clip/mp4_writer.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/mpeg4/scene_stream.hpp"
-#include "engine/mpeg4/scene_text.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/sound_track.hpp"
+#include "engine/picture/sound.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"

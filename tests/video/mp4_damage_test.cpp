@@ -1,7 +1,7 @@
 // MP4 clips that are cut or changed: an error of one line, or frames; of those that are cut, all or none.
 #include <gtest/gtest.h>
 
-#include "engine/clip/mp4_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/mp4_boxes.hpp"

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/clip/mp4_writer.hpp"
-#include "engine/picture/sound_track.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/sound.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"

@@ -1,5 +1,5 @@
 // A static MPEG-4 scene in one MP4 file, as it is written.
-#include "engine/formats/mp4_stills_writer.hpp"
+#include "engine/formats/formats_written.hpp"
 
 #include <gtest/gtest.h>
 

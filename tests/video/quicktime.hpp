@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable::test {

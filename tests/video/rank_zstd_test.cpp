@@ -1,4 +1,4 @@
-#include "engine/clip/rank_zstd.hpp"
+#include "engine/clip/track_codecs.hpp"
 
 #include <gtest/gtest.h>
 #include <zstd.h>

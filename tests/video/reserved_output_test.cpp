@@ -1,8 +1,8 @@
 // Clips whose disk becomes full: whoever stops when that is said has a whole one.
 #include <gtest/gtest.h>
 
-#include "engine/clip/clip_reader.hpp"
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 

@@ -1,7 +1,7 @@
 // A clip read from any frame gives what reading up to there gives.
 #include <gtest/gtest.h>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

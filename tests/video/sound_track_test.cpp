@@ -1,5 +1,5 @@
 // The sound a clip has beside its pictures.
-#include "engine/picture/sound_track.hpp"
+#include "engine/picture/sound.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <vector>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/picture/sound_track.hpp"
+#include "engine/picture/sound.hpp"
 
 namespace touchable::test {
 

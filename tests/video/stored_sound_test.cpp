@@ -1,12 +1,11 @@
 // Sound that is kept as it is stored.
-#include "engine/picture/stored_sound.hpp"
+#include "engine/picture/sound.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/clip/matroska_writer.hpp"
-#include "engine/picture/sound_track.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/sounding_clip.hpp"
 

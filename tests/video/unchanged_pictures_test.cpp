@@ -1,7 +1,7 @@
 // A picture that does not change is stored once, and given again at no cost.
 #include <gtest/gtest.h>
 
-#include "engine/clip/matroska_writer.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

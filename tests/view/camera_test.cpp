@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/draw/view_camera.hpp"
+#include "player/draw/view.hpp"
 
 namespace touchable {
 namespace {

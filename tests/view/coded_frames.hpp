@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_frame.hpp"
-#include "player/draw/drawn_vertex.hpp"
+#include "player/draw/drawn_surface.hpp"
 
 namespace touchable::test {
 

@@ -1,4 +1,4 @@
-#include "player/draw/cpu_lattice.hpp"
+#include "player/draw/cpu_painting.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "player/draw/decimation.hpp"
+#include "player/draw/pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "player/draw/surface_unproject.hpp"
-#include "player/draw/view_camera.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/view.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"

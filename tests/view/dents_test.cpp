@@ -1,6 +1,6 @@
 // A surface that gives way under fingers, as pictures show it: the plain twin. (The GPU's is compared with it
 // in drawing_test.cpp.)
-#include "player/draw/surface_dents.hpp"
+#include "player/draw/finger_marks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/draw/cpu_drawing.hpp"
+#include "player/draw/light_picture.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

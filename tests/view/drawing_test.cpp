@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "player/draw/cpu_drawing.hpp"
-#include "player/draw/scene_picture.hpp"
-#include "player/draw/surface_drawing.hpp"
-#include "player/draw/upload_pool.hpp"
+#include "player/draw/gpu_image.hpp"
+#include "player/draw/light_picture.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"

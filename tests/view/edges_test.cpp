@@ -9,11 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "player/draw/decimation.hpp"
-#include "player/draw/gpu_lattice.hpp"
-#include "player/draw/surface_edges.hpp"
-#include "player/draw/surface_painter.hpp"
-#include "player/draw/view_rows.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 

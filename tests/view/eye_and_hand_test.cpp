@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/touch_solver.hpp"
-#include "player/draw/gpu_painters.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"

@@ -7,11 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "player/draw/gpu_lattice.hpp"
-#include "player/draw/lattice_raster.hpp"
-#include "player/draw/own_view_picture.hpp"
-#include "player/draw/surface_edges.hpp"
-#include "player/draw/view_rows.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"

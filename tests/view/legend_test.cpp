@@ -1,5 +1,5 @@
 // The panel that explains fingers in a picture.
-#include "player/draw/legend.hpp"
+#include "player/draw/legends.hpp"
 
 #include <gtest/gtest.h>
 

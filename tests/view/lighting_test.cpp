@@ -5,8 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "player/draw/surface_light.hpp"
-#include "player/draw/surface_lighting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/many_colours.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/scene/plane_view.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable::test {
 

@@ -8,9 +8,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-
-#include "player/draw/colour_ramp.hpp"
-#include "player/draw/surface_pick.hpp"
+#include "player/draw/overlay_rows.hpp"
+#include "player/draw/view.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/plain_surface.hpp"
 

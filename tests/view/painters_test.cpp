@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "player/draw/gpu_painters.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/view/plain_picture.hpp"

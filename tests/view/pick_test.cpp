@@ -1,5 +1,5 @@
 // What is under a place of a picture, against the plain picture.
-#include "player/draw/surface_pick.hpp"
+#include "player/draw/view.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "player/draw/drawn_lattice.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 

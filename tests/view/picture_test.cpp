@@ -4,7 +4,8 @@
 #include <glm/geometric.hpp>
 
 #include "player/draw/finger_marks.hpp"
-#include "player/draw/scene_picture.hpp"
+#include "player/draw/light_picture.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -4,9 +4,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "player/draw/surface_edges.hpp"
-#include "player/draw/triangle_fill.hpp"
-#include "player/draw/view_rows.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable::test {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "player/draw/picture_planes.hpp"
-#include "player/draw/view_camera.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/view.hpp"
 
 namespace touchable::test {
 

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/draw/view_surface.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable::test {

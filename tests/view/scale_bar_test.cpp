@@ -1,11 +1,10 @@
-#include "player/draw/scale_bar.hpp"
+#include "player/draw/legends.hpp"
+#include "player/draw/overlays.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "player/draw/colour_ramp.hpp"
 
 namespace touchable::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/view_surface.hpp"
+#include "player/draw/view.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_folder.hpp"

@@ -5,8 +5,9 @@
 #include <set>
 #include <utility>
 
-#include "engine/content/random.hpp"
-#include "player/draw/view_surface.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/view/shown.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/draw/tile_lists.hpp"
+#include "player/draw/gpu_painting.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "engine/content/random.hpp"
-#include "player/draw/gpu_lattice.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"

@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
-#include "player/draw/cpu_lattice.hpp"
-#include "player/draw/drawn_vertex.hpp"
-#include "player/draw/gpu_lattice.hpp"
-#include "player/draw/scalar_rows.hpp"
-#include "player/draw/surface_pick.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/overlay_rows.hpp"
+#include "player/draw/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 
 namespace touchable::test {

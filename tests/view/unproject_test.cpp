@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "engine/content/random.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "player/draw/gpu_lattice.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/shown.hpp"

@@ -8,8 +8,8 @@
 
 #include "engine/authoring/material_brush.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image_file.hpp"
-#include "player/session/painted_choice.hpp"
+#include "engine/picture/image.hpp"
+#include "player/session/clip_choice.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/two_surfaces.hpp"
 

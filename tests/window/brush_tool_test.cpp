@@ -1,5 +1,5 @@
 // The brush in the hand: commands, clicks and strokes; the colours of materials.
-#include "player/window/brush_tool.hpp"
+#include "player/window/brush.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/authoring/palette.hpp"
-#include "player/window/material_colours.hpp"
+#include "engine/authoring/segments.hpp"
 
 namespace touchable::test {
 namespace {

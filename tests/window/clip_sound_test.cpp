@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/clip/film_writer.hpp"
-#include "engine/picture/image_file.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/image.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"

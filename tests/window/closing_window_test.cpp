@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/window/fake_hand.hpp"

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "player/audio/heard_ticks.hpp"
+#include "player/audio/heard_sound.hpp"
 #include "tests/frame/allocations.hpp"
 
 namespace touchable::test {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "player/run/scene_cuts.hpp"
+#include "player/run/surface_feed.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,7 +1,7 @@
 // A surface that gives way in the picture is felt, and pointed at, as one that does not.
-#include "haptics_cpu/force_hash.hpp"
-#include "player/draw/cpu_drawing.hpp"
-#include "player/draw/surface_dents.hpp"
+#include "haptics_cpu/touch_step.hpp"
+#include "player/draw/finger_marks.hpp"
+#include "player/draw/pictures.hpp"
 #include "tests/window/dragged_finger.hpp"
 
 namespace touchable::test {

@@ -16,11 +16,9 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/draw/surface_pick.hpp"
-#include "player/draw/view_surface.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/window/pointer_fingers.hpp"
-#include "player/window/window_view.hpp"
+#include "player/draw/view.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/window/pointer.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {

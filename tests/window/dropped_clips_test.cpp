@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/window/scripted_window.hpp"
 

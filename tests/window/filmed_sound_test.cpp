@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "player/audio/filmed_sound.hpp"
+#include "player/audio/heard_sound.hpp"
 
 namespace touchable::test {
 namespace {

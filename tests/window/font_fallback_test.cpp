@@ -1,14 +1,12 @@
 // Letters of a kiosk's texts that the usual typeface has not: others write them, or whoever set it up is
 // told.
-#include "player/window/font_fallback.hpp"
+#include "player/window/imgui_layer.hpp"
 
 #include <gtest/gtest.h>
 #include <imgui.h>
 
 #include <fstream>
 #include <string>
-
-#include "player/window/imgui_layer.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

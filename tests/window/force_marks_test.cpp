@@ -4,8 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "player/draw/light_picture.hpp"
 #include "player/window/finger_halos.hpp"
-#include "player/window/finger_trails.hpp"
+#include "player/window/opened_clip.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

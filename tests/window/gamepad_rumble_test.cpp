@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "player/audio/gamepad_rumble.hpp"
+#include "player/audio/rumble.hpp"
 
 namespace touchable::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/sound_track.hpp"
+#include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/run/recording.hpp"
 #include "tests/window/scripted_window.hpp"

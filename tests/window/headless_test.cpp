@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "player/run/recording.hpp"
-#include "player/run/repeating_hand.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/window/scripted_window.hpp"
 

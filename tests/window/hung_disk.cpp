@@ -11,7 +11,7 @@
 #include <string_view>
 #include <thread>
 
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,5 +1,5 @@
 // What a brush did is there again in the next window, however the last one ended.
-#include "player/window/kept_brush.hpp"
+#include "player/window/brush.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +13,9 @@
 #include <thread>
 #include <vector>
 
-#include "engine/base/stop_request.hpp"
-#include "engine/base/unless_stopped.hpp"
-#include "player/session/painted_choice.hpp"
-#include "player/window/text_files.hpp"
+#include "engine/base/threads.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/window_files.hpp"
 #include "tests/materials/drawn_segments.hpp"
 #include "tests/player/program.hpp"
 

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_clock.hpp"
+#include "player/window/window_loop.hpp"
 #include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
 #include "tests/sweep.hpp"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
-#include "engine/picture/sound_track.hpp"
-#include "player/audio/spoken_sound.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/sound.hpp"
+#include "player/audio/heard_sound.hpp"
 #include "tests/player/program.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"

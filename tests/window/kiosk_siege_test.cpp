@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_clock.hpp"
+#include "player/window/window_loop.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

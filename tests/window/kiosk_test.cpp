@@ -7,8 +7,7 @@
 #include <string>
 
 #include "player/window/kiosk.hpp"
-#include "player/window/kiosk_texts.hpp"
-#include "player/window/touch_screens.hpp"
+#include "player/window/play_window.hpp"
 #include "player/window/window_command.hpp"
 #include "tests/player/program.hpp"
 

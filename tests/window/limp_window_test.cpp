@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "engine/base/stop_request.hpp"
+#include "engine/base/threads.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/fake_hand.hpp"

@@ -11,11 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/draw/colour_ramp.hpp"
-#include "player/window/measure_tool.hpp"
-#include "player/window/pixel_words.hpp"
+#include "player/draw/overlays.hpp"
+#include "player/window/measure.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/window/scripted_window.hpp"
 

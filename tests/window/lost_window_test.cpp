@@ -10,9 +10,9 @@
 #include <string>
 #include <thread>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "player/run/recording.hpp"
-#include "player/session/run_gpu.hpp"
+#include "player/session/touch_setup.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/gpu/blockade.hpp"
 #include "tests/player/program.hpp"

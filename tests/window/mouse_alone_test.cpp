@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"
 

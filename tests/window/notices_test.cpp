@@ -1,4 +1,4 @@
-#include "player/window/notices.hpp"
+#include "player/window/panel_facts.hpp"
 
 #include <gtest/gtest.h>
 

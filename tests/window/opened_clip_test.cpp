@@ -9,7 +9,7 @@
 #include <thread>
 #include <tuple>
 
-#include "engine/clip/reader_around.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"

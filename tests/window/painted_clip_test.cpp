@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "engine/authoring/material_brush.hpp"
-#include "engine/authoring/palette.hpp"
-#include "player/session/painted_choice.hpp"
+#include "engine/authoring/segments.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/clip_picture.hpp"
 #include "player/window/opened_clip.hpp"
-#include "player/window/segment_tint.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/window/two_surfaces.hpp"
 

@@ -13,8 +13,8 @@
 
 #include "haptics_cpu/force_guard.hpp"
 #include "player/run/recording.hpp"
-#include "player/window/hand_state.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/persistent_device.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/player/standstill.hpp"

@@ -1,9 +1,6 @@
-#include "player/window/picture_governor.hpp"
+#include "player/window/clip_picture.hpp"
 
 #include <gtest/gtest.h>
-
-#include "player/window/frames_shown.hpp"
-#include "player/window/redraw_estimator.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/window/playlist.hpp"
+#include "player/window/user_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "player/window/double_click.hpp"
+#include "player/window/window_loop.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "player/draw/surface_pick.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/window/pointer_input.hpp"
+#include "player/draw/view.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/window/pointer.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "player/window/screen.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/two_surfaces.hpp"

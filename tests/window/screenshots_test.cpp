@@ -1,4 +1,4 @@
-#include "player/window/screenshots.hpp"
+#include "player/window/window_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "engine/base/unless_stopped.hpp"
+#include "engine/base/threads.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "player/window/window_script.hpp"
+#include "player/window/window_command.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

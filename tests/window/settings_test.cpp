@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-#include "player/window/kept_settings.hpp"
+#include "player/window/user_files.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -7,7 +7,7 @@
 
 #include "player/run/recording.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_clock.hpp"
+#include "player/window/window_loop.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/wrapped_screen.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/window/slow_reading.hpp"
+#include "player/window/clip_picture.hpp"
 
 #include <gtest/gtest.h>
 

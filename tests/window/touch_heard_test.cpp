@@ -9,10 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "player/audio/touch_listener.hpp"
-#include "player/run/clip_workspace.hpp"
-#include "player/window/pointer_fingers.hpp"
-#include "player/window/window_view.hpp"
+#include "player/audio/window_sound.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/window/pointer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"

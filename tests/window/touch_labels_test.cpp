@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "player/window/resting_fingers.hpp"
-#include "player/window/touch_labels.hpp"
+#include "player/window/kiosk.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "device/csv_table.hpp"
+#include "device/hand.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

@@ -7,13 +7,13 @@
 #include <memory>
 #include <utility>
 
-#include "engine/picture/image_file.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 
-/// A clip of a wall, brown on its left half and blue on its right one: a segment each. 96x64 pixels, 0.16 m of
-/// the hand wide; pixels (20, 32) and (70, 32) are of either.
+/// A clip of a wall, brown on its left half and blue on its right one: a segment each. 96x64 pixels, 0.16 m
+/// of the hand wide; pixels (20, 32) and (70, 32) are of either.
 inline void write_two_surfaces(const std::filesystem::path& file, int frames) {
     constexpr int width = 96, height = 64;
     Scene scene = small_scene(width, height, 8);

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "player/window/use_log.hpp"
+#include "player/window/kiosk.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

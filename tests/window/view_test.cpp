@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/content/scenes.hpp"
-#include "player/window/window_view.hpp"
+#include "player/window/pointer.hpp"
 
 namespace touchable::test {
 namespace {

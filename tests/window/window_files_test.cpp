@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/sound_track.hpp"
+#include "engine/picture/sound.hpp"
 #include "player/run/recording.hpp"
 #include "tests/video/film_reader.hpp"
 #include "tests/window/scripted_window.hpp"

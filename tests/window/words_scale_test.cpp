@@ -1,4 +1,4 @@
-#include "player/window/words_scale.hpp"
+#include "player/window/window_loop.hpp"
 
 #include <gtest/gtest.h>
 

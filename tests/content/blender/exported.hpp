@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip.hpp"
 
 namespace touchable::test {
 

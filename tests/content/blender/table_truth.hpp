@@ -2,7 +2,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "engine/scene/camera.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::test {
 

@@ -1,0 +1,352 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <system_error>
+
+#include "device/hid_transport.hpp"
+#include "device/known_devices.hpp"
+#include "device/spacemouse_device.hpp"
+#include "device/udev_rules.hpp"
+#include "device/woodenhaptics_device.hpp"
+#include "engine/base/words.hpp"
+
+// Which hardware is known, and which of it is connected: read in /sys, /proc and /dev, without opening any.
+
+namespace touchable {
+namespace {
+
+// ---- Known devices
+
+using Through = KnownDevice::Through;
+
+template <std::uint16_t vendor_id, std::uint16_t product_id>
+bool is_exactly(std::uint16_t vendor, std::uint16_t product) {
+    return vendor == vendor_id && product == product_id;
+}
+
+template <std::uint16_t vendor_id>
+bool is_of(std::uint16_t vendor, std::uint16_t) {
+    return vendor == vendor_id;
+}
+
+/// Its ids stand in either order, depending on the model.
+bool is_touch(std::uint16_t vendor, std::uint16_t product) {
+    return vendor == 0x2988 || (vendor == 0x0301 && product == 0x2988);
+}
+
+const std::array<KnownDevice, 9> known_hardware{{
+    {.what = "Novint Falcon",
+     .has_ids = is_exactly<0x0403, 0xcb48>,
+     .through = Through::usb,
+     .word = "falcon",
+     .driven = "falcon:firmware=FILE",
+     .firmware = "is loaded into it after each power-up; whether it is there shows when it is opened"},
+    {.what = "3Dconnexion SpaceMouse: moves a finger, exerts no force",
+     .has_ids = is_spacemouse,
+     .through = Through::hidraw,
+     .word = "spacemouse",
+     .is_shared = true},
+    {.what = "3Dconnexion CadMouse",
+     .has_ids = is_of<0x256f>,
+     .why = "it is an ordinary mouse",
+     .instead = "use it as the window's mouse"},
+    {.what = "WoodenHaptics or Polhem (or another board with the ids of its example)",
+     .has_ids = is_woodenhaptics,
+     .through = Through::hidraw,
+     .word = "woodenhaptics",
+     .driven = "woodenhaptics:file=FILE"},
+    {.what = "a Teensy with RawHID, perhaps a later Polhem",
+     .has_ids = is_exactly<0x16c0, 0x0486>,
+     .why = "its reports of 64 bytes are not those of WoodenHaptics' firmware",
+     .instead = "let a program of yours speak with it, and pass its places on to the device network"},
+    {.what = "3D Systems Touch",
+     .has_ids = is_touch,
+     .why = "its protocol is closed: only its vendor's driver and OpenHaptics speak it",
+     .instead = "install both, and let a program of yours pass its places on to the device network"},
+    {.what = "a device of Force Dimension (omega, delta, sigma, lambda)",
+     .has_ids = is_of<0x1451>,
+     .why = "its protocol is closed: only its vendor's SDK speaks it",
+     .instead = "install it, and let a program of yours pass its places on to the device network"},
+    {.what = "Leap Motion Controller: sees hands, exerts no force",
+     .has_ids = is_exactly<0xf182, 0x0003>,
+     .why = "only its vendor's service reads it",
+     .instead = "let a program of yours pass its places on to the device network"},
+    {.what = "Haply Inverse3",
+     .in_name = "Inverse3",
+     .through = Through::service,
+     .word = "inverse3",
+     .instead = "start Haply's Inverse Service, which listens at TCP port 10001",
+     .port = 10001},
+}};
+
+// ---- What Linux shows
+
+namespace fs = std::filesystem;
+
+bool is_number(const std::string& name) {
+    return !name.empty() &&
+           std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// Of a line of /proc/net/tcp: "  0: 0100007F:2711 00000000:0000 0A ..." listens at 0x2711.
+bool line_listens(const std::string& line, std::uint16_t port) {
+    constexpr const char* listening = "0A";
+    std::istringstream words(line);
+    std::string slot, here, there, state;
+    if (!(words >> slot >> here >> there >> state) || state != listening) return false;
+    const std::size_t colon = here.rfind(':');
+    if (colon == std::string::npos) return false;
+    unsigned number = 0;
+    std::from_chars(here.data() + colon + 1, here.data() + here.size(), number, 16);
+    return number == port;
+}
+
+// ---- What is connected
+
+/// A node of Linux, and where in /sys its device is.
+struct SystemNode {
+    std::string node;
+    std::string at;
+};
+
+std::vector<SystemNode> nodes_of_class(const ConnectedSystem& system, const std::string& kind,
+                                       const std::string& prefix) {
+    std::vector<SystemNode> nodes;
+    for (const std::string& name : system.names("/sys/class/" + kind))
+        if (name.starts_with(prefix))
+            nodes.push_back({"/dev/" + name, system.resolved("/sys/class/" + kind + "/" + name + "/device")});
+    return nodes;
+}
+
+bool is_below(const std::string& at, const std::string& device) {
+    return !device.empty() && at.starts_with(device + "/");
+}
+
+/// "/dev/bus/usb/001/004"
+std::string usbfs_node(const std::string& bus, const std::string& number) {
+    const auto padded = [](const std::string& digits) {
+        return std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+    };
+    return bus.empty() || number.empty() ? std::string()
+                                         : "/dev/bus/usb/" + padded(bus) + "/" + padded(number);
+}
+
+/// "bcdDevice" is four digits: 0110 is release 1.10.
+std::string release_in_words(const std::string& digits) {
+    if (digits.size() != 4) return {};
+    const std::size_t first = digits[0] == '0' ? 1 : 0;
+    return "release " + digits.substr(first, 2 - first) + "." + digits.substr(2);
+}
+
+/// Who has a node open, such as "spacenavd (process 812)", as far as this user may see; not this process.
+std::vector<std::string> holders_of(const ConnectedSystem& system, const std::string& node) {
+    std::vector<std::string> holders;
+    const std::string own = std::to_string(getpid());
+    for (const std::string& process : system.names("/proc")) {
+        if (!is_number(process) || process == own) continue;
+        const std::string open = "/proc/" + process + "/fd";
+        const auto descriptors = system.names(open);
+        if (std::any_of(descriptors.begin(), descriptors.end(),
+                        [&](const std::string& each) { return system.link(open + "/" + each) == node; }))
+            holders.push_back(system.text("/proc/" + process + "/comm") + " (process " + process + ")");
+    }
+    return holders;
+}
+
+std::string held_in_words(const std::vector<std::string>& holders) {
+    std::string words;
+    for (const std::string& holder : holders) words += (words.empty() ? "" : ", ") + holder;
+    return words;
+}
+
+/// What is missing until it is ready; empty: nothing.
+std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& known,
+                            const ConnectedDevice& device) {
+    if (known.through == Through::service)
+        return somebody_listens(system, known.port) ? std::string() : std::string(known.instead);
+    if (device.node.empty() || !system.has(device.node))
+        return known.through == Through::hidraw
+                   ? "sudo modprobe usbhid   (it has no hidraw node; then plug it in again)"
+                   : "plug it in again (it has no node in /dev/bus/usb)";
+    if (!device.may_use) return std::string(udev_rules_command) + "   (then plug it in again)";
+    if (!known.is_shared && !device.held_by.empty())
+        return "close " + held_in_words(device.held_by) + ", which has it open";
+    return {};
+}
+
+void judge(const ConnectedSystem& system, const KnownDevice& known, ConnectedDevice& device) {
+    device.what = known.what;
+    if (!known.firmware.empty()) device.firmware = known.firmware;
+    for (const std::string& node : device.nodes)
+        for (std::string& holder : holders_of(system, node)) device.held_by.push_back(std::move(holder));
+    if (known.word.empty()) {
+        device.why_not = known.why;
+        device.next = known.instead;
+        return;
+    }
+    device.driven = known.driven.empty() ? known.word : known.driven;
+    const std::string prefix = known.through == Through::hidraw ? "/dev/hidraw" : "/dev/bus/usb/";
+    const auto node = std::find_if(device.nodes.begin(), device.nodes.end(),
+                                   [&](const std::string& each) { return each.starts_with(prefix); });
+    if (known.through != Through::service && node != device.nodes.end()) device.node = *node;
+    device.may_use = !device.node.empty() && system.may_use(device.node);
+    if (known.through != Through::service && !device.may_use) device.rules = udev_rules_of(device.vendor);
+    device.next = what_is_missing(system, known, device);
+    device.ready = device.next.empty();
+}
+
+std::optional<ConnectedDevice> usb_device(const ConnectedSystem& system, const std::string& name,
+                                          const std::vector<SystemNode>& others) {
+    const std::string at = "/sys/bus/usb/devices/" + name;
+    const auto vendor = hexadecimal_id(system.text(at + "/idVendor")),
+               product = hexadecimal_id(system.text(at + "/idProduct"));
+    if (!vendor || !product) return std::nullopt;
+    const std::string maker = system.text(at + "/manufacturer"), words = system.text(at + "/product");
+    const KnownDevice* const known = known_device(*vendor, *product, maker, words);
+    if (!known) return std::nullopt;
+    ConnectedDevice device;
+    device.place = "usb " + name;
+    device.vendor = *vendor;
+    device.product = *product;
+    device.name = maker.empty() || words.starts_with(maker) ? words : maker + " " + words;
+    device.firmware = release_in_words(system.text(at + "/bcdDevice"));
+    const std::string there = system.resolved(at);
+    for (const SystemNode& other : others)
+        if (is_below(other.at, there)) device.nodes.push_back(other.node);
+    if (std::string node = usbfs_node(system.text(at + "/busnum"), system.text(at + "/devnum"));
+        !node.empty())
+        device.nodes.push_back(std::move(node));
+    judge(system, *known, device);
+    return device;
+}
+
+/// A HID device that is not USB's, or of whose USB device nothing shows.
+std::optional<ConnectedDevice> lone_hid_device(const ConnectedSystem& system, const HidNode& hid) {
+    constexpr int bluetooth = 5;
+    const KnownDevice* const known = known_device(hid.vendor, hid.product, {}, hid.name);
+    if (!known) return std::nullopt;
+    ConnectedDevice device;
+    device.place = hid.bus == bluetooth ? "bluetooth" : "other";
+    device.vendor = hid.vendor;
+    device.product = hid.product;
+    device.name = hid.name;
+    device.nodes = {hid.node};
+    judge(system, *known, device);
+    return device;
+}
+
+}  // namespace
+
+// ---- Known devices
+
+std::span<const KnownDevice> known_devices() {
+    return known_hardware;
+}
+
+const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std::string_view maker,
+                                std::string_view name) {
+    const auto fits = [&](const KnownDevice& each) {
+        if (each.has_ids) return each.has_ids(vendor, product);
+        return name.find(each.in_name) != std::string_view::npos ||
+               maker.find(each.in_name) != std::string_view::npos;
+    };
+    const auto found = std::find_if(known_hardware.begin(), known_hardware.end(), fits);
+    return found == known_hardware.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> udev_rules_of(std::uint16_t vendor) {
+    const std::array marks{formatted("idVendor}==\"%04x\"", vendor), formatted(":%04X:", vendor)};
+    std::vector<std::string> rules;
+    std::istringstream file(udev_rules());
+    for (std::string line; std::getline(file, line);)
+        if (!line.starts_with("#") && std::any_of(marks.begin(), marks.end(), [&](const std::string& mark) {
+                return line.find(mark) != std::string::npos;
+            }))
+            rules.push_back(line);
+    return rules;
+}
+
+// ---- What Linux shows
+
+fs::path ConnectedSystem::below(const std::string& path) const {
+    return root_ / fs::path(path).relative_path();
+}
+
+std::vector<std::string> ConnectedSystem::names(const std::string& folder) const {
+    std::vector<std::string> names;
+    std::error_code failure;
+    for (fs::directory_iterator each(below(folder), failure), end; !failure && each != end;
+         each.increment(failure))
+        names.push_back(each->path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+bool ConnectedSystem::has(const std::string& path) const {
+    std::error_code ignored;
+    return fs::exists(below(path), ignored);
+}
+
+std::string ConnectedSystem::text(const std::string& path, std::size_t most) const {
+    std::ifstream in(below(path), std::ios::binary);
+    std::string text(most, '\0');
+    if (in) in.read(text.data(), static_cast<std::streamsize>(most));
+    text.resize(in.gcount() > 0 ? static_cast<std::size_t>(in.gcount()) : 0);
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.pop_back();
+    return text;
+}
+
+std::string ConnectedSystem::link(const std::string& path) const {
+    std::error_code failure;
+    const fs::path target = fs::read_symlink(below(path), failure);
+    return failure ? std::string() : target.string();
+}
+
+std::string ConnectedSystem::resolved(const std::string& path) const {
+    std::error_code failure;
+    const fs::path whole = fs::canonical(below(path), failure);
+    if (failure) return {};
+    const fs::path top = fs::canonical(root_, failure);
+    if (failure) return {};
+    return "/" + whole.lexically_relative(top).string();
+}
+
+bool ConnectedSystem::may_use(const std::string& node) const {
+    return access(below(node).c_str(), R_OK | W_OK) == 0;
+}
+
+bool somebody_listens(const ConnectedSystem& system, std::uint16_t port) {
+    constexpr std::size_t many_sockets = 1 << 20;
+    for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
+        std::istringstream lines(system.text(table, many_sockets));
+        for (std::string line; std::getline(lines, line);)
+            if (line_listens(line, port)) return true;
+    }
+    return false;
+}
+
+// ---- What is connected
+
+std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system) {
+    std::vector<SystemNode> nodes = nodes_of_class(system, "hidraw", "hidraw");
+    for (SystemNode& serial : nodes_of_class(system, "tty", "ttyACM")) nodes.push_back(std::move(serial));
+    std::vector<ConnectedDevice> devices;
+    for (const std::string& name : system.names("/sys/bus/usb/devices"))
+        if (auto device = usb_device(system, name, nodes)) devices.push_back(std::move(*device));
+    for (const HidNode& hid : hid_nodes(system.root())) {
+        const bool is_listed = std::any_of(devices.begin(), devices.end(), [&](const ConnectedDevice& each) {
+            return std::find(each.nodes.begin(), each.nodes.end(), hid.node) != each.nodes.end();
+        });
+        if (is_listed) continue;
+        if (auto device = lone_hid_device(system, hid)) devices.push_back(std::move(*device));
+    }
+    return devices;
+}
+
+}  // namespace touchable

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "device/device_catalog.hpp"
+
+// How a device is measured (device_catalog.hpp): figures of times and places, and a spring that is tried.
+
+namespace touchable {
+
+Percentiles percentiles_of(std::vector<double> values);
+
+/// From each moment to the next, s.
+std::vector<double> intervals_between(std::span<const std::int64_t> times_ns);
+
+/// From each moment to the first of `others` that is not earlier, s, where that comes before the next moment
+/// does; both lists rise.
+std::vector<double> until_the_next(std::span<const std::int64_t> times_ns,
+                                   std::span<const std::int64_t> others_ns);
+
+/// Of finite places, one after the other.
+RestFigures rest_of(std::span<const glm::dvec3> metres);
+
+/// Where a handle that nobody holds stays by itself.
+struct HandleRest {
+    glm::dvec3 metres{0.0};
+    glm::dvec3 noise_m{0.0};  ///< standard deviation along each axis
+};
+
+/// A spring about the place where a device's first finger rests. It is nudged, and what it does then says
+/// whether it stays quiet.
+class SpringTrial {
+public:
+    static constexpr int ticks = 2000;
+    static constexpr int nudge_ticks = 10;
+    static constexpr double farthest_m = 0.003;  ///< beyond which it is let go
+
+    struct Verdict {
+        bool quiet = false;
+        std::string why;     ///< it is not quiet
+        bool moved = false;  ///< the nudge was felt
+    };
+
+    /// `most_force` (N): of spring and nudge together; a third of it nudges. All of these outlive the trial.
+    SpringTrial(HapticDevice& device, const TickPace& pace, double most_force);
+    ~SpringTrial() { power_off(); }
+    SpringTrial(const SpringTrial&) = delete;
+    SpringTrial& operator=(const SpringTrial&) = delete;
+
+    /// Waits, without force, until the handle stays where it is. Error (ErrorKind::device): it does not.
+    Result<HandleRest> wait_for_rest();
+    /// With a spring of `stiffness` N/m. Force ends with it, and at the first sign of growth. Error: the
+    /// device failed or has no position (ErrorKind::device), given up (ErrorKind::interrupted).
+    Result<Verdict> try_spring(double stiffness, const HandleRest& rest);
+
+private:
+    Result<glm::dvec3> read();
+    Result<void> push(const glm::dvec3& newtons);
+    void power_off();
+    Result<Verdict> feel(double stiffness, const HandleRest& rest);
+
+    HapticDevice& device_;
+    const TickPace& pace_;
+    const double most_force_;
+    std::vector<glm::dvec3> metres_, newtons_;
+};
+
+}  // namespace touchable

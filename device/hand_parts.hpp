@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "device/hand.hpp"
+
+// What hands are built of: what they find of the surface under them, and recorded motions.
+
+namespace touchable {
+
+// ---- The ground
+
+/// A rectangle of the picture, pixels, edges included.
+struct HandArea {
+    glm::dvec2 least;
+    glm::dvec2 greatest;
+
+    bool contains(const glm::dvec2& p) const {
+        return p.x >= least.x && p.x <= greatest.x && p.y >= least.y && p.y <= greatest.y;
+    }
+};
+
+/// The middle of a picture, `fraction` (0..1] of its width and height.
+HandArea middle_of(const SurfaceProbe& probe, double fraction);
+
+struct SurfacePoint {
+    glm::dvec2 pixel;
+    double depth;  ///< planar, scene units, > 0
+};
+
+/// The surface at `pixel`, or, walking outward in square rings of whole pixels inside `box`, at the nearest
+/// pixel of the first ring that has any. Nothing where the box shows no surface at all.
+std::optional<SurfacePoint> nearest_surface(const SurfaceProbe& probe, const glm::dvec2& pixel,
+                                            const HandArea& box);
+
+/// Planar depth of the device's centre, scene units: where a hand works while no surface has been seen. For a
+/// centre that is not in front of the camera, 0.16 m of device space.
+double device_depth(const Workspace& workspace);
+
+/// Planar depth, scene units, of what nearest_surface finds; where that is nothing, device_depth's.
+double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel, const HandArea& box,
+                   const Workspace& workspace);
+
+/// The ground about a finger that glides.
+struct LocalRelief {
+    enum class Kind {
+        smooth,
+        rough,  ///< it bends sharply within reach, as at a step: what presses there may be held
+        broken  ///< the surface ends within reach, at a cliff up or down or at a hole
+    };
+    Kind kind;
+    double highest;  ///< least planar depth within reach, scene units
+};
+
+/// Looks about a finger, as a person does who lifts it over a step they see coming.
+class LocalReliefSearch {
+public:
+    /// Looks `reach` device metres, > 0, to every side, and at pixels of `box` alone: no finger goes
+    /// elsewhere.
+    LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box);
+
+    /// At `pixel` of the box, where the finger takes the surface to be at planar depth `depth`.
+    LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
+
+private:
+    static constexpr int directions = 12;  // even: they pair up
+
+    std::array<glm::dvec2, directions> directions_;  // unit length, x right, y down
+    double reach_;
+    double metres_per_scene_unit_;
+    HandArea box_;
+};
+
+/// Device metres that one pixel spans at `depth`, across and down.
+glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth,
+                      double metres_per_scene_unit);
+
+// ---- Recorded motions
+
+/// The rotation (proper: determinant +1) that lays the direction of greatest variance of `points` along X,
+/// the next along Y and that of least variance along Z. Of each of the first two directions the largest
+/// component (the first of equals) is positive before the rotation, which fixes the signs. By Jacobi's
+/// method, + - * / sqrt alone.
+glm::dmat3 principal_rotation(std::span<const glm::dvec3> points);
+
+/// Which of a table's columns are a motion, and in what unit.
+struct MotionSettings {
+    /// One column: how far the motion goes in, along -Z. Three columns: a position, in any axes.
+    std::vector<std::string> columns;
+    /// Device metres per unit of the columns, not 0; a negative one turns the motion round.
+    double scale = 1;
+    /// Three columns: instead of `scale`, the motion's larger in-plane extent, device metres.
+    std::optional<double> extent = {};
+    /// The column of seconds; `t_s` if neither this nor `rate` is given.
+    std::optional<std::string> time = {};
+    /// Three columns: a place of the scene itself, in scene units and its axes, as it is; `scale` and
+    /// `extent` have no say.
+    bool in_scene = false;
+    /// Rows per second, for a table without times.
+    std::optional<double> rate = {};
+};
+
+/// The motion of a recording, in device metres, one position per tick from its first row's time to its last
+/// one's, linear between rows. A single column moves along Z about the recording's own zero. Three columns
+/// are turned so that the direction of least variance lies along Z (see `principal_rotation`) and centred in
+/// their bounding box. Refuses (ErrorKind::input, with file, line and column) values that are not finite,
+/// times that do not increase, fewer than two rows, more than an hour, and motions of more than 10 m.
+Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const MotionSettings& settings);
+
+/// Makes a hand from "FILE[:key=value,...]" (the keys are in docs/hands.md). A file's name may hold ':': the
+/// options begin after the last one that is followed by a '='. Refuses impossible options (ErrorKind::usage)
+/// and files that cannot be used (ErrorKind::input, with line and column).
+Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
+                                                 const Workspace& workspace, const SurfaceProbe& probe);
+
+}  // namespace touchable

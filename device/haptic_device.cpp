@@ -1,0 +1,425 @@
+#include "device/haptic_device.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <string_view>
+#include <utility>
+
+#include "device/hand.hpp"
+#include "device/newest_value.hpp"
+#include "device/point_motion.hpp"
+#include "engine/base/try.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // from one to the next
+constexpr double pointer_arrival = 0.004;  // device metres: nearer along the view, a finger is there
+
+constexpr HandleDynamics standard_handle;
+constexpr std::array<HandKey, 8> simulated_keys{{
+    {"mass", "kg", 0.05, 10, standard_handle.mass},
+    {"damping", "N s/m", 0, 50, standard_handle.damping},
+    {"friction", "N", 0, 5, standard_handle.friction},
+    {"quantum", "um", 0, 1000, standard_handle.quantum * 1e6},
+    {"hand", "N/mm", 0.01, 5, standard_handle.hand_stiffness / 1000},
+    {"force", "N", 0.1, 1000, 10},
+    {"stiffness", "N/mm", 0.01, 1000, 10},
+    {"unplug", "s", 0.001, 1e6, 0},
+}};
+
+/// What each of several devices says, where it says anything.
+std::string all_said(const std::vector<std::unique_ptr<HapticDevice>>& devices,
+                     std::string (HapticDevice::*says)() const, const char* between) {
+    std::string all;
+    for (const auto& device : devices)
+        if (const std::string said = (*device.*says)(); !said.empty())
+            all += (all.empty() ? "" : between) + said;
+    return all;
+}
+
+bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(glm::dot(v, v));
+}
+
+/// Unit vector from one to the other; zero where there is none.
+glm::dvec3 direction_between(const glm::dvec3& from, const glm::dvec3& to) {
+    const glm::dvec3 way = to - from;
+    const double length = std::sqrt(glm::dot(way, way));
+    return length > 1e-9 && std::isfinite(length) ? way / length : glm::dvec3(0);
+}
+
+/// A place that is not a number is not near.
+bool is_near(const glm::dvec3& place) {
+    return glm::dot(place, place) <= PointerDevice::farthest * PointerDevice::farthest;
+}
+
+}  // namespace
+
+// ---- DeviceGroup
+
+DeviceGroup::DeviceGroup(std::vector<std::unique_ptr<HapticDevice>> devices) : devices_(std::move(devices)) {
+    assert(!devices_.empty());
+    for (const auto& device : devices_) fingers_ += device->fingers();
+}
+
+std::string DeviceGroup::name() const {
+    return all_said(devices_, &HapticDevice::name, ", ");
+}
+
+DeviceLimits DeviceGroup::limits() const {
+    DeviceLimits least = devices_.front()->limits();
+    for (const auto& device : devices_) {
+        least.max_force = std::min(least.max_force, device->limits().max_force);
+        least.max_stiffness = std::min(least.max_stiffness, device->limits().max_stiffness);
+    }
+    return least;
+}
+
+DeviceCapabilities DeviceGroup::capabilities() const {
+    DeviceCapabilities all = devices_.front()->capabilities();
+    for (const auto& device : devices_) {
+        const DeviceCapabilities one = device->capabilities();
+        all.axes_sensed = std::min(all.axes_sensed, one.axes_sensed);
+        all.axes_driven = std::max(all.axes_driven, one.axes_driven);
+        all.reach = glm::min(all.reach, one.reach);
+        all.rate_hz = std::min(all.rate_hz, one.rate_hz);
+        all.buttons = std::max(all.buttons, one.buttons);
+        all.own_watchdog = all.own_watchdog && one.own_watchdog;
+        if (std::string_view(all.first_button) != one.first_button)
+            all.first_button = DeviceCapabilities().first_button;
+    }
+    return all;
+}
+
+Result<void> DeviceGroup::open() {
+    for (const auto& device : devices_)
+        if (auto opened = device->open(); !opened) {
+            close();
+            return opened;
+        }
+    return {};
+}
+
+void DeviceGroup::close() {
+    for (const auto& device : devices_) device->close();
+}
+
+/// Each gets its share, whatever the others say: none is left with a force because another has failed.
+bool DeviceGroup::read_positions(std::span<glm::dvec3> device_metres) {
+    bool all = true;
+    for (const auto& device : devices_) {
+        const auto own = static_cast<std::size_t>(device->fingers());
+        all = device->read_positions(device_metres.first(own)) && all;
+        device_metres = device_metres.subspan(own);
+    }
+    return all;
+}
+
+bool DeviceGroup::write_forces(std::span<const glm::dvec3> newtons) {
+    bool all = true;
+    for (const auto& device : devices_) {
+        const auto own = static_cast<std::size_t>(device->fingers());
+        all = device->write_forces(newtons.first(own)) && all;
+        newtons = newtons.subspan(own);
+    }
+    return all;
+}
+
+std::uint32_t DeviceGroup::buttons() {
+    std::uint32_t pressed = 0;
+    for (const auto& device : devices_) pressed |= device->buttons();
+    return pressed;
+}
+
+double DeviceGroup::age_s() const {
+    double oldest = 0;
+    for (const auto& device : devices_) oldest = std::max(oldest, device->age_s());
+    return oldest;
+}
+
+bool DeviceGroup::is_over() const {
+    return std::all_of(devices_.begin(), devices_.end(),
+                       [](const auto& device) { return device->is_over(); });
+}
+
+std::string DeviceGroup::prompt() const {
+    return all_said(devices_, &HapticDevice::prompt, "; ");
+}
+
+std::string DeviceGroup::why_no_position() const {
+    return all_said(devices_, &HapticDevice::why_no_position, "; ");
+}
+
+Result<void> DeviceGroup::health() const {
+    for (const auto& device : devices_) TRY(device->health());
+    return {};
+}
+
+// ---- SimulatedDevice
+
+SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle)
+    : limits_(limits),
+      handles_(static_cast<std::size_t>(fingers), HeldHandle(handle, tick_of_handles_s)),
+      exerted_(static_cast<std::size_t>(fingers), glm::dvec3(0)) {
+    assert(fingers > 0 && limits.max_force > 0 && limits.max_stiffness > 0);
+}
+
+SimulatedDevice::~SimulatedDevice() {
+    close();
+}
+
+Result<void> SimulatedDevice::open() {
+    power_off();
+    fault_ = nullptr;
+    open_ = true;
+    return {};
+}
+
+void SimulatedDevice::close() {
+    power_off();
+    open_ = false;
+}
+
+bool SimulatedDevice::read_positions(std::span<glm::dvec3> device_metres) {
+    if (!open_ || fault_) return false;
+    assert(device_metres.size() == handles_.size());
+    for (std::size_t finger = 0; finger < handles_.size(); ++finger)
+        device_metres[finger] = handles_[finger].reading();
+    return true;
+}
+
+bool SimulatedDevice::write_forces(std::span<const glm::dvec3> newtons) {
+    if (!open_ || fault_) return false;
+    assert(newtons.size() == exerted_.size());
+    for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
+        const double length = glm::length(newtons[finger]);
+        if (!std::isfinite(length)) {
+            fail("was given a force that is not finite");
+            return false;
+        }
+        const double shorten = length > limits_.max_force ? limits_.max_force / length : 1.0;
+        exerted_[finger] = newtons[finger] * shorten;
+    }
+    silent_ticks_ = 0;
+    return true;
+}
+
+Result<void> SimulatedDevice::health() const {
+    if (fault_)
+        return Error{ErrorKind::device, "simulated device " + std::string(fault_) + "; open it again"};
+    return {};
+}
+
+void SimulatedDevice::put(int finger, const glm::dvec3& device_metres) {
+    if (is_finite(device_metres))
+        handles_[static_cast<std::size_t>(finger)].put(device_metres, glm::dvec3(0));
+    intend(finger, device_metres);
+}
+
+void SimulatedDevice::intend(int finger, const glm::dvec3& device_metres) {
+    if (is_finite(device_metres)) handles_[static_cast<std::size_t>(finger)].intend(device_metres);
+}
+
+void SimulatedDevice::pass_tick() {
+    for (std::size_t finger = 0; finger < handles_.size(); ++finger)
+        handles_[finger].advance(exerted_[finger]);
+    ++silent_ticks_;
+    if (silent_ticks_ * tick_of_handles_s > silence_s) power_off();
+    if (ticks_to_unplugging_ && --*ticks_to_unplugging_ <= 0) {
+        ticks_to_unplugging_.reset();
+        fail("was unplugged");
+    }
+}
+
+void SimulatedDevice::fail(const char* reason) {
+    power_off();
+    fault_ = reason;
+}
+
+void SimulatedDevice::power_off() {
+    std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0));
+}
+
+Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers) {
+    const std::size_t colon = description.find(':');
+    if (description.substr(0, colon) != "simulated")
+        return usage_error("unknown device '" + description.substr(0, colon) +
+                           "'; the one there is is simulated");
+    TRY_ASSIGN(
+        const auto given,
+        HandOptions::parse("device 'simulated'",
+                           colon == std::string::npos ? "" : description.substr(colon + 1), simulated_keys));
+    HandleDynamics handle;
+    handle.mass = given.number("mass");
+    handle.damping = given.number("damping");
+    handle.friction = given.number("friction");
+    handle.quantum = given.number("quantum") / 1e6;
+    handle.hand_stiffness = given.number("hand") * 1000;
+    const DeviceLimits limits{given.number("force"), given.number("stiffness") * 1000};
+    auto device = std::make_unique<SimulatedDevice>(fingers, limits, handle);
+    if (given.given("unplug"))
+        device->unplug_after(static_cast<std::int64_t>(given.number("unplug") / tick_of_handles_s + 0.5));
+    return device;
+}
+
+// ---- PointerDevice
+
+struct PointerDevice::Meant {
+    std::optional<glm::dvec3> place;   // nothing: no goal
+    glm::dvec3 along{0.0};             // unit, away from the eye, or zero
+    std::optional<glm::dvec3> from{};  // where it begins if it was away; nothing: at the refuge
+};
+
+struct PointerDevice::Intents {
+    std::array<Meant, most_fingers> meant{};                // the window's
+    NewestValue<std::array<Meant, most_fingers>> newest{};  // from it to the haptic thread
+};
+
+struct PointerDevice::Led {
+    LedPoint point;
+    LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
+    bool comes = true;       // it was away, and has not come to its goal yet
+    bool has_begun = false;  // before the surface, since it was away
+};
+
+PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings)
+    : settings_(settings),
+      refuge_(refuge),
+      intents_(std::make_unique<Intents>()),
+      led_(static_cast<std::size_t>(fingers),
+           Led{LedPoint(settings.times, pointer_reading_s),
+               LedPoint({settings.times.across_s, settings.times.across_s}, pointer_reading_s)}) {
+    assert(fingers >= 1 && fingers <= most_fingers);
+    assert(settings.max_speed > 0 && settings.approach_speed > 0 && settings.limits.max_force > 0 &&
+           settings.limits.max_stiffness > 0);
+    retreat();
+}
+
+PointerDevice::~PointerDevice() {
+    close();
+}
+
+int PointerDevice::fingers() const {
+    return static_cast<int>(led_.size());
+}
+
+Result<void> PointerDevice::open() {
+    fault_.store(nullptr, std::memory_order_relaxed);
+    opening_.store(++openings_, std::memory_order_release);
+    return {};
+}
+
+void PointerDevice::close() {
+    opening_.store(0, std::memory_order_release);
+}
+
+bool PointerDevice::works() const {
+    return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
+}
+
+Result<void> PointerDevice::health() const {
+    if (const char* fault = fault_.load(std::memory_order_relaxed))
+        return Error{ErrorKind::device, "pointer " + std::string(fault) + "; open it again"};
+    return {};
+}
+
+void PointerDevice::retreat() {
+    for (Led& led : led_) {
+        led.point.put(refuge_);
+        led.quick.put(refuge_);
+        led.comes = true;
+        led.has_begun = false;
+    }
+}
+
+void PointerDevice::lead(const Meant& meant, Led& led) const {
+    if (!meant.place) {
+        led.comes = true;
+        led.has_begun = false;
+        led.point.follow(refuge_, glm::dvec3(0), settings_.max_speed);
+        led.quick.put(led.point.place());
+        return;
+    }
+    if (led.comes && meant.from && !std::exchange(led.has_begun, true)) {
+        led.point.put(*meant.from);
+        led.quick.put(*meant.from);
+    }
+    const double speed = led.comes ? settings_.approach_speed : settings_.max_speed;
+    const glm::dvec3 before = led.point.place();
+    led.point.follow(*meant.place, meant.along, speed);
+    led.quick.follow(*meant.place, meant.along, speed);
+    const double beyond = glm::dot(led.point.place() - led.quick.place(), meant.along);
+    led.point.shift((std::clamp(beyond, -settings_.leash, settings_.leash) - beyond) * meant.along);
+    const glm::dvec3 step = led.point.place() - before;
+    const double length = std::sqrt(glm::dot(step, step)), farthest_step = speed * pointer_reading_s;
+    if (length > farthest_step) led.point.shift(step * (farthest_step / length - 1));
+    led.comes =
+        led.comes && std::abs(glm::dot(*meant.place - led.point.place(), meant.along)) > pointer_arrival;
+}
+
+bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
+    if (!works()) return false;
+    assert(device_metres.size() == led_.size());
+    const std::uint32_t opening = opening_.load(std::memory_order_acquire);
+    const std::uint32_t force = force_.load(std::memory_order_acquire);
+    // A stop between two readings counts, even if it was let go on before the second one.
+    if (opening != seen_opening_ || force != seen_force_) retreat();
+    seen_opening_ = opening;
+    seen_force_ = force;
+    const auto& meant = intents_->newest.read();
+    for (std::size_t finger = 0; finger < led_.size(); ++finger) {
+        if (is_on(force)) lead(meant[finger], led_[finger]);
+        device_metres[finger] = led_[finger].point.place();
+    }
+    return true;
+}
+
+bool PointerDevice::write_forces(std::span<const glm::dvec3> newtons) {
+    if (!works()) return false;
+    assert(newtons.size() == led_.size());
+    for (const glm::dvec3& force : newtons)
+        if (!std::isfinite(glm::length(force))) {
+            fault_.store("was given a force that is not finite", std::memory_order_relaxed);
+            return false;
+        }
+    return true;
+}
+
+void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3& eye) {
+    assert(places.size() <= led_.size());
+    for (std::size_t finger = 0; finger < intents_->meant.size(); ++finger) {
+        if (finger >= places.size())
+            intents_->meant[finger].place.reset();
+        else if (is_near(places[finger]))
+            intents_->meant[finger] = {places[finger], direction_between(eye, places[finger])};
+    }
+    intents_->newest.write(intents_->meant);
+}
+
+void PointerDevice::intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from,
+                           const glm::dvec3& eye) {
+    assert(finger < led_.size());
+    if (!is_near(place)) return;
+    intents_->meant[finger] = {place, direction_between(eye, place),
+                               is_near(from) ? std::optional(from) : std::nullopt};
+    intents_->newest.write(intents_->meant);
+}
+
+void PointerDevice::withdraw(std::size_t finger) {
+    assert(finger < led_.size());
+    intents_->meant[finger].place.reset();
+    intents_->newest.write(intents_->meant);
+}
+
+void PointerDevice::set_force(bool on) {
+    std::uint32_t now = force_.load(std::memory_order_relaxed);
+    while (is_on(now) != on && !force_.compare_exchange_weak(now, now + 1, std::memory_order_acq_rel,
+                                                             std::memory_order_relaxed)) {
+    }
+}
+
+}  // namespace touchable

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "device/haptic_device.hpp"
+
+// Motions of one point, the same bits everywhere: of a handle that a hand holds, of a finger that follows a
+// pointer, and which motion of a finger a device may tell.
+
+namespace touchable {
+
+/// The end of a device in a hand, where nothing is connected: a mass on which act a device's force, held over
+/// each period as electronics hold it, viscous and Coulomb friction, and the spring of a hand towards a place
+/// the person means. Device metres, newtons, seconds. Without Coulomb friction its motion is exact; with it,
+/// exact for a friction that is constant over a twentieth of the period, at whose end the body may come to
+/// rest (implicit, as Moreau has it: no drift at rest, no chatter). The same bits everywhere.
+class HeldHandle {
+public:
+    /// At rest at 0, meant to be there.
+    HeldHandle(const HandleDynamics& dynamics, double period_s);
+
+    void put(const glm::dvec3& place, const glm::dvec3& velocity);
+    void intend(const glm::dvec3& place) { intended_ = place; }
+    /// One period, under a device's constant force.
+    void advance(const glm::dvec3& force);
+
+    const glm::dvec3& place() const { return place_; }
+    const glm::dvec3& velocity() const { return velocity_; }
+    /// The place as the device's encoders measure it: in steps of `quantum`.
+    glm::dvec3 reading() const;
+
+private:
+    void step(const glm::dvec3& force);
+
+    HandleDynamics dynamics_;
+    int steps_;  // of a period
+    // The integral of exp(A s) over a step, A the body's matrix: what place and velocity gain, per velocity
+    // and per acceleration at its beginning.
+    double place_per_velocity_, place_per_acceleration_, velocity_per_velocity_, velocity_per_acceleration_;
+    glm::dvec3 place_{0.0}, velocity_{0.0}, intended_{0.0};
+};
+
+/// A point that follows a goal as a critically damped spring would draw it: without overshoot, smooth in
+/// speed, and exact for a goal that stays where it is for a period. It is slower along one direction, in
+/// which the goal may jump about, than across. The same bits everywhere.
+class LedPoint {
+public:
+    LedPoint(const LeadTimes& times, double period_s);
+
+    /// At rest.
+    void put(const glm::dvec3& place);
+    /// One period towards `goal`, no farther than `max_speed` (> 0) goes. `along`: a unit vector, or zero
+    /// where no direction is slower than the others.
+    void follow(const glm::dvec3& goal, const glm::dvec3& along, double max_speed);
+
+    /// As it goes on, but from somewhere else.
+    void shift(const glm::dvec3& way) { place_ += way; }
+
+    const glm::dvec3& place() const { return place_; }
+    const glm::dvec3& velocity() const { return velocity_; }
+
+private:
+    /// What is left of an offset from the goal and of a velocity after a period, per each of the two.
+    struct Response {
+        double place_per_place, place_per_velocity, velocity_per_place, velocity_per_velocity;
+    };
+    static Response response(double time_constant, double period_s);
+
+    double period_s_;
+    Response across_, along_;
+    glm::dvec3 place_{0.0}, velocity_{0.0};
+};
+
+/// Leaves out a finger's places that cannot be. A hand moves a few metres in a second; a bit that is lost on
+/// a wire moves the place through the whole room. A place that the finger cannot have reached from the last
+/// one is left out, however often that happens. Where all places after such a leap follow each other as a
+/// hand can move, the finger is believed to be there, but only after `lost_ns`: until then its place counts
+/// as unknown, so that the force guard has taken its force away before the finger appears elsewhere.
+class PlausibleMotion {
+public:
+    static constexpr double fastest = 5;  ///< m/s
+    static constexpr double longest_s =
+        0.01;                               ///< a hand may have moved for at most so long between two places
+    static constexpr double slack = 0.002;  ///< m, allowed between any two places: noise, late timestamps
+    static constexpr double farthest = 5;   ///< m from the device's centre
+    static constexpr std::int64_t lost_ns = 150'000'000;  ///< longer than the guard takes to end its force
+
+    /// The place that is believed now: this one, or nothing. Times do not go back.
+    std::optional<glm::dvec3> believe(const glm::dvec3& place, std::int64_t time_ns);
+    /// Nothing was received for so long that any place may come next.
+    void forget() { *this = {}; }
+
+private:
+    struct Seen {
+        glm::dvec3 place{0.0};
+        std::int64_t time_ns = 0;
+    };
+    static bool reaches(const Seen& from, const glm::dvec3& place, std::int64_t time_ns);
+
+    std::optional<Seen> last_;       // believed
+    std::optional<Seen> elsewhere_;  // newest of places that go on from a leap
+    std::int64_t leapt_ns_ = 0;      // when they began
+};
+
+}  // namespace touchable

@@ -1,0 +1,368 @@
+#include "engine/base/files.hpp"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+#include <tuple>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+namespace {
+
+/// Read at once, so that a few bytes after the other are not a call of the system each.
+constexpr std::uint64_t block_bytes = 1 << 16;
+
+/// What it is, where it is no ordinary file.
+const char* other_kind(mode_t mode) {
+    if (S_ISDIR(mode)) return "is a folder";
+    if (S_ISFIFO(mode)) return "is a pipe, no ordinary file";
+    if (S_ISSOCK(mode)) return "is a socket, no ordinary file";
+    return "is a device, no ordinary file";
+}
+
+std::string words_of(int error) {
+    return error == ENOENT ? "is not there"
+                           : "cannot be read (" + std::generic_category().message(error) + ")";
+}
+
+/// Behind the file's name, where there is one.
+Error named_error(const std::string& named, const std::string& why) {
+    return input_error(named.empty() ? why : named + ": " + why);
+}
+
+Error interrupted_reading() {
+    return {ErrorKind::interrupted, "interrupted while it was read"};
+}
+
+/// A file that is open as long as anybody reads it.
+class Descriptor {
+public:
+    explicit Descriptor(int number) : number_(number) {
+        struct statfs system = {};
+        in_memory_ = fstatfs(number, &system) == 0 && system.f_type == TMPFS_MAGIC;
+    }
+    ~Descriptor() { close(number_); }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    std::ptrdiff_t read(std::uint64_t at, char* to, std::size_t count, bool may_wait) const {
+        iovec room{to, count};
+        ssize_t got = -1;
+        do {
+            got = preadv2(number_, &room, 1, static_cast<off_t>(at), may_wait || in_memory_ ? 0 : RWF_NOWAIT);
+        } while (got < 0 && errno == EINTR && may_wait);
+        return got < 0 ? -errno : got;
+    }
+
+private:
+    int number_;
+    bool in_memory_;  // its file system is, and need not know how to read without waiting
+};
+
+}  // namespace
+
+Result<GivenFile> GivenFile::open(const std::filesystem::path& file, const std::string& named,
+                                  const std::string& right) {
+    const auto refused = [&](const std::string& why) {
+        return named_error(named, why + "; right would be " + right);
+    };
+    // Opening a device may do something to it, so first a look; then another, at what was opened.
+    struct stat about = {};
+    if (stat(file.c_str(), &about) != 0) return refused(words_of(errno));
+    if (!S_ISREG(about.st_mode)) return refused(other_kind(about.st_mode));
+    const int number = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (number < 0) return refused(words_of(errno));
+    const auto opened = std::make_shared<const Descriptor>(number);
+    if (fstat(number, &about) != 0) return refused(words_of(errno));
+    if (!S_ISREG(about.st_mode)) return refused(other_kind(about.st_mode));
+    return GivenFile([opened](std::uint64_t at, char* to, std::size_t count,
+                              bool may_wait) { return opened->read(at, to, count, may_wait); },
+                     static_cast<std::uint64_t>(about.st_size));
+}
+
+/// What is in memory already comes at once. For a disk, which may be at the other end of a network that has
+/// failed, another thread waits.
+Result<void> GivenFile::fill(std::uint64_t at) {
+    if (stop_requested()) return interrupted_reading();
+    const auto count = static_cast<std::size_t>(std::min(block_bytes, size_ - at));
+    std::string block(count, '\0');
+    std::ptrdiff_t got = reading_(at, block.data(), count, false);
+    if (got < 0) {
+        auto came = unless_stopped([reading = reading_, at, count] {
+            std::string bytes(count, '\0');
+            const std::ptrdiff_t here = reading(at, bytes.data(), count, true);
+            return std::pair(std::move(bytes), here);
+        });
+        if (!came) return interrupted_reading();
+        std::tie(block, got) = std::move(*came);
+    }
+    block.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(got, 0)));
+    block_ = std::move(block);
+    block_at_ = at;
+    if (got == -ETIMEDOUT) return input_error("cannot be read: its server sends it too slowly");
+    if (got < 0)
+        return input_error("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+    return got > 0 ? Result<void>() : input_error("is cut short");
+}
+
+Result<void> GivenFile::read(std::uint64_t at, char* to, std::size_t count) {
+    if (at > size_ || count > size_ - at) return input_error("is cut short");
+    while (count > 0) {
+        if (at < block_at_ || at - block_at_ >= block_.size())
+            if (auto filled = fill(at); !filled) return filled;
+        const auto from = static_cast<std::size_t>(at - block_at_);
+        const std::size_t some = std::min(count, block_.size() - from);
+        std::memcpy(to, block_.data() + from, some);
+        at += some;
+        to += some;
+        count -= some;
+    }
+    return {};
+}
+
+namespace {
+
+Result<std::string> all_of(Result<GivenFile> given, const std::string& named, const std::string& right,
+                           std::size_t largest) {
+    if (!given) return given.error();
+    if (given->size() > largest)
+        return named_error(named, "is larger than " + in_bytes(largest) + "; right would be " + right);
+    std::string bytes(static_cast<std::size_t>(given->size()), '\0');
+    if (auto read = given->read(0, bytes.data(), bytes.size()); !read)
+        return named.empty() ? read.error() : error_at(named, read.error());
+    return bytes;
+}
+
+}  // namespace
+
+Result<std::string> read_given_file(const std::filesystem::path& file, const std::string& named,
+                                    const std::string& right, std::size_t largest) {
+    return all_of(GivenFile::open(file, named, right), named, right, largest);
+}
+
+Result<GivenFile> SourceFile::open(const std::string& right) const {
+    if (!opened_->file) {
+        TRY_ASSIGN(auto given, GivenFile::open(path(), string(), right));
+        opened_->file = std::make_unique<const GivenFile>(std::move(given));
+    }
+    return *opened_->file;
+}
+
+Result<std::string> SourceFile::read(const std::string& right, std::size_t largest) const {
+    return all_of(open(right), string(), right, largest);
+}
+
+std::string in_bytes(std::uint64_t bytes) {
+    const char* unit = " bytes";
+    for (const char* larger : {" KiB", " MiB", " GiB"}) {
+        if (bytes == 0 || bytes % 1024 != 0) break;
+        bytes /= 1024;
+        unit = larger;
+    }
+    return std::to_string(bytes) + unit;
+}
+
+namespace {
+
+class MemoryBytes final : public ByteSource {
+public:
+    explicit MemoryBytes(std::string_view bytes) : bytes_(bytes) {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
+        if (at > bytes_.size() || count > bytes_.size() - at) return input_error("is cut short");
+        std::memcpy(to, bytes_.data() + at, count);
+        return {};
+    }
+
+private:
+    std::string_view bytes_;
+};
+
+class FileBytes final : public ByteSource {
+public:
+    explicit FileBytes(GivenFile file) : file_(std::move(file)) {}
+    std::uint64_t size() const override { return file_.size(); }
+    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
+        return file_.read(at, to, count);
+    }
+
+private:
+    GivenFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes) {
+    return std::make_unique<MemoryBytes>(bytes);
+}
+
+Result<std::unique_ptr<ByteSource>> bytes_of_file(const SourceFile& file) {
+    TRY_ASSIGN(auto given, file.open("an ordinary file"));
+    return std::unique_ptr<ByteSource>(std::make_unique<FileBytes>(std::move(given)));
+}
+
+std::string first_bytes(ByteSource& bytes, std::size_t count) {
+    std::string begin(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), count)), '\0');
+    if (!bytes.read(0, begin.data(), begin.size())) begin.clear();
+    return begin;
+}
+
+std::string first_bytes(const SourceFile& file, std::size_t count) {
+    const auto bytes = bytes_of_file(file);
+    return bytes ? first_bytes(**bytes, count) : std::string();
+}
+
+namespace {
+namespace fs = std::filesystem;
+
+/// A file that is open, by a name that leads to it whatever its own is.
+fs::path open_file_name(int file) {
+    return "/proc/self/fd/" + std::to_string(file);
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// Gives `from` a second name, following it where it leads to an open file: 0 or errno.
+int add_name(const fs::path& from, const fs::path& to) {
+    return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+fs::path hidden_name(const fs::path& folder) {
+    std::uint64_t number = 0;
+    if (getrandom(&number, sizeof number, 0) != sizeof number) number = static_cast<std::uint64_t>(getpid());
+    return folder / formatted(".unfinished-%016llx", static_cast<unsigned long long>(number));
+}
+
+int move_to_free_name(const fs::path& from, const fs::path& to) {
+    if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS) return errno;
+    // A file system that cannot: a file may have two names for a moment, a folder may not.
+    std::error_code failure;
+    if (fs::is_directory(from, failure)) {
+        if (fs::exists(fs::symlink_status(to, failure))) return EEXIST;
+        return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+    }
+    if (const int why = add_name(from, to)) return why;
+    unlink(from.c_str());
+    return 0;
+}
+
+void sync_folder(const fs::path& folder) {
+    const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (opened < 0) return;
+    fsync(opened);
+    close(opened);
+}
+
+NewFile::NewFile(fs::path target, Existing existing, const fs::path& beside)
+    : target_(std::move(target)), existing_(existing) {
+    const fs::path folder = beside.empty() ? folder_of(target_) : beside;
+    open_unnamed(folder);
+    if (file_ < 0) open_named(folder);
+}
+
+NewFile::~NewFile() {
+    if (file_ >= 0) close(file_);
+    if (!hidden_.empty()) unlink(hidden_.c_str());
+}
+
+void NewFile::open_unnamed(const fs::path& folder) {
+    file_ = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (file_ < 0) return;
+    path_ = open_file_name(file_);
+    if (access(path_.c_str(), W_OK) == 0) return;
+    close(std::exchange(file_, -1));  // without /proc nobody could write to it
+}
+
+void NewFile::open_named(const fs::path& folder) {
+    for (int tries = 0; tries < 8 && file_ < 0; ++tries) {
+        path_ = hidden_name(folder);
+        file_ = open(path_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, 0666);
+        failure_ = file_ < 0 ? errno : 0;
+        if (failure_ != EEXIST) break;
+    }
+    if (file_ < 0) {
+        path_.clear();
+        return;
+    }
+    hidden_ = path_;
+    // Whoever may write in the folder could put something else under that name.
+    if (const auto opened = open_file_name(file_); access(opened.c_str(), W_OK) == 0) path_ = opened;
+}
+
+Error NewFile::failed(int why) const {
+    return input_error(target_.string() + ": cannot be written: " + std::generic_category().message(why));
+}
+
+Result<void> NewFile::check() const {
+    std::error_code failure;
+    const auto status = fs::status(target_, failure);
+    if (!target_.has_filename() || (fs::exists(status) && !is_regular_file(status)))
+        return input_error(target_.string() +
+                           ": is not the name of a file; must be one, new or to be replaced");
+    if (failure_ != 0) return failed(failure_);
+    return {};
+}
+
+Result<void> NewFile::write(std::string_view text) {
+    if (auto usable = check(); !usable.ok()) return usable;
+    while (!text.empty()) {
+        const ssize_t taken = ::write(file_, text.data(), text.size());
+        if (taken < 0 && errno == EINTR) continue;
+        if (taken < 0) return failed(errno);
+        text.remove_prefix(static_cast<std::size_t>(taken));
+    }
+    return {};
+}
+
+int NewFile::replace(const fs::path& name) {
+    if (hidden_.empty()) {
+        // Only a file with a name can take the place of another.
+        const fs::path hidden = hidden_name(folder_of(name));
+        if (const int why = add_name(path_, hidden)) return why;
+        hidden_ = hidden;
+    }
+    if (std::rename(hidden_.c_str(), name.c_str()) != 0) return errno;
+    hidden_.clear();
+    return 0;
+}
+
+int NewFile::give_name(const fs::path& name) {
+    const int why = hidden_.empty() ? add_name(path_, name) : move_to_free_name(hidden_, name);
+    if (why == EEXIST && existing_ == Existing::replace) return replace(name);
+    if (why == 0) hidden_.clear();
+    return why;
+}
+
+Result<void> NewFile::commit_as(const fs::path& name) {
+    if (auto usable = check(); !usable.ok()) return usable;
+    // Some file systems and pipes cannot; that is no fault.
+    if (lasts_ && fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS)
+        return failed(errno);
+    const int why = give_name(name);
+    if (why == EEXIST)
+        return input_error(target_.string() +
+                           ": is there by now, and was not when this run began; it stays as it is");
+    if (why != 0) return failed(why);
+    committed_ = true;
+    if (lasts_) sync_folder(folder_of(name));
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,160 @@
+#include "engine/base/threads.hpp"
+
+#include <cassert>
+
+namespace touchable {
+namespace {
+
+std::atomic<bool> requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing that locks");
+
+thread_local bool goes_on = false;
+thread_local const WorkUntil* innermost = nullptr;
+
+}  // namespace
+
+void request_stop() {
+    requested.store(true, std::memory_order_relaxed);
+}
+
+bool stop_requested() {
+    if (requested.load(std::memory_order_relaxed) && !goes_on) return true;
+    for (const WorkUntil* work = innermost; work != nullptr; work = work->around_)
+        if (work->given_up_.stop_requested()) return true;
+    return false;
+}
+
+WorkUntil::WorkUntil(std::stop_token given_up)
+    : given_up_(std::move(given_up)), around_(std::exchange(innermost, this)) {}
+
+WorkUntil::~WorkUntil() {
+    innermost = around_;
+}
+
+WorkForAll::WorkForAll() : around_(std::exchange(innermost, nullptr)) {}
+
+WorkForAll::~WorkForAll() {
+    innermost = around_;
+}
+
+WorkAlongside::Whom WorkAlongside::this_thread() {
+    return {innermost, goes_on};
+}
+
+WorkAlongside::WorkAlongside(const Whom& whom) : before_(this_thread()) {
+    innermost = whom.until;
+    goes_on = whom.goes_on;
+}
+
+WorkAlongside::~WorkAlongside() {
+    innermost = before_.until;
+    goes_on = before_.goes_on;
+}
+
+Error interrupted_error() {
+    return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
+}
+
+WorkAfterStop::WorkAfterStop() : before_(std::exchange(goes_on, true)) {}
+
+WorkAfterStop::~WorkAfterStop() {
+    goes_on = before_;
+}
+
+namespace {
+
+/// More bands than threads, so that one that is late, or whose core is taken, keeps nobody waiting for long;
+/// and none so long that its first rows have left the cache when the last are done.
+constexpr int bands_per_thread = 4, most_rows = 128;
+
+constexpr int most_threads = 4;
+
+}  // namespace
+
+int threads_for(long pixels, long pixels_per_thread) {
+    const int cores = static_cast<int>(std::thread::hardware_concurrency());
+    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most_threads)), 1,
+                      std::max(cores, 1));
+}
+
+RowBands::RowBands(int threads, bool until_stopped) : threads_(threads), until_stopped_(until_stopped) {
+    assert(threads >= 1);
+}
+
+RowBands::~RowBands() {
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    there_is_work_.notify_all();
+    for (std::thread& other : others_) other.join();
+}
+
+void RowBands::run(Job job) {
+    const int steps = (job.rows + job.step - 1) / job.step;
+    job.band_rows =
+        job.step * std::clamp(steps / (threads_ * bands_per_thread), 1, std::max(most_rows / job.step, 1));
+    if (threads_ == 1 || job.rows <= job.step) {
+        for (int y = 0; y < job.rows && !(until_stopped_ && stop_requested()); y += job.band_rows)
+            job.call(job.work, {y, std::min(y + job.band_rows, job.rows), 0});
+        return;
+    }
+    std::unique_lock lock(mutex_);
+    start_others();
+    job_ = job;
+    there_is_work_.notify_all();
+    take_bands(lock, 0);
+    all_done_.wait(lock, [this] { return job_.bands_at_work == 0; });
+    if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
+}
+
+/// Where the system grants no more threads, those that there are do all the work.
+void RowBands::start_others() {
+    while (static_cast<int>(others_.size()) < threads_ - 1) {
+        const int thread = static_cast<int>(others_.size()) + 1;
+        others_.emplace_back();
+        if (start_thread(others_.back(), "row-bands", "that shares rows", [this, thread] { serve(thread); }))
+            continue;
+        others_.pop_back();
+        return;
+    }
+}
+
+void RowBands::work_on(std::unique_lock<std::mutex>& lock, const RowBand& band) {
+    const auto call = job_.call;
+    void* const work = job_.work;
+    lock.unlock();
+    std::exception_ptr fault;
+    try {
+        call(work, band);
+    } catch (...) {
+        fault = std::current_exception();
+    }
+    lock.lock();
+    if (!fault) return;
+    if (!fault_) fault_ = fault;
+    job_.next_row = job_.rows;
+}
+
+/// Until none is left. `lock` is held but while a band is worked on.
+void RowBands::take_bands(std::unique_lock<std::mutex>& lock, int thread) {
+    while (job_.next_row < job_.rows) {
+        const RowBand band{job_.next_row, std::min(job_.next_row + job_.band_rows, job_.rows), thread};
+        job_.next_row = band.last;
+        ++job_.bands_at_work;
+        work_on(lock, band);
+        if (until_stopped_ && thread == 0 && stop_requested()) job_.next_row = job_.rows;
+        if (--job_.bands_at_work == 0) all_done_.notify_one();
+    }
+}
+
+void RowBands::serve(int thread) {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        there_is_work_.wait(lock, [this] { return ending_ || job_.next_row < job_.rows; });
+        if (ending_) return;
+        take_bands(lock, thread);
+    }
+}
+
+}  // namespace touchable

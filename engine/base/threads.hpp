@@ -1,0 +1,267 @@
+#pragma once
+
+// Threads, and how work is ended.
+//
+// start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
+// among a few threads that sleep in between; the bits do not depend on how many there are. A person ends the
+// program by request_stop (a signal handler may call it). Whatever takes long asks stop_requested between its
+// steps and returns interrupted_error; what may wait for a disk, a codec or a network is handed to
+// unless_stopped, which leaves it to a thread of its own once the program is to end. A caller that may give
+// up one piece of work alone, such as the opening of a clip, holds a std::stop_source and puts a WorkUntil
+// around that work: stop_requested then says so to its thread. boot_ns is the clock that goes on while the
+// machine is suspended.
+//
+// Every function may be called by any thread; a RowBands by one at a time.
+
+#include <pthread.h>
+#include <time.h>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "engine/base/result.hpp"
+
+namespace touchable {
+
+/// Asks this program to stop. For signal handlers too.
+void request_stop();
+
+/// Whether somebody did, or gave up what this thread works for (WorkUntil). Work that takes long looks here
+/// between its steps, and gives up with an error.
+bool stop_requested();
+
+/// Calls `work(first, last)` for 0 to `count` - 1, piece by piece, each a few milliseconds of a loop over
+/// pixels. False where it was asked to stop: then the rest is left out.
+template <class Work>
+bool until_stopped(std::size_t count, Work&& work) {
+    constexpr std::size_t piece = std::size_t{1} << 18;
+    for (std::size_t first = 0; first < count; first += piece) {
+        if (stop_requested()) return false;
+        work(first, std::min(count, first + piece));
+    }
+    return true;
+}
+
+/// What work that stopped for that reason returns.
+Error interrupted_error();
+
+/// As long as it lives, its thread works for somebody who may give that up, such as whoever opens a clip:
+/// once they do, `stop_requested` says so to this thread, and with it every read and every wait. Scopes may
+/// lie within each other, and each counts.
+class WorkUntil {
+public:
+    explicit WorkUntil(std::stop_token given_up);
+    ~WorkUntil();
+    WorkUntil(const WorkUntil&) = delete;
+    WorkUntil& operator=(const WorkUntil&) = delete;
+
+private:
+    friend bool stop_requested();
+    const std::stop_token given_up_;
+    const WorkUntil* const around_;
+};
+
+/// As long as it lives, its thread does what others wait for, too: giving up its own work does not end that.
+class WorkForAll {
+public:
+    WorkForAll();
+    ~WorkForAll();
+    WorkForAll(const WorkForAll&) = delete;
+    WorkForAll& operator=(const WorkForAll&) = delete;
+
+private:
+    const WorkUntil* const around_;
+};
+
+/// As long as it lives, its thread does a part of what another one does meanwhile: `stop_requested` says
+/// there what it says to that one, which waits for it.
+class WorkAlongside {
+public:
+    /// What `stop_requested` goes by in a thread.
+    struct Whom {
+        const WorkUntil* until = nullptr;
+        bool goes_on = false;
+    };
+    static Whom this_thread();
+
+    explicit WorkAlongside(const Whom& whom);
+    ~WorkAlongside();
+    WorkAlongside(const WorkAlongside&) = delete;
+    WorkAlongside& operator=(const WorkAlongside&) = delete;
+
+private:
+    const Whom before_;
+};
+
+/// As long as it lives, its thread does what is left to do once a person has ended a run, such as reading the
+/// frame that is to be drawn: for this thread nobody asked it to stop. (Who asks again ends the program.)
+class WorkAfterStop {
+public:
+    WorkAfterStop();
+    ~WorkAfterStop();
+    WorkAfterStop(const WorkAfterStop&) = delete;
+    WorkAfterStop& operator=(const WorkAfterStop&) = delete;
+
+private:
+    bool before_;
+};
+
+/// Starts a thread that does `work`, which throws nothing; an error where the machine has none left. `name`
+/// is what debuggers, `top` and `ps` show of it, at most 15 bytes; `what` says in the error what the thread
+/// is for: "that decodes".
+template <std::size_t bytes, class Work>
+Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const char* what, Work&& work) {
+    static_assert(bytes <= 16, "Linux keeps 15 bytes of a thread's name");
+    try {
+        thread = std::thread([name = &name[0], work = std::forward<Work>(work)]() mutable {
+            pthread_setname_np(pthread_self(), name);
+            work();
+        });
+    } catch (const std::system_error& refused) {
+        return Error{ErrorKind::internal,
+                     std::string("the thread ") + what + " cannot be started (" + refused.code().message() +
+                         "); is there memory for it, and room below the limit of threads?"};
+    }
+    return {};
+}
+
+/// Threads, of unless_stopped and others, for which nobody waits any more. As long as there is one the
+/// program may not take apart what they use: it ends without (std::_Exit).
+inline std::atomic<int> abandoned_threads{0};
+
+/// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because
+/// somebody asks the program to stop or, if the caller says so, for another reason. It may take as long
+/// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
+/// to its end alone, so `work` owns all that it uses. `stop_requested` says there that the work was given up,
+/// so that it can end early. Where no thread is to be had the caller does it.
+template <class Work, class IsOver = bool (*)()>
+std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_over = stop_requested) {
+    struct Errand {
+        Work work;
+        std::mutex mutex{};
+        std::condition_variable has_ended{};
+        std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
+        std::exception_ptr fault{};
+        bool over = false, is_abandoned = false;
+        std::stop_source given_up{};
+
+        void run() {
+            std::optional<std::invoke_result_t<Work&>> made;
+            std::exception_ptr thrown;
+            try {
+                made.emplace(work());
+            } catch (...) {
+                thrown = std::current_exception();
+            }
+            const std::lock_guard lock(mutex);
+            outcome = std::move(made);
+            fault = std::move(thrown);
+            over = true;
+            if (is_abandoned) --abandoned_threads;
+            has_ended.notify_one();
+        }
+    };
+    const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
+    const auto run_aside = [errand, goes_on = WorkAlongside::this_thread().goes_on] {
+        const WorkAlongside alongside({nullptr, goes_on});
+        const WorkUntil until(errand->given_up.get_token());
+        errand->run();
+    };
+    std::thread thread;
+    if (start_thread(thread, "interruptible", "that does what may take long", run_aside))
+        thread.detach();
+    else
+        errand->run();
+    std::unique_lock lock(errand->mutex);
+    constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes nobody
+    while (!errand->has_ended.wait_for(lock, look_again, [&] { return errand->over; }))
+        if (is_over()) {
+            errand->is_abandoned = true;
+            ++abandoned_threads;
+            errand->given_up.request_stop();
+            return std::nullopt;
+        }
+    if (errand->fault) std::rethrow_exception(errand->fault);
+    return std::move(errand->outcome);
+}
+
+/// Since the machine was started, ns: never backward, never 0, and on while it is suspended, which the steady
+/// clock of Linux sleeps through.
+inline std::int64_t boot_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_BOOTTIME, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// Rows [first, last) of a picture, and which of the threads, 0 to `threads()` - 1, is at work on them: what
+/// a thread needs for itself is kept by this number.
+struct RowBand {
+    int first, last, thread;
+};
+
+/// As many as pay for so many pixels, if a thread more pays where it has `pixels_per_thread`: work of 50 us,
+/// of which waking it takes some 5 of CPU time and a few tens of waiting. At most 4, since more of them wait
+/// for memory, and others of a program want cores too; and no more than there are cores.
+int threads_for(long pixels, long pixels_per_thread);
+
+/// Threads that share the rows of a picture: the one that calls, and others that sleep in between.
+class RowBands {
+public:
+    /// `threads` with the one that calls, at least 1. The others start when first needed, and take on the
+    /// scheduling of the thread that calls then. `until_stopped`: bands are left out once the thread that
+    /// calls is asked to stop, which the caller looks for (stop_requested).
+    explicit RowBands(int threads, bool until_stopped = false);
+    ~RowBands();
+    RowBands(const RowBands&) = delete;
+    RowBands& operator=(const RowBands&) = delete;
+
+    int threads() const { return threads_; }
+
+    /// Calls `work(RowBand)` for bands that together are rows 0 to `rows` - 1, each a multiple of `step` rows
+    /// but the last; returns when all are done. What a band writes no other may read or write, and which
+    /// thread has a band must not matter. What `work` throws is thrown on, the first of several, and bands
+    /// that had not begun are left out. One call at a time. No allocation but where threads start.
+    template <class Work>
+    void for_each_band(int rows, int step, Work&& work) {
+        using Plain = std::remove_reference_t<Work>;
+        run({rows, step, [](void* call, const RowBand& band) { (*static_cast<Plain*>(call))(band); }, &work});
+    }
+
+private:
+    struct Job {
+        int rows = 0, step = 1;
+        void (*call)(void* work, const RowBand& band) = nullptr;
+        void* work = nullptr;
+        int band_rows = 0, next_row = 0, bands_at_work = 0;
+    };
+    void run(Job job);
+    void start_others();
+    void work_on(std::unique_lock<std::mutex>& lock, const RowBand& band);
+    void take_bands(std::unique_lock<std::mutex>& lock, int thread);
+    void serve(int thread);
+
+    const int threads_;
+    const bool until_stopped_;
+    std::mutex mutex_;
+    std::condition_variable there_is_work_, all_done_;
+    Job job_;
+    std::exception_ptr fault_;
+    bool ending_ = false;
+    std::vector<std::thread> others_;
+};
+
+}  // namespace touchable

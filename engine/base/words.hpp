@@ -1,0 +1,60 @@
+#pragma once
+
+// Words for messages and reports, and numbers in them.
+//
+// formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
+// for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
+// came from; parsed_number reads a whole text as a number, or not at all. printable, in_quotes and shell_word
+// make text from outside safe to show: on one line, without control characters, cut where it is too long.
+// nearest_word finds the word that a mistyped one may have meant.
+//
+// All are pure functions, of no locale, for any thread.
+
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace touchable {
+
+/// Numbers and words as printf writes them.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
+/// The fewest digits that are read as the same number; `format` as std::to_chars takes it, or none.
+template <class Number, class... Format>
+std::string exact_number(Number number, Format... format) {
+    std::array<char, 64> digits{};
+    return {digits.data(),
+            std::to_chars(digits.data(), digits.data() + digits.size(), number, format...).ptr};
+}
+
+/// At most six decimals, without zeros at their end.
+std::string trimmed_number(double number);
+
+/// The decimal number that somebody wrote who has this float: 0.001, not 0.0010000000475.
+double decimal_of(float value);
+
+/// A finite number for a person to read: `count` digits that count, and all of a large one: 1235,
+/// not 1.235e+03. 0 has no sign.
+std::string short_number(double number, int count = 4);
+
+/// A finite number, where the text is one and nothing else.
+std::optional<double> parsed_number(std::string_view text);
+
+/// Text from outside as a message quotes it: on one line, control characters escaped (\n, \x1b), cut after
+/// `most` bytes, which "..." tells.
+std::string printable(std::string_view foreign, std::size_t most = 80);
+/// The same between double quotes.
+std::string in_quotes(std::string_view foreign);
+/// A file's name as a command in a message has it: a shell reads it as this one word, whole, and a command
+/// not as an option.
+std::string shell_word(std::string_view file);
+
+/// Of `words` the one that somebody may have meant who typed `typed`: the fewest letters put in, left out or
+/// changed (Levenshtein's distance), three at most and less than half of them. Empty: none.
+std::string nearest_word(std::string_view typed, std::span<const std::string> words);
+
+}  // namespace touchable

@@ -1,0 +1,223 @@
+#include "engine/camera/camera.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr std::size_t most_modes = 8;  // of a format, on a screen
+
+const NodeFormat* first_format(const NodeFacts& facts, bool (*is_one)(std::uint32_t)) {
+    const auto found = std::find_if(facts.formats.begin(), facts.formats.end(),
+                                    [is_one](const NodeFormat& format) { return is_one(format.code); });
+    return found == facts.formats.end() ? nullptr : &*found;
+}
+
+bool has_depth(const NodeFacts& facts) {
+    return first_format(facts, is_depth_format) != nullptr;
+}
+bool has_colour(const NodeFacts& facts) {
+    return !has_depth(facts) && first_format(facts, is_colour_format) != nullptr;
+}
+
+std::string format_line(const NodeFormat& format) {
+    std::string line = "    " + format_text(format.code);
+    line.resize(std::max<std::size_t>(line.size() + 2, 12), ' ');
+    for (std::size_t k = 0; k < std::min(format.modes.size(), most_modes); ++k)
+        line += (k == 0 ? "" : "; ") + mode_text(format.modes[k]);
+    if (format.modes.size() > most_modes)
+        line += "; and " + std::to_string(format.modes.size() - most_modes) + " more sizes";
+    if (format.modes.empty()) line += "its driver does not say which sizes";
+    if (format.any_size) line += "; and sizes between";
+    return line + '\n';
+}
+
+/// How to touch it, with the colour of the same camera where there is one.
+std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
+    const auto beside = std::find_if(all.begin(), all.end(), [&](const NodeFacts& other) {
+        return has_colour(other) && !other.bus.empty() && other.bus == facts.bus;
+    });
+    const std::string camera = "v4l2:" + facts.node;
+    return how(camera, beside == all.end() ? "" : camera + ",colour=" + beside->node);
+}
+
+std::string node_lines(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
+    std::string words = facts.node + "  " + printable(facts.card) + " (" + printable(facts.driver) +
+                        (facts.bus.empty() ? "" : ", " + printable(facts.bus)) + ")\n";
+    for (const NodeFormat& format : facts.formats) words += format_line(format);
+    if (has_depth(facts)) return words + touch_line(facts, all, how);
+    if (!facts.captures) return words + "    gives no pictures: a node of metadata or of another kind\n";
+    return words + (has_colour(facts) ? "    colour alone: there is nothing to touch\n"
+                                      : "    nothing that can be touched (Z16, Y16) or shown\n");
+}
+
+/// Of cameras that have depth, and do not show it here.
+std::string missing_depth(const std::vector<NodeFacts>& all) {
+    const auto is_realsense = [](const NodeFacts& facts) {
+        return facts.card.find("RealSense") != std::string::npos;
+    };
+    const bool any = std::any_of(all.begin(), all.end(), is_realsense);
+    const bool shown = std::any_of(all.begin(), all.end(), [&](const NodeFacts& facts) {
+        return is_realsense(facts) && has_depth(facts);
+    });
+    if (!any || shown) return {};
+    return "The RealSense has no node of depth (Z16): the driver uvcvideo of this kernel may not know its "
+           "formats. Intel's librealsense has the patches for it "
+           "(scripts/patch-realsense-ubuntu-lts-hwe.sh), "
+           "and the rules for its permissions (scripts/setup_udev_rules.sh).\n";
+}
+
+Result<std::unique_ptr<ClipReader>> open_stream(const StreamChoice& choice,
+                                                const std::optional<SourceDescription>& known,
+                                                const std::optional<std::filesystem::path>& scene_file) {
+    if (known && !(*known == SourceDescription()))
+        return usage_error(
+            choice.url.name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
+            {{Setting::intrinsics}, {Setting::depth_unit}, {Setting::preset}});
+    if (!scene_file) return open_live_stream(choice);
+    TRY_ASSIGN(const auto described, read_scene_file(*scene_file));
+    auto reader = open_live_stream(choice, described);
+    if (reader) (*reader)->add_input(*scene_file);
+    return reader;
+}
+
+}  // namespace
+
+std::string cameras_in_words(VideoSystem& system, const HowToTouch& how) {
+    const std::vector<std::string> nodes = system.nodes();
+    if (nodes.empty())
+        return "No camera is there (no /dev/video*): plug one in. Where one is plugged in, its driver is "
+               "missing: sudo modprobe uvcvideo is that of USB cameras.\n";
+    std::vector<NodeFacts> all;
+    std::string closed, words;
+    for (const std::string& node : nodes) {
+        auto facts = look_at_node(system, node);
+        if (facts)
+            all.push_back(std::move(*facts));
+        else
+            closed += facts.error().message + '\n';
+    }
+    for (const NodeFacts& facts : all) words += node_lines(facts, all, how);
+    words += closed + missing_depth(all);
+    if (closed.empty() && std::none_of(all.begin(), all.end(), has_depth))
+        words += "None of them gives depth (Z16, or Y16) that can be touched.\n";
+    return words;
+}
+
+std::string name_of(const PluggedChoice& choice) {
+    if (const auto* sender = std::get_if<FramesetChoice>(&choice)) return sender->name();
+    if (const auto* stream = std::get_if<StreamChoice>(&choice)) return stream->url.name();
+    return std::get<V4l2Choice>(choice).node;
+}
+
+Result<std::unique_ptr<ClipReader>> open_plugged_camera(
+    const PluggedChoice& choice, const std::optional<SourceDescription>& known,
+    const std::optional<std::filesystem::path>& scene_file) {
+    if (const auto* sender = std::get_if<FramesetChoice>(&choice))
+        return open_frameset_camera(*sender, known, scene_file);
+    if (const auto* stream = std::get_if<StreamChoice>(&choice))
+        return open_stream(*stream, known, scene_file);
+    return open_v4l2_camera(std::get<V4l2Choice>(choice), known, scene_file);
+}
+
+class SharedCamera::Reader final : public ClipReader {
+public:
+    Reader(std::shared_ptr<SharedCamera> shared, bool is_first)
+        : shared_(std::move(shared)), reads_(is_first) {
+        for (const auto& input : camera().inputs()) add_input(input);
+    }
+    const Scene& scene() const override { return camera().scene(); }
+    UnstatedFilters unstated_filters() const override { return camera().unstated_filters(); }
+    const std::vector<TrackInfo>& tracks() const override { return camera().tracks(); }
+    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
+    const std::vector<std::string>& notes() const override { return camera().notes(); }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    bool is_live() const override { return true; }
+    Result<void> begin(std::chrono::steady_clock::time_point zero) override;
+    void interrupt() override {
+        if (reads_) camera().interrupt();
+    }
+    std::vector<std::string> remarks() const override { return camera().remarks(); }
+    std::int64_t taken_before(std::int64_t frame) const override { return camera().taken_before(frame); }
+    std::optional<StreamFigures> stream_figures() const override { return camera().stream_figures(); }
+
+private:
+    ClipReader& camera() const { return *shared_->camera_; }
+
+    std::shared_ptr<SharedCamera> shared_;
+    std::atomic<bool> reads_;       // the camera, and not what another run was given
+    std::int64_t next_number_ = 0;  // before the run
+    std::int64_t further_ = 0;      // the run's numbers than the camera's
+};
+
+/// A frame of before the run is as the camera has such: numbered one by one, a moment apart.
+Result<std::optional<RawFrame>> SharedCamera::Reader::next() {
+    if (reads_) {
+        auto frame = shared_->read();
+        if (frame.ok() && *frame) (*frame)->number += further_;
+        return frame;
+    }
+    TRY_ASSIGN(auto frame, shared_->newest());
+    frame.number = next_number_++;
+    frame.time_ns = frame.number * ns_before_a_run;
+    return std::optional(std::move(frame));
+}
+
+Result<void> SharedCamera::Reader::seek(std::int64_t frame) {
+    if (reads_) return camera().seek(frame);
+    next_number_ = frame;
+    return {};
+}
+
+Result<void> SharedCamera::Reader::begin(std::chrono::steady_clock::time_point zero) {
+    if (auto begun = camera().begin(zero); !begun.ok() || reads_) return begun;
+    further_ = next_number_ - shared_->next_number_;
+    reads_ = true;
+    return {};
+}
+
+Result<std::optional<RawFrame>> SharedCamera::read() {
+    auto frame = camera_->next();
+    if (!frame.ok() || !*frame) return frame;
+    next_number_ = (*frame)->number + 1;
+    const std::lock_guard lock(mutex_);
+    newest_ = **frame;
+    came_.notify_all();
+    return frame;
+}
+
+/// The next that comes soon, so that two of them are two; otherwise the one before.
+Result<RawFrame> SharedCamera::newest() {
+    constexpr std::chrono::milliseconds soon(100);
+    std::unique_lock lock(mutex_);
+    if (!newest_) return input_error("the camera has given no frame yet");
+    const void* const before = newest_->storage.get();
+    came_.wait_for(lock, soon, [&] { return newest_->storage.get() != before; });
+    return *newest_;
+}
+
+Result<std::unique_ptr<ClipReader>> SharedCamera::open(
+    const PluggedChoice& choice, const std::optional<SourceDescription>& known,
+    const std::optional<std::filesystem::path>& scene_file) {
+    const bool is_first = !camera_;
+    if (is_first) {
+        auto camera = open_plugged_camera(choice, known, scene_file);
+        if (!camera.ok()) return camera;
+        camera_ = std::move(*camera);
+    }
+    return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this(), is_first));
+}
+
+}  // namespace touchable

@@ -1,0 +1,234 @@
+// What writers of our clips have in common, whatever the container; and files that appear together.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/base/try.hpp"
+#include "engine/clip/containers.hpp"
+
+namespace touchable {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t ns_per_ms = 1'000'000;
+constexpr AVRational millisecond{1, 1000};
+
+struct DescriptionDeleter {
+    void operator()(AVFormatContext* container) const { avformat_free_context(container); }
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, PlaneRole role) {
+    const std::unique_ptr<AVFormatContext, DescriptionDeleter> container(avformat_alloc_context());
+    AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
+    if (!stream) return Error{ErrorKind::internal, "out of memory"};
+    TRY(encoder.describe(*stream->codecpar));
+    TRY_ASSIGN(auto decoder, TrackDecoder::open(*stream, role, "what is written"));
+    return std::unique_ptr<ReadAlong>(new ReadAlong(std::move(decoder)));
+}
+
+/// The encoder holds no picture back, so none waits for a later one.
+Result<void> ReadAlong::add(const AVPacket& packet) {
+    TRY(decoder_.send(&packet));
+    TRY_ASSIGN(auto picture, decoder_.receive());
+    if (!picture)
+        return Error{ErrorKind::internal, decoder_.where() + ": is not decoded before the next one"};
+    newest_ = std::move(picture->plane);
+    return {};
+}
+
+MuxedClipWriter::MuxedClipWriter(const std::filesystem::path& path, const SceneDescription& described,
+                                 const ClipStorage& storage, Existing existing, const char* format)
+    : scene_(described.scene),
+      unstated_(described.unstated),
+      storage_(storage),
+      output_(path, existing),
+      format_(format) {}
+
+Error MuxedClipWriter::refuse(const std::string& what) const {
+    return input_error(output_.target().string() + ": " + what);
+}
+
+Result<void> MuxedClipWriter::keep(Result<void> result) {
+    over_ = over_ || !result;
+    return result;
+}
+
+Result<void> MuxedClipWriter::check_status(int status) const {
+    if (status >= 0 && muxer_->pb->error < 0) status = muxer_->pb->error;
+    if (status >= 0) return {};
+    return refuse("cannot be written: " + ffmpeg_text(status));
+}
+
+Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
+    silence_ffmpeg();
+    if (sound) {
+        TRY_ASSIGN(auto opened, StoredSound::open(*sound));
+        sound_ = std::move(opened);
+    }
+    TRY(output_.check());
+    AVFormatContext* muxer = nullptr;
+    int status = avformat_alloc_output_context2(&muxer, nullptr, format_, nullptr);
+    if (status < 0)
+        return Error{ErrorKind::internal, "muxer " + std::string(format_) + ": " + ffmpeg_text(status)};
+    muxer_.reset(muxer);
+    muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
+    if (sound_ && avformat_query_codec(muxer_->oformat, sound_->codec().codec_id, FF_COMPLIANCE_NORMAL) != 1)
+        return refuse(std::string("cannot hold sound of codec ") +
+                      avcodec_get_name(sound_->codec().codec_id));
+    status = room_.open(output_.path(), *muxer_);
+    return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
+}
+
+SceneDescription MuxedClipWriter::to_be_said() const {
+    SceneDescription described(scene_);
+    described.unstated = unstated_;
+    return said_of_clip(described);
+}
+
+Result<void> MuxedClipWriter::add_sound_stream() {
+    if (!sound_) return {};
+    sound_stream_ = static_cast<int>(muxer_->nb_streams);
+    AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
+    if (!stream || avcodec_parameters_copy(stream->codecpar, &sound_->codec()) < 0)
+        return refuse("out of memory");
+    stream->codecpar->codec_tag = 0;  // the other container's
+    stream->id = sound_stream_ + 1;
+    stream->time_base = millisecond;
+    return {};
+}
+
+Result<void> MuxedClipWriter::write_header(AVDictionary* options) {
+    const int status = avformat_write_header(muxer_.get(), &options);
+    av_dict_free(&options);
+    return check_status(status);
+}
+
+Result<void> MuxedClipWriter::write_packet(AVPacket& packet, int stream, AVRational tick) {
+    packet.stream_index = stream;
+    av_packet_rescale_ts(&packet, tick, muxer_->streams[stream]->time_base);
+    return check_status(av_write_frame(muxer_.get(), &packet));
+}
+
+Result<void> MuxedClipWriter::write_sound(std::int64_t until_ms) {
+    while (sound_) {
+        TRY_ASSIGN(const auto packet, sound_->next(until_ms));
+        if (!packet) return {};
+        TRY(write_packet(*packet, sound_stream_, millisecond));
+    }
+    return {};
+}
+
+Result<void> MuxedClipWriter::write_picture(AVPacket& packet, std::size_t stream, AVRational tick) {
+    auto written = write_packet(packet, static_cast<int>(stream), tick);
+    room_.end_picture();
+    return written;
+}
+
+std::int64_t MuxedClipWriter::time_ms(std::int64_t frame) const {
+    return (scene_.rate.time_ns(frame) + ns_per_ms / 2) / ns_per_ms;
+}
+
+Result<void> MuxedClipWriter::write_frame(const RawFrame& frame) {
+    if (over_)
+        return Error{ErrorKind::internal, "a frame is given to a clip that is finished, or has failed"};
+    TRY(check_.check(frame, scene_));
+    return add(frame);
+}
+
+Result<void> MuxedClipWriter::end() {
+    if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
+    if (check_.frames() == 0) return refuse("not written: no frame was given");
+    TRY(add_rest());
+    TRY(write_sound(time_ms(check_.frames())));
+    TRY(check_status(av_write_trailer(muxer_.get())));
+    TRY(amend());
+    const int status = room_.close();
+    if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
+    over_ = complete_ = true;
+    return {};
+}
+
+Result<std::filesystem::path> MuxedClipWriter::complete() {
+    TRY(keep(end()));
+    return output_.path();
+}
+
+Result<void> MuxedClipWriter::finish() {
+    if (!complete_) TRY(keep(end()));
+    return output_.commit();
+}
+
+Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described) {
+    const FrameRate& rate = described.scene.rate;
+    if (auto valid = validate(described); !valid)
+        return input_error(path.string() + ": " + valid.error().message);
+    if (described.unstated.far)
+        return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
+    if (!clip_tags::is_too_fast(rate)) return {};
+    return input_error(path.string() + ": not written: the scene's rate is " + clip_tags::rate_text(rate) +
+                       " frames/s; a clip has at most " + std::to_string(clip_tags::fastest_rate));
+}
+
+bool has_ending(const fs::path& name, std::string_view ending) {
+    std::string own = name.extension().string();
+    std::transform(own.begin(), own.end(), own.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return own == ending;
+}
+
+bool is_mp4_name(const fs::path& path) {
+    return has_ending(path, ".mp4");
+}
+
+Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
+                                                      const SceneDescription& described,
+                                                      const ClipStorage& storage, Existing existing,
+                                                      const std::optional<SoundPart>& sound) {
+    return (is_mp4_name(path) ? create_mp4_clip : create_clip)(path, described, storage, existing, sound);
+}
+
+HiddenFolder::HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {
+    if (!fs::create_directory(path_, failure_)) return;
+    opened_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+HiddenFolder::~HiddenFolder() {
+    remove();
+    if (opened_ >= 0) close(opened_);
+}
+
+void HiddenFolder::sync() const {
+    if (opened_ >= 0) syncfs(opened_);
+}
+
+void HiddenFolder::remove() const {
+    std::error_code ignored;
+    if (!failure_) fs::remove_all(path_, ignored);
+}
+
+Result<void> HiddenFolder::move_to(const fs::path& home, const std::vector<std::string>& names,
+                                   Existing existing) const {
+    for (auto name = names.begin(); name != names.end(); ++name) {
+        const fs::path from = path_ / *name, to = home / *name;
+        std::error_code failure;
+        if (existing == Existing::replace)
+            fs::rename(from, to, failure);
+        else
+            failure.assign(move_to_free_name(from, to), std::generic_category());
+        if (!failure) continue;
+        if (existing == Existing::keep)  // nothing of it is left
+            for (auto done = names.begin(); done != name; ++done) {
+                std::error_code ignored;
+                fs::remove(home / *done, ignored);
+            }
+        return input_error(to.string() + ": cannot be written: " + failure.message());
+    }
+    sync_folder(home.empty() ? fs::path(".") : home);
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "engine/base/same_bits.hpp"
+#include "engine/content/families.hpp"
+#include "engine/content/seeded_noise.hpp"
+
+namespace touchable {
+
+namespace {
+
+double square(double a) {
+    return a * a;
+}
+
+/// A plane through the optical axis at 1000.
+class PlaneScene final : public AnalyticScene {
+public:
+    PlaneScene(Scene scene, const glm::dvec3& normal) : AnalyticScene(std::move(scene)), normal_(normal) {}
+
+    double depth(double x, double y, double /*t*/) const override {
+        const double u = scene().camera.u(x), v = scene().camera.v(y);
+        return tabletop_distance * normal_.z / (normal_.z - normal_.x * u - normal_.y * v);
+    }
+    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
+        const double above = glm::dot(normal_, goal - glm::dvec3(0, 0, -tabletop_distance));
+        return SurfaceTruth{goal - above * normal_, normal_};
+    }
+
+private:
+    glm::dvec3 normal_;
+};
+
+/// Two balls before a wall, one partly before the other.
+class SpheresScene final : public AnalyticScene {
+public:
+    explicit SpheresScene(Scene scene) : AnalyticScene(std::move(scene)) {}
+
+    double depth(double x, double y, double /*t*/) const override {
+        const glm::dvec3 ray{scene().camera.u(x), scene().camera.v(y), -1};
+        double nearest = wall;
+        for (const Ball& ball : balls) {
+            const double a = glm::dot(ray, ray), b = glm::dot(ray, ball.centre);
+            const double under_root = b * b - a * (glm::dot(ball.centre, ball.centre) - square(ball.radius));
+            if (under_root > 0) nearest = std::min(nearest, (b - std::sqrt(under_root)) / a);
+        }
+        return nearest;
+    }
+
+    /// Of the nearest point of each ball and of the wall, the nearest; whether the camera sees it is not
+    /// asked.
+    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
+                                        double) const override {
+        SurfaceTruth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
+        double least = std::fabs(goal.z + wall);
+        for (const Ball& ball : balls) {
+            const glm::dvec3 outward = goal == ball.centre ? start - ball.centre : goal - ball.centre;
+            const double length = std::sqrt(glm::dot(outward, outward));
+            const glm::dvec3 normal = length > 0 ? outward / length : glm::dvec3(0, 0, 1);
+            const glm::dvec3 point = ball.centre + ball.radius * normal, way = point - goal;
+            const double distance = std::sqrt(glm::dot(way, way));
+            if (distance < least) {
+                least = distance;
+                best = {point, normal};
+            }
+        }
+        return best;
+    }
+
+private:
+    struct Ball {
+        glm::dvec3 centre;
+        double radius;
+    };
+    static constexpr double wall = 1080;
+    const std::array<Ball, 2> balls{Ball{{-22, 4, -1020}, 45}, Ball{{35, -10, -960}, 30}};
+};
+
+/// Upright bands of the picture, flat and facing the camera, each 1, 2, ... 10 levels before its left
+/// neighbour; between them lies the sheet of rays that separates two columns. Across the picture it is a
+/// polyline in (X, planar depth), the same at every Y.
+class StepScene final : public AnalyticScene {
+public:
+    static constexpr int bands = 11, lowest_level = 100;
+
+    explicit StepScene(Scene scene) : AnalyticScene(std::move(scene)) {}
+
+    double depth(double x, double /*y*/, double /*t*/) const override {
+        const double band = std::floor((x + 0.5) * bands / scene().width);
+        return band_depth(static_cast<int>(std::clamp(band, 0.0, bands - 1.0)));
+    }
+
+    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
+        SurfaceTruth best{};
+        double least = -1;
+        for (int band = 0; band < bands; ++band) {
+            const double d = band_depth(band);
+            // Far beyond the picture for the outermost bands: they go on.
+            const double left = band == 0 ? -1e6 : d * edge(band),
+                         right = band == bands - 1 ? 1e6 : d * edge(band + 1);
+            consider({left, d}, {right, d}, goal, least, best);
+            if (band + 1 < bands)
+                consider({right, d}, {band_depth(band + 1) * edge(band + 1), band_depth(band + 1)}, goal,
+                         least, best);
+        }
+        return best;
+    }
+
+private:
+    struct Corner {
+        double x, d;
+    };
+
+    double band_depth(int band) const {
+        return scene().depth.far - scene().depth.level() * (lowest_level + band * (band + 1) / 2);
+    }
+    /// Left edge of a band as X / planar depth.
+    double edge(int band) const {
+        return scene().camera.u(static_cast<double>(band) * scene().width / bands - 0.5);
+    }
+    /// Keeps the nearest point of one straight piece, from its left end to its right as the camera sees it.
+    static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, SurfaceTruth& best) {
+        const double dx = b.x - a.x, dd = b.d - a.d, squared = dx * dx + dd * dd;
+        const double along = std::clamp(((goal.x - a.x) * dx + (-goal.z - a.d) * dd) / squared, 0.0, 1.0);
+        const Corner point{a.x + along * dx, a.d + along * dd};
+        const double distance = square(point.x - goal.x) + square(point.d + goal.z);
+        if (least >= 0 && distance >= least) return;
+        least = distance;
+        const double length = std::sqrt(squared);
+        best = {{point.x, goal.y, -point.d}, {dd / length, 0, dx / length}};
+    }
+};
+
+Error refuse(std::string_view name, const std::string& what) {
+    return usage_error("scene '" + std::string(name) + "': " + what);
+}
+
+MadeScene make_plane(std::string_view name, const SceneOptions& options) {
+    if (!(options.tilt_degrees >= 0 && options.tilt_degrees <= 60))
+        return refuse(name, "tilt " + std::to_string(options.tilt_degrees) +
+                                " is impossible; it must be 0 to 60 degrees");
+    if (!(std::fabs(options.tilt_direction_degrees) <= 360))
+        return refuse(name, "tilt direction " + std::to_string(options.tilt_direction_degrees) +
+                                " is impossible; it must be -360 to 360 degrees");
+    const double tilt = options.tilt_degrees * pi / 180,
+                 direction = options.tilt_direction_degrees * pi / 180;
+    const glm::dvec3 normal{sine(tilt) * cosine(direction), sine(tilt) * sine(direction), cosine(tilt)};
+    Scene scene = tabletop_scene(name, options, 750, 1350);
+    auto plane = std::make_unique<PlaneScene>(scene, normal);
+    for (const double x : {0.0, options.width - 1.0})
+        for (const double y : {0.0, options.height - 1.0}) {
+            const double depth = plane->depth(x, y, 0);
+            if (!(depth >= scene.depth.near && depth <= scene.depth.far))
+                return refuse(name,
+                              "a picture of " + std::to_string(options.width) + "x" +
+                                  std::to_string(options.height) +
+                                  " is too tall for this tilt: the plane would leave depths 750 to 1350");
+        }
+    return std::unique_ptr<AnalyticScene>(std::move(plane));
+}
+
+enum class NoiseKind { noise, cliffs, grain };
+
+/// Pixels that know nothing of their neighbours, for stress: there is no surface to be near to, only a mesh.
+class NoiseScene final : public AnalyticScene {
+public:
+    NoiseScene(Scene scene, NoiseKind kind, std::uint64_t seed)
+        : AnalyticScene(std::move(scene)), kind_(kind), seed_(seed) {}
+
+    /// Depth of the nearest pixel of the picture; always one that a code stands for where the kind is noise
+    /// or cliffs, or grain of 8 bits.
+    double depth(double x, double y, double /*t*/) const override {
+        const auto column =
+            static_cast<std::uint64_t>(std::clamp(std::floor(x + 0.5), 0.0, scene().width - 1.0));
+        const auto row =
+            static_cast<std::uint64_t>(std::clamp(std::floor(y + 0.5), 0.0, scene().height - 1.0));
+        const std::uint64_t bits = mix64(mix64(seed_) ^ mix64(row << 32 | column)) >> 32;
+        const DepthCoding& coding = scene().depth;
+        if (kind_ == NoiseKind::cliffs) return bits & 1 ? coding.near : coding.far;
+        if (kind_ == NoiseKind::grain)
+            return coding.far - coding.level() * (128 + static_cast<double>(bits * 5 >> 32) - 2);
+        return coding.depth(static_cast<std::uint16_t>(bits * (coding.code_max + std::uint64_t{1}) >> 32));
+    }
+
+    std::optional<SurfaceTruth> closest(const glm::dvec3&, const glm::dvec3&, double) const override {
+        return {};
+    }
+
+private:
+    NoiseKind kind_;
+    std::uint64_t seed_;
+};
+
+}  // namespace
+
+MadeScene make_primitive(std::string_view name, const SceneOptions& options) {
+    if (name == "plane") return make_plane(name, options);
+    if (name == "spheres")
+        return std::unique_ptr<AnalyticScene>(
+            std::make_unique<SpheresScene>(tabletop_scene(name, options, 900, 1100)));
+    if (options.width < 2 * StepScene::bands)
+        return refuse(name, "width " + std::to_string(options.width) +
+                                " is too small; 11 bands need at least 22 pixels");
+    return std::unique_ptr<AnalyticScene>(
+        std::make_unique<StepScene>(tabletop_scene(name, options, 980, 1020)));
+}
+
+MadeScene make_noise(std::string_view name, const SceneOptions& options) {
+    Scene scene = blank_scene(name, options);
+    apply_preset(CameraPreset::b, scene);
+    scene.device_metres_per_unit = 0.001;
+    scene.default_properties = {600, 0.6, 0.4};
+    const NoiseKind kind = name == "noise"    ? NoiseKind::noise
+                           : name == "cliffs" ? NoiseKind::cliffs
+                                              : NoiseKind::grain;
+    return std::unique_ptr<AnalyticScene>(std::make_unique<NoiseScene>(std::move(scene), kind, options.seed));
+}
+
+}  // namespace touchable

@@ -1,0 +1,490 @@
+#include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/picture_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "engine/base/files.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/scene/checked_json.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+using checked_json::Json;
+
+constexpr std::size_t longest_poses = std::size_t{64} << 20, longest_metadata = std::size_t{16} << 20;
+constexpr double most_apart_seconds = 0.02;  // between a frame and its pose
+
+struct CameraCandidate {
+    fs::path file;
+    bool is_named = false;  // as a camera's file is
+};
+
+/// What programs call a camera's file. Poses are none.
+bool is_named_camera(const std::string& name, const std::string& stem) {
+    if (has_word(name, {"extrinsic", "pose", "trajector", "groundtruth"})) return false;
+    const bool is_numbered_cam =
+        stem.starts_with("cam") && stem.find_first_not_of("0123456789", 3) == std::string::npos;
+    return has_word(name, {"camera", "intrinsic", "calib", "camchain"}) || stem == "k" || is_numbered_cam ||
+           name == "metadata.json";
+}
+
+bool is_any_of(const std::string& extension, std::initializer_list<const char*> known) {
+    return std::ranges::find(known, extension) != known.end();
+}
+
+/// Files of a folder that may be a camera's, named ones first.
+std::vector<CameraCandidate> candidates_in(const fs::path& folder, const PicturesOfCamera& pictures) {
+    constexpr std::size_t most_named = 100, most_others = 16;  // more are of something else
+    constexpr std::uintmax_t longest_other = 1 << 20;
+    std::vector<CameraCandidate> named, others;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        const std::string name = small_letters(entry.path().filename().string()),
+                          stem = small_letters(entry.path().stem().string()),
+                          extension = small_letters(entry.path().extension().string());
+        std::error_code failure;
+        if (name.starts_with('.') || !entry.is_regular_file(failure)) continue;
+        const bool has_members = is_any_of(extension, {".json", ".yaml", ".yml", ".xml"});
+        if (is_named_camera(name, stem)) {
+            if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
+                                                     ".bin", ".mat", ".csv", ".pincam"}))
+                if (named.size() < most_named) named.push_back({entry.path(), true});
+        } else if (has_members && others.size() <= most_others && name != "scene.json" &&
+                   (pictures.is_whole_folder || (!stem.empty() && stem == small_letters(pictures.stem)))) {
+            if (entry.file_size(failure) <= longest_other && !failure) others.push_back({entry.path()});
+        }
+    }
+    if (others.size() <= most_others) named.insert(named.end(), others.begin(), others.end());
+    std::ranges::sort(named, {}, &CameraCandidate::file);
+    return named;
+}
+
+/// How well a camera goes with depth's pictures, what counts most first.
+std::array<bool, 5> mark_of(const CameraCandidate& candidate, const CameraFile& camera,
+                            const PicturesOfCamera& pictures) {
+    const std::string name =
+        small_letters(camera.name) + ' ' + small_letters(candidate.file.filename().string());
+    const bool is_of_depth = has_word(name, {"depth"}),
+               is_of_colour = !is_of_depth && has_word(name, {"color", "colour", "rgb"});
+    return {candidate.is_named, is_of_depth,
+            camera.intrinsics.width == pictures.width && camera.intrinsics.height == pictures.height,
+            !is_of_colour, !camera.has_distortion};
+}
+
+/// Adds to `beside` what files of one folder say. `tells`: also names those that are not understood.
+void look_in(const fs::path& folder, const PicturesOfCamera& pictures, bool tells, CameraBeside& beside) {
+    std::array<bool, 5> best{};
+    for (const CameraCandidate& candidate : candidates_in(folder, pictures)) {
+        auto said = read_camera_text(candidate.file);
+        const bool has_camera = said && !said->cameras.empty();
+        if (!has_camera && candidate.is_named && tells &&
+            small_letters(candidate.file.filename().string()) != "metadata.json")
+            beside.not_understood.push_back(candidate.file.filename().string());
+        if (!said) continue;
+        if (beside.frames_per_second == 0 && said->frames_per_second > 0 &&
+            (candidate.is_named || has_camera)) {
+            beside.frames_per_second = said->frames_per_second;
+            beside.rate_file = candidate.file;
+        }
+        const bool is_one = said->cameras.size() == 1;
+        for (CameraFile& camera : said->cameras) {
+            const auto mark = mark_of(candidate, camera, pictures);
+            if (beside.camera && mark <= best) continue;
+            if (is_one) camera.name.clear();
+            best = mark;
+            beside.camera = std::move(camera);
+            beside.file = candidate.file;
+        }
+    }
+}
+
+/// How far a point is from the middle of a side, of which it is a share.
+double off_middle(double at, int side) {
+    return std::abs((at + 0.5) / side - 0.5);
+}
+
+/// Poses in the order of the frames.
+using PoseRow = std::vector<std::optional<CameraPose>>;
+
+/// 4x4 numbers, the last row 0 0 0 1; metres.
+std::optional<CameraPose> pose_of_matrix(const std::array<double, 16>& m, double metres_per_unit) {
+    const std::array<double, 9> rotation{m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
+    if (!is_rotation(rotation) || m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) return {};
+    return pose_at(rotation, {m[3], m[7], m[11]}, metres_per_unit);
+}
+
+/// Redwood's and Open3D's: a line of three numbers, the first that of the frame, then the matrix that brings
+/// the camera's points into the world.
+Result<PoseRow> poses_of_log(const std::string& text, const std::string& name, double metres_per_unit) {
+    std::istringstream words(text);
+    PoseRow poses;
+    for (long frame = 0, second = 0, third = 0; words >> frame >> second >> third;) {
+        std::array<double, 16> matrix{};
+        for (double& number : matrix) words >> number;
+        const auto pose = pose_of_matrix(matrix, metres_per_unit);
+        if (!words || !pose || frame < 0 || frame >= static_cast<long>(most_path_frames))
+            return input_error(name + ": after " + std::to_string(poses.size()) +
+                               " frames: must be three numbers, the frame's first, and a 4x4 matrix of a "
+                               "rotation and a place");
+        const auto index = static_cast<std::size_t>(frame);
+        if (poses.size() <= index) poses.resize(index + 1);
+        poses[index] = pose;
+    }
+    if (!words.eof() || poses.empty()) return input_error(name + ": has no poses after three numbers each");
+    return poses;
+}
+
+/// Record3D's: a list of [qx, qy, qz, qw, x, y, z] for each frame, of a camera that looks along -z with y up.
+/// Nothing where it has none.
+Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& name, double metres_per_unit) {
+    PoseRow poses;
+    Json json;
+    try {
+        json = checked_json::parse(text, text.size());
+    } catch (const checked_json::Refusal& refusal) {
+        return input_error(name + ": " + refusal.message);
+    }
+    if (!json.is_object() || !json.contains("poses") || !json["poses"].is_array()) return poses;
+    for (const Json& each : json["poses"]) {
+        std::array<double, 7> n{};
+        bool is_pose = each.is_array() && each.size() == 7 && poses.size() < most_path_frames;
+        for (std::size_t k = 0; is_pose && k < 7; ++k) {
+            is_pose = each[k].is_number();
+            if (is_pose) n[k] = each[k].get<double>();
+        }
+        auto rotation = is_pose ? rotation_of(n[0], n[1], n[2], n[3]) : std::nullopt;
+        for (std::size_t k = 0; rotation && k < 9; ++k)
+            if (k % 3 > 0) (*rotation)[k] *= -1;
+        const auto pose = rotation ? pose_at(*rotation, {n[4], n[5], n[6]}, metres_per_unit) : std::nullopt;
+        if (!pose)
+            return input_error(name + ": poses[" + std::to_string(poses.size()) +
+                               "] must be qx, qy, qz, qw, x, y, z");
+        poses.push_back(pose);
+    }
+    return poses;
+}
+
+/// The nearest in time for each frame.
+PoseRow nearest_poses(const std::vector<TimedPose>& poses, const std::vector<double>& frame_seconds) {
+    std::vector<double> seconds;
+    for (const TimedPose& pose : poses) seconds.push_back(pose.seconds);
+    PoseRow row;
+    for (const double frame : frame_seconds) {
+        const TimedPose& nearest = poses[nearest_key(seconds, frame)];
+        const bool is_near = std::abs(nearest.seconds - frame) <= most_apart_seconds;
+        row.push_back(is_near ? std::optional(nearest.pose) : std::nullopt);
+    }
+    return row;
+}
+
+std::size_t known_in(const PoseRow& row) {
+    return CameraPath{row}.known();
+}
+
+Result<PoseRow> poses_of_tum(const std::string& text, const std::string& name, const PictureFiles& depth,
+                             const FrameRate& rate, double metres_per_unit) {
+    TRY_ASSIGN(const auto timed, parse_timed_poses(text, name, metres_per_unit));
+    if (timed.empty()) return input_error(name + ": has no poses");
+    const std::size_t frames = std::min(depth.count(), most_path_frames);
+    std::vector<double> clip_seconds;
+    for (std::size_t n = 0; n < frames; ++n)
+        clip_seconds.push_back(static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9);
+    auto stamps = seconds_of_day(depth);
+    if (stamps.size() > frames) stamps.resize(frames);
+    PoseRow by_stamp = stamps.empty() ? PoseRow() : nearest_poses(timed, stamps),
+            by_time = nearest_poses(timed, clip_seconds);
+    PoseRow& best = known_in(by_stamp) >= known_in(by_time) ? by_stamp : by_time;
+    if (2 * known_in(best) >= frames || timed.size() != depth.count()) {
+        if (known_in(best) == 0)
+            return input_error(name + ": none of its " + std::to_string(timed.size()) +
+                               " poses is at the time of a frame, to 20 ms, nor are there as many");
+        return best;
+    }
+    PoseRow in_order;
+    for (std::size_t n = 0; n < frames; ++n) in_order.push_back(timed[n].pose);
+    return in_order;
+}
+
+std::vector<fs::path> pose_files_in(const fs::path& folder) {
+    std::vector<fs::path> files;
+    std::error_code ignored;
+    const auto add = [&](const fs::path& file) {
+        if (fs::is_regular_file(file, ignored)) files.push_back(file);
+    };
+    for (const char* name : {"poses.txt", "groundtruth.txt", "trajectory.log"}) add(folder / name);
+    std::vector<fs::path> logs;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".log") && name.find("traj") != std::string::npos && name != "trajectory.log")
+            logs.push_back(entry.path());
+    }
+    std::ranges::sort(logs);
+    if (!logs.empty()) add(logs.front());
+    add(folder / "metadata.json");
+    return files;
+}
+
+/// Texts whose names say colour, sorted.
+std::vector<fs::path> texts_of_colour(const fs::path& folder) {
+    constexpr std::size_t most = 1000;
+    std::vector<fs::path> files;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (has_word(entry.path().extension().string(), {".txt", ".json", ".yaml", ".yml"}) &&
+            has_word(entry.path().stem().string(), {"color", "colour", "rgb"}) && files.size() < most)
+            files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files;
+}
+
+/// A matrix of three or four rows; nothing where the file has none, or one that moves nothing.
+std::optional<CameraPose> movement_of(const fs::path& file) {
+    constexpr std::size_t longest = 1 << 12;
+    auto text = read_given_file(file, file.string(), "a matrix", longest);
+    if (!text) return {};
+    std::istringstream words(std::move(*text));
+    std::vector<double> numbers;
+    for (double number = 0; words >> number;) numbers.push_back(number);
+    if (!words.eof() || (numbers.size() != 12 && numbers.size() != 16)) return {};
+    CameraPose pose;
+    bool moves = false;
+    for (std::size_t k = 0; k < 12; ++k) {
+        moves = moves || std::abs(numbers[k] - (k % 5 == 0 ? 1 : 0)) > 1e-6;
+        (k % 4 == 3 ? pose.translation[k / 4] : pose.rotation[k / 4 * 3 + k % 4]) = numbers[k];
+    }
+    return moves ? std::optional(pose) : std::nullopt;
+}
+
+/// A camera that names no size is of pictures of this size.
+Intrinsics sized(Intrinsics camera, int width, int height) {
+    if (camera.width <= 0 || camera.height <= 0) camera.width = width, camera.height = height;
+    return camera;
+}
+
+/// Whether a pixel is elsewhere by more than two hundredths of the picture.
+bool differs(const Camera& a, const Camera& b, const Scene& scene) {
+    constexpr double share = 0.02;
+    return std::abs(a.fx - b.fx) > share * b.fx || std::abs(a.fy - b.fy) > share * b.fy ||
+           std::abs(a.cx - b.cx) > share * scene.width || std::abs(a.cy - b.cy) > share * scene.height;
+}
+
+}  // namespace
+
+Camera camera_of_fov(double degrees, int width, int height) {
+    const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
+    return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
+}
+
+std::string guessed_field_of_view(double degrees) {
+    constexpr double more = 10;  // degrees
+    const auto width = [](double whole) { return sine(whole * pi / 360) / cosine(whole * pi / 360); };
+    const double other = std::min(degrees + more, 175.0);
+    return std::string(camera_guess_mark) + short_number(degrees) +
+           " degrees from left to right; if it sees " + short_number(other) + ", all shapes are " +
+           short_number(100 * (1 - width(degrees) / width(other)), 2) + " % too narrow";
+}
+
+CameraBeside camera_beside(const PicturesOfCamera& pictures) {
+    CameraBeside beside;
+    std::error_code failure;
+    fs::path here = fs::weakly_canonical(pictures.folder.empty() ? "." : pictures.folder, failure);
+    if (failure) here = pictures.folder;
+    std::vector<fs::path> folders{here};
+    if (!pictures.within.empty()) folders.push_back((here / pictures.within).lexically_normal());
+    folders.push_back(here / "sparse" / "0");
+    for (const fs::path& folder : folders)
+        if (!beside.camera) look_in(folder, pictures, true, beside);
+    if (!beside.camera) {
+        PicturesOfCamera above = pictures;
+        above.is_whole_folder = false;
+        look_in(here.parent_path(), above, false, beside);
+    }
+    if (beside.camera)
+        beside.camera->intrinsics =
+            trusted_intrinsics(beside.camera->intrinsics, pictures.width, pictures.height, beside.doubt);
+    return beside;
+}
+
+Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt) {
+    if (!camera.cx || !camera.cy || width <= 0 || height <= 0) return camera;
+    const double cx = *camera.cx, cy = *camera.cy;
+    const auto is_share = [](double at) { return at > 0 && at < 1; };
+    constexpr double longest_share = 10, far_off = 0.2, near_middle = 0.1, most_apart = 0.1;
+    if (camera.fx < longest_share && camera.fy < longest_share && is_share(cx) && is_share(cy)) {
+        doubt = "whose numbers are shares of a picture";
+        return {camera.fx * width, camera.fy * height, cx * width - 0.5, cy * height - 0.5, width, height};
+    }
+    const bool says_size = camera.width > 0 && camera.height > 0;
+    if (says_size && (camera.width != width || camera.height != height)) {
+        const bool is_theirs =
+            off_middle(cx, width) <= near_middle && off_middle(cy, height) <= near_middle &&
+            (off_middle(cx, camera.width) > far_off || off_middle(cy, camera.height) > far_off);
+        if (!is_theirs) return camera;
+        doubt = "which says that its pictures have " + std::to_string(camera.width) + "x" +
+                std::to_string(camera.height) + " pixels, but whose principal point is the middle of these";
+        camera.width = camera.height = 0;
+    } else if (!says_size && (off_middle(cx, width) > far_off || off_middle(cy, height) > far_off)) {
+        const double across = (2 * cx + 1) / width, down = (2 * cy + 1) / height;
+        if (!(across > 0.01 && down > 0.01) || std::abs(across - down) > most_apart * across) return camera;
+        const double times = 0.5 * (across + down);
+        camera.width = static_cast<int>(std::lround(std::min(times * width, 1e6)));
+        camera.height = static_cast<int>(std::lround(std::min(times * height, 1e6)));
+        doubt =
+            "whose principal point is the middle of pictures " + short_number(times, 3) + " times as large";
+    }
+    return camera;
+}
+
+Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int width, int height) {
+    constexpr double farthest = 1e6;                 // pixels; further off is a slip
+    constexpr std::size_t most_frames = 10'000'000;  // each has its camera in memory
+    if (files.count() > most_frames)
+        return input_error(files.file(0).string() + ": is the camera of " + std::to_string(files.count()) +
+                           " frames: at most " + std::to_string(most_frames) + " can have cameras");
+    std::vector<Camera> cameras;
+    for (std::size_t frame = 0; frame < files.count(); ++frame) {
+        const fs::path& path = files.file(frame);
+        if (frame > 0 && path == files.file(frame - 1)) {
+            cameras.push_back(cameras.back());
+            continue;
+        }
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while the cameras of the frames were read"};
+        const std::string of_frame = " (camera, frame " + std::to_string(frame) + ")";
+        const auto file = read_camera_file(path);
+        if (!file) return Error{file.error().kind, file.error().message + of_frame};
+        const Camera camera = scaled_camera(file->intrinsics, width, height);
+        if (!(std::abs(camera.cx) < farthest) || !(std::abs(camera.cy) < farthest))
+            return input_error(path.string() + of_frame +
+                               ": its cx and cy must be pixels, nearer than 1e6 to the picture");
+        cameras.push_back(camera);
+    }
+    return cameras;
+}
+
+Camera median_camera(std::span<const Camera> cameras) {
+    Camera median;
+    for (double Camera::*const term : {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy}) {
+        std::vector<double> all;
+        for (const Camera& camera : cameras) all.push_back(camera.*term);
+        const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
+        std::nth_element(all.begin(), middle, all.end());
+        median.*term = *middle;
+    }
+    return median;
+}
+
+double PixelShift::length() const {
+    return std::sqrt(columns * columns + rows * rows);
+}
+
+PixelShift shift_between(const Camera& clip, const Camera& stored, int width, int height) {
+    // It grows or falls steadily along a row and a column: the largest is at an edge.
+    PixelShift shift;
+    const auto along = [&](double clip_f, double clip_c, double stored_f, double stored_c, int size) {
+        double largest = 0;
+        for (const double edge : {0.0, size - 1.0}) {
+            const double there = stored_f * ((edge - clip_c) / clip_f) + stored_c;
+            largest = std::max(largest, std::abs(there - edge));
+            shift.is_inside &= there >= -0.5 && there < size - 0.5;
+        }
+        return largest;
+    };
+    shift.columns = along(clip.fx, clip.cx, stored.fx, stored.cx, width);
+    shift.rows = along(clip.fy, clip.cy, stored.fy, stored.cy, height);
+    return shift;
+}
+
+Result<std::optional<GuessedCameras>> guess_cameras(const fs::path& folder, const std::string& depth_pattern,
+                                                    int width, int height) {
+    const std::vector<PictureGroup> groups = camera_groups(folder);
+    if (groups.empty()) return std::optional<GuessedCameras>();
+    const auto fits = [&](const PictureGroup& group) {
+        const auto file = read_camera_file(group.first);
+        return file && file->intrinsics.width == width && file->intrinsics.height == height;
+    };
+    const auto fitting = std::ranges::find_if(groups, fits);
+    FolderSource source;
+    source.depth = depth_pattern;
+    source.cameras = (fitting == groups.end() ? groups.front() : *fitting).pattern;
+    TRY_ASSIGN(const auto frames, depth_files(folder, source));
+    TRY_ASSIGN(const auto files, camera_files(folder, source, frames));
+    TRY_ASSIGN(const auto cameras, read_frame_cameras(files, width, height));
+    return std::optional(GuessedCameras{source.cameras, median_camera(cameras)});
+}
+
+std::optional<FoundPoses> poses_beside(const fs::path& folder, const PictureFiles& depth,
+                                       const FrameRate& rate, double metres_per_unit) {
+    std::optional<FoundPoses> not_understood;
+    for (const fs::path& file : pose_files_in(folder)) {
+        const std::string name = file.filename().string(), extension = file.extension().string();
+        const auto text = read_given_file(file, file.string(), "poses of the camera",
+                                          extension == ".json" ? longest_metadata : longest_poses);
+        auto row = !text                  ? Result<PoseRow>(text.error())
+                   : extension == ".json" ? poses_of_record3d(*text, name, metres_per_unit)
+                   : extension == ".log"  ? poses_of_log(*text, name, metres_per_unit)
+                                          : poses_of_tum(*text, name, depth, rate, metres_per_unit);
+        if (!row) {
+            if (!not_understood)
+                not_understood =
+                    FoundPoses{{}, file, "poses of the camera are not read: " + row.error().message};
+            continue;
+        }
+        if (row->size() > depth.count()) row->resize(depth.count());
+        FoundPoses found{{std::move(*row)}, file};
+        if (found.path.known() == 0) continue;
+        found.remark = "where the camera stood is known of " + std::to_string(found.path.known()) + " of " +
+                       std::to_string(depth.count()) + " frames, by " + name;
+        return found;
+    }
+    return not_understood;
+}
+
+std::optional<fs::path> colour_movement_in(const fs::path& folder) {
+    for (const fs::path& file : texts_of_colour(folder))
+        if (has_word(file.stem().string(), {"depth", "extrinsic"}) && movement_of(file)) return file;
+    return {};
+}
+
+std::optional<VispColourCamera> visp_colour_camera(const fs::path& movement, const fs::path& camera_of_depth,
+                                                   int width, int height) {
+    const std::string stem = camera_of_depth.stem().string(), of_depth = "_depth";
+    const auto to_depth = movement_of(movement);
+    if (movement.filename() != "depth_M_color.txt" || !stem.ends_with(of_depth) || !to_depth) return {};
+    fs::path file = camera_of_depth;
+    file.replace_filename(stem.substr(0, stem.size() - of_depth.size()) +
+                          camera_of_depth.extension().string());
+    auto read = read_camera_file(file);
+    if (!read || read->has_distortion) return {};
+    return VispColourCamera{{scaled_camera(sized(read->intrinsics, width, height), width, height),
+                             width,
+                             height,
+                             {},
+                             to_depth->inverse()},
+                            file};
+}
+
+std::optional<fs::path> camera_of_colour_in(const fs::path& folder, const Scene& scene, int width,
+                                            int height) {
+    for (const fs::path& file : texts_of_colour(folder)) {
+        if (has_word(file.stem().string(), {"depth"})) continue;
+        auto read = read_camera_file(file);
+        if (!read) continue;
+        const Intrinsics of_colour = sized(read->intrinsics, width, height);
+        if (differs(scaled_camera(of_colour, scene.width, scene.height), scene.camera, scene)) return file;
+    }
+    return {};
+}
+
+}  // namespace touchable

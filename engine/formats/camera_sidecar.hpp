@@ -1,0 +1,136 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/formats/picture_files.hpp"
+#include "engine/formats/source_description.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+// What files beside pictures tell of the camera: its intrinsics, those of each frame, where it stood, and
+// where colour's camera stands. No file is an error where it only lies there; what calls itself a camera's
+// file and is not understood is named.
+
+inline constexpr double usual_fov = 60;  ///< degrees, where nothing tells
+/// Begins a remark that guesses the field of view (guesses_camera).
+inline constexpr std::string_view camera_guess_mark = "the camera sees ";
+
+/// Square pixels, the axis through the middle; degrees from the left edge to the right one.
+Camera camera_of_fov(double degrees, int width, int height);
+
+/// A remark on a field of view that is guessed: how wide it is taken to be, and how much too narrow or too
+/// wide all shapes are if it is wrong. Their depth is right all the same.
+std::string guessed_field_of_view(double degrees);
+
+/// What a text says of cameras.
+struct CameraText {
+    std::vector<CameraFile> cameras;  ///< in the order of the text, at most 64
+    double frames_per_second = 0;     ///< 0: not said
+};
+
+/// What a camera's own file says (read_camera_file). No camera in it is no error; an error says that it
+/// cannot be read, or that every principal point is far beside its picture.
+Result<CameraText> read_camera_text(const std::filesystem::path& file);
+
+/// Where pictures of depth are whose camera is sought.
+struct PicturesOfCamera {
+    std::filesystem::path folder{};  ///< of the clip
+    std::filesystem::path within{};  ///< that of depth's pictures, from there; empty: the same
+    int width = 0, height = 0;
+    /// Which pictures a camera's file applies to if its name does not say: all in the folder, or only those
+    /// with this stem.
+    bool is_whole_folder = false;
+    std::string stem{};
+};
+
+/// What files beside pictures say of their camera.
+struct CameraBeside {
+    std::optional<CameraFile> camera;  ///< of pictures of this size, or of any
+    std::filesystem::path file{};      ///< that has it
+    std::string doubt{};               ///< how it was taken otherwise than the file says; empty: as it says
+    double frames_per_second = 0;      ///< 0: none of them says it
+    std::filesystem::path rate_file{};
+    std::vector<std::string> not_understood{};  ///< names of files that call themselves a camera's
+};
+
+/// Of files in the folder, in depth's, in sparse/0 (COLMAP), and, where none of these has one, in the folder
+/// above. Of several cameras that of a file which calls itself a camera's, of depth, of pictures of this
+/// size, without a lens's distortion, the first by its name.
+CameraBeside camera_beside(const PicturesOfCamera& pictures);
+
+/// The same camera for pictures of this size, where what its file says of sizes cannot be: the principal
+/// point is near the middle of a picture, and tells of which. `doubt`: what was changed.
+Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt);
+
+/// The cameras in these files (read_camera_file), one a frame, for pictures of this size. An error names the
+/// file and the frame.
+Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int width, int height);
+
+/// Each of the four numbers is the median (the lower of two in the middle) of all; of one or more.
+Camera median_camera(std::span<const Camera> cameras);
+
+/// How far two cameras show the same ray apart, pixels: at most so many columns and rows over a picture.
+struct PixelShift {
+    double columns = 0, rows = 0;
+    bool is_inside = true;  ///< the stored picture has all that the clip's camera sees
+    double length() const;
+    /// Whether the nearest pixel is anywhere another one.
+    bool moves() const { return columns >= 0.5 || rows >= 0.5; }
+};
+PixelShift shift_between(const Camera& clip, const Camera& stored, int width, int height);
+
+/// Files that lie in a folder of pictures, with the camera of each frame.
+struct GuessedCameras {
+    std::string files;  ///< as `FolderSource::cameras`; a single file's name where there is only one
+    Camera median;      ///< of those that go with pictures of depth
+};
+
+/// Such files as ARKitScenes has them (.pincam), in the folder or one of its folders: of several kinds those
+/// of pictures of this size, otherwise those of which there are most. Nothing where there are none; an error
+/// names the file that cannot be read.
+Result<std::optional<GuessedCameras>> guess_cameras(const std::filesystem::path& folder,
+                                                    const std::string& depth_pattern, int width, int height);
+
+/// Where the camera stood, as a file beside pictures says it.
+struct FoundPoses {
+    CameraPath path;  ///< empty: the file is not understood, as `remark` says
+    std::filesystem::path file{};
+    std::string remark{};
+};
+
+/// In a folder of pictures: poses.txt or groundtruth.txt (TUM RGB-D), trajectory.log or another .log with
+/// "traj" in its name (Redwood, Open3D), or metadata.json (Record3D); the first of them that is there and has
+/// poses. `rate`: of the frames. Those of a list with times go with the frames that are nearest, at most 20
+/// ms away, or, where no times fit and there are as many, one by one. Nothing where there is no such file.
+std::optional<FoundPoses> poses_beside(const std::filesystem::path& folder, const PictureFiles& depth,
+                                       const FrameRate& rate, double metres_per_unit);
+
+// Files beside pictures that say that colour does not lie on depth's pixels.
+
+/// A matrix that takes points from depth's camera to colour's or back (depth_M_color.txt,
+/// extrinsic_color.txt), and is more than the unit matrix; nothing where there is none.
+std::optional<std::filesystem::path> colour_movement_in(const std::filesystem::path& folder);
+
+/// Colour's camera as ViSP stores it: depth_M_color.txt (`movement`; to depth's camera, metres), and beside
+/// depth's NAME_depth.xml colour's NAME.xml, of pictures of this size. Nothing where it is not so.
+struct VispColourCamera {
+    ColourCamera camera;
+    std::filesystem::path file;
+};
+std::optional<VispColourCamera> visp_colour_camera(const std::filesystem::path& movement,
+                                                   const std::filesystem::path& camera_of_depth, int width,
+                                                   int height);
+
+/// A camera of colour that sees depth's pixels elsewhere than the scene's camera does; nothing where there is
+/// none. A file that does not say of how large pictures it is, is of `width` x `height` pixels.
+std::optional<std::filesystem::path> camera_of_colour_in(const std::filesystem::path& folder,
+                                                         const Scene& scene, int width, int height);
+
+}  // namespace touchable

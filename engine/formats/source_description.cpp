@@ -1,0 +1,89 @@
+#include "engine/formats/source_description.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchable {
+namespace {
+
+using Kind = StoredDepth::Kind;
+
+constexpr Intrinsics kinect{525, 525, 319.5, 239.5, 640, 480};
+
+/// From the descriptions of the data sets. Where a description gives one number for baseline x fx, `baseline`
+/// is that number divided by the preset's fx.
+const Preset presets[] = {
+    {"tum", "TUM RGB-D: 5000 codes a metre", kinect, 0, 1.0 / 5000},
+    {"redwood", "Redwood and Open3D: millimetres", kinect, 0, 0.001},
+    {"icl", "ICL-NUIM: 5000 codes a metre", {481.2, 480, 319.5, 239.5, 640, 480}, 0, 1.0 / 5000},
+    {"7scenes", "7-Scenes: millimetres, 65535 is none", {585, 585, 320, 240, 640, 480}, 0, 0.001, 65535},
+    {"scannet", "ScanNet: millimetres", {577.87, 577.87, 319.5, 239.5, 640, 480}, 0, 0.001},
+    {"arkitscenes", "ARKitScenes: millimetres, with the camera of each frame (.pincam)", {}, 60, 0.001},
+    {"nyu",
+     "NYU Depth, raw: disparities of a Kinect with their bytes swapped",
+     {582.62, 582.69, 313.04, 238.44, 640, 480},
+     0,
+     0,
+     2047,
+     {Kind::disparity, 351.3 / 582.62, -1, 1092.5, true, 0}},
+    {"sun", "SUN RGB-D: millimetres, bits rotated by 3", {}, 60, 0.001, 0, {Kind::codes, 0, 1, 0, false, 3}},
+    {"realsense", "RealSense D400: millimetres", {}, 79, 0.001},
+    {"kitti",
+     "KITTI depth: 256 codes a metre",
+     {721.5377, 721.5377, 609.5593, 172.854, 1242, 375},
+     0,
+     1.0 / 256},
+    {"middlebury",
+     "Middlebury stereo: disparities, with the calib.txt beside them",
+     {},
+     0,
+     0,
+     0,
+     {Kind::disparity, 0, 1, 0, false, 0}},
+    {"relative-inverse",
+     "guessed from one picture (MiDaS and the like): 1/depth without a scale",
+     {},
+     60,
+     0,
+     0,
+     {Kind::relative, 0, 1, 0, false, 0}},
+};
+
+}  // namespace
+
+Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
+    Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
+    const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
+    double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,
+           y = has_size ? static_cast<double>(height) / intrinsics.height : 1;
+    // Of another shape: cameras cut off what is too much, and stretch nothing.
+    if (std::abs(x - y) > 0.01 * x) x = y = std::max(x, y);
+    camera.fx *= x;
+    camera.fy *= y;
+    const auto centre = [](double at, int from, double scale, int to) {
+        return (at - 0.5 * (from - 1)) * scale + 0.5 * (to - 1);
+    };
+    if (intrinsics.cx)
+        camera.cx = has_size ? centre(*intrinsics.cx, intrinsics.width, x, width) : *intrinsics.cx;
+    if (intrinsics.cy)
+        camera.cy = has_size ? centre(*intrinsics.cy, intrinsics.height, y, height) : *intrinsics.cy;
+    return camera;
+}
+
+std::span<const Preset> all_presets() {
+    return presets;
+}
+
+const Preset* preset_named(const std::string& name) {
+    const auto* const found =
+        std::ranges::find_if(presets, [&](const Preset& each) { return name == each.name; });
+    return found == std::end(presets) ? nullptr : found;
+}
+
+std::optional<VideoValues> video_values_named(const std::string& name) {
+    if (name == "hue") return VideoValues::hue;
+    if (name == "mean") return VideoValues::mean;
+    return std::nullopt;
+}
+
+}  // namespace touchable

@@ -1,0 +1,291 @@
+#include <algorithm>
+#include <utility>
+
+#include "engine/base/try.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr VkMemoryPropertyFlags local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+constexpr VkMemoryPropertyFlags visible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+constexpr VkMemoryPropertyFlags coherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+constexpr VkMemoryPropertyFlags cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+
+/// How well memory with these properties serves; negative: not at all.
+int worth(VkMemoryPropertyFlags flags, GpuMemory use) {
+    if (flags & ~(local | visible | coherent | cached)) return -1;  // protected, lazy: not ordinary memory
+    const auto has = [flags](VkMemoryPropertyFlags wanted) { return (flags & wanted) == wanted; };
+    if (use == GpuMemory::device) return 2 * has(local) + !has(visible);
+    if (!has(visible | coherent)) return -1;
+    switch (use) {
+        // Reading uncached memory is so slow that where it is comes second.
+        case GpuMemory::shared:
+            return has(cached) ? 2 + has(local) : !has(local);
+        case GpuMemory::readback:
+            return 2 * has(cached) + !has(local);
+        default:
+            return !has(local);  // upload: what the CPU may see of device memory can be small
+    }
+}
+
+constexpr std::size_t texel_bytes = 16;  // rgba32ui
+
+Error refusal(const VulkanDevice& gpu, const std::string& name, std::size_t bytes, const std::string& why) {
+    return {ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) + " bytes: " + why +
+                                " on " + gpu.facts.name};
+}
+
+Error refusal(VulkanDevice& gpu, const std::string& name, std::size_t bytes, const char* call,
+              VkResult result) {
+    return {ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) +
+                                " bytes: " + gpu.failed(call, result).message};
+}
+
+std::size_t rounded_up(std::size_t bytes) {
+    return (bytes + texel_bytes - 1) / texel_bytes * texel_bytes;
+}
+
+std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {
+    return gpu.memory.memoryHeaps[gpu.memory.memoryTypes[memory_type].heapIndex].size;
+}
+
+VkDescriptorType type_of(GpuBindingKind kind) {
+    switch (kind) {
+        case GpuBindingKind::storage_buffer:
+            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        case GpuBindingKind::uniform_texels:
+            return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+        case GpuBindingKind::storage_texels:
+            break;
+    }
+    return VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+}
+
+/// What the device can not do of this layout; empty where it can.
+std::string beyond(const GpuLayout& layout, const GpuLimits& limits) {
+    std::uint64_t invocations = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+        invocations *= layout.group_size[i];
+        if (layout.group_size[i] > limits.max_group_size[i])
+            return "workgroups of " + std::to_string(layout.group_size[i]) + " in one direction, at most " +
+                   std::to_string(limits.max_group_size[i]);
+    }
+    if (invocations > limits.max_group_invocations)
+        return "workgroups of " + std::to_string(invocations) + " invocations, at most " +
+               std::to_string(limits.max_group_invocations);
+    if (layout.push_bytes > limits.max_push_constants)
+        return std::to_string(layout.push_bytes) + " bytes of push constants, at most " +
+               std::to_string(limits.max_push_constants);
+    return {};
+}
+
+Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout& layout) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const GpuBindingKind kind : layout.bindings) {
+        VkDescriptorSetLayoutBinding binding{};
+        binding.binding = static_cast<std::uint32_t>(bindings.size());
+        binding.descriptorType = type_of(kind);
+        binding.descriptorCount = 1;
+        binding.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+        bindings.push_back(binding);
+    }
+    VkDescriptorSetLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    info.bindingCount = static_cast<std::uint32_t>(bindings.size());
+    info.pBindings = bindings.data();
+    VkDescriptorSetLayout made = VK_NULL_HANDLE;
+    const VkResult result = vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &made);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorSetLayout", result);
+    return made;
+}
+
+Result<VkPipelineLayout> make_pipeline_layout(VulkanDevice& gpu, VkDescriptorSetLayout set,
+                                              std::uint32_t push_bytes) {
+    const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+    VkPipelineLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set;
+    info.pushConstantRangeCount = push_bytes > 0;
+    info.pPushConstantRanges = &range;
+    VkPipelineLayout made = VK_NULL_HANDLE;
+    const VkResult result = vkCreatePipelineLayout(gpu.device, &info, nullptr, &made);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreatePipelineLayout", result);
+    return made;
+}
+
+Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
+                                 std::span<const std::uint32_t> spirv,
+                                 std::span<const std::uint32_t> constants) {
+    VkShaderModuleCreateInfo code{};
+    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    code.codeSize = spirv.size_bytes();
+    code.pCode = spirv.data();
+    VkShaderModule shader = VK_NULL_HANDLE;
+    VkResult result = vkCreateShaderModule(gpu.device, &code, nullptr, &shader);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateShaderModule", result);
+
+    std::vector<VkSpecializationMapEntry> entries;
+    for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
+    const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                       constants.size_bytes(), constants.data()};
+    VkComputePipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.module = shader;
+    info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &special;
+    info.layout = layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    result = vkCreateComputePipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+    vkDestroyShaderModule(gpu.device, shader, nullptr);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateComputePipelines", result);
+    return pipeline;
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProperties& memory,
+                                                std::uint32_t allowed, GpuMemory use) {
+    std::optional<std::uint32_t> best;
+    int most = -1;
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+        const int value = allowed >> i & 1U ? worth(memory.memoryTypes[i].propertyFlags, use) : -1;
+        if (value <= most) continue;  // drivers list the faster of two alike first
+        most = value;
+        best = i;
+    }
+    return best;
+}
+
+GpuBuffer::State::~State() {
+    for (VkBufferView view : {texels, words})
+        if (view) vkDestroyBufferView(vulkan->device, view, nullptr);
+    if (buffer) vkDestroyBuffer(vulkan->device, buffer, nullptr);
+    if (memory) vkFreeMemory(vulkan->device, memory, nullptr);  // and its mapping
+}
+
+/// The buffer without its memory.
+Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice& device, std::string name,
+                                                                std::size_t bytes) {
+    auto state = std::make_shared<State>();
+    state->vulkan = device.vulkan();
+    state->name = std::move(name);
+    state->bytes = bytes;
+    VulkanDevice& gpu = *state->vulkan;
+    if (bytes == 0) return refusal(gpu, state->name, bytes, "there is no buffer without bytes");
+    const std::uint64_t most = gpu.facts.limits.max_allocation;
+    if (bytes > most - texel_bytes)
+        return refusal(gpu, state->name, bytes, "at most " + std::to_string(most) + " in one piece");
+    state->size = rounded_up(bytes);
+
+    VkBufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    info.size = state->size;
+    info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                 VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    const VkResult result = vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer);
+    if (result != VK_SUCCESS) return refusal(gpu, state->name, bytes, "vkCreateBuffer", result);
+    gpu.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<std::uint64_t>(state->buffer), state->name);
+    return state;
+}
+
+/// Gives the buffer memory of this type, and views of its texels where those are not larger than a view may
+/// be.
+Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_t bytes) {
+    VulkanDevice& gpu = *state.vulkan;
+    if (bytes > heap_bytes(gpu, memory_type))
+        return refusal(gpu, state.name, state.bytes,
+                       "the memory has only " + std::to_string(heap_bytes(gpu, memory_type)));
+    VkMemoryAllocateInfo memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    memory.allocationSize = bytes;
+    memory.memoryTypeIndex = memory_type;
+    VkResult result = vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory);
+    if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkAllocateMemory", result);
+    result = vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0);
+    if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkBindBufferMemory", result);
+
+    const struct {
+        VkBufferView& view;
+        VkFormat format;
+        std::size_t texel_bytes;
+    } views[] = {{state.texels, VK_FORMAT_R32G32B32A32_UINT, texel_bytes},
+                 {state.words, VK_FORMAT_R32_UINT, 4}};
+    for (const auto& each : views) {
+        if (state.size / each.texel_bytes > gpu.facts.limits.max_texel_buffer_elements) continue;
+        VkBufferViewCreateInfo view{};
+        view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+        view.buffer = state.buffer;
+        view.format = each.format;
+        view.range = state.size;
+        result = vkCreateBufferView(gpu.device, &view, nullptr, &each.view);
+        if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkCreateBufferView", result);
+    }
+    return {};
+}
+
+Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, std::size_t bytes,
+                                    GpuMemory memory) {
+    TRY_ASSIGN(auto state, make_state(device, std::move(name), bytes));
+    VulkanDevice& gpu = *state->vulkan;
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(gpu.device, state->buffer, &needs);
+    const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, memory);
+    if (!type) return refusal(gpu, state->name, bytes, "no memory the CPU can see");
+    TRY(bind(*state, *type, needs.size));
+
+    if (memory != GpuMemory::device) {
+        const VkResult result = vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped);
+        if (result != VK_SUCCESS) return refusal(gpu, state->name, bytes, "vkMapMemory", result);
+    }
+    GpuBuffer buffer;
+    buffer.state_ = std::move(state);
+    return buffer;
+}
+
+GpuProgram::State::~State() {
+    if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
+    if (pipeline_layout) vkDestroyPipelineLayout(vulkan->device, pipeline_layout, nullptr);
+    if (set_layout) vkDestroyDescriptorSetLayout(vulkan->device, set_layout, nullptr);
+}
+
+Result<GpuProgram> GpuProgram::create(const GpuDevice& device, std::string name,
+                                      std::span<const std::uint32_t> spirv, GpuLayout layout,
+                                      std::span<const std::uint32_t> constants) {
+    const auto refusal = [&name](ErrorKind kind, const std::string& why) {
+        return Error{kind, "kernel " + name + ": " + why};
+    };
+    if (layout_fault != nullptr)
+        if (const std::string fault = layout_fault(spirv, layout, constants); !fault.empty())
+            return refusal(ErrorKind::internal, fault);
+    if (const std::string fault = beyond(layout, device.facts().limits); !fault.empty())
+        return refusal(ErrorKind::gpu, fault + " on " + device.facts().name);
+
+    auto state = std::make_shared<State>();
+    state->vulkan = device.vulkan();
+    state->name = name;
+    state->layout = std::move(layout);
+    VulkanDevice& gpu = *state->vulkan;
+    const auto set = make_set_layout(gpu, state->layout);
+    if (!set.ok()) return refusal(ErrorKind::gpu, set.error().message);
+    state->set_layout = *set;
+    const auto pipeline_layout = make_pipeline_layout(gpu, *set, state->layout.push_bytes);
+    if (!pipeline_layout.ok()) return refusal(ErrorKind::gpu, pipeline_layout.error().message);
+    state->pipeline_layout = *pipeline_layout;
+    const auto pipeline = make_pipeline(gpu, *pipeline_layout, spirv, constants);
+    if (!pipeline.ok()) return refusal(ErrorKind::gpu, pipeline.error().message);
+    state->pipeline = *pipeline;
+    gpu.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(*pipeline), name);
+    GpuProgram program;
+    program.state_ = std::move(state);
+    return program;
+}
+
+}  // namespace touchable

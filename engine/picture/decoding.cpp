@@ -1,0 +1,609 @@
+#include "engine/picture/decoding.hpp"
+
+extern "C" {
+#include <libavutil/imgutils.h>
+}
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+
+namespace touchable {
+
+namespace {
+
+Error no_memory() {
+    return {ErrorKind::internal, "out of memory"};
+}
+
+std::string_view view_of(const AVPacket& packet) {
+    return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
+}
+
+/// PNG or JPEG by its first bytes; AV_CODEC_ID_NONE for anything else.
+AVCodecID codec_of(std::string_view bytes) {
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
+    if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
+    return AV_CODEC_ID_NONE;
+}
+
+/// FFmpeg fills in what a cut file lacks, and says nothing. Neither marker can occur inside coded data, so a
+/// whole JPEG has an end marker after its last start of a scan; a whole PNG ends with its IEND chunk.
+bool is_cut(AVCodecID codec, std::string_view bytes) {
+    if (codec == AV_CODEC_ID_PNG) return bytes.find("IEND\xae\x42\x60\x82") == std::string_view::npos;
+    const auto end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
+    return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
+}
+
+/// FFmpeg passes over whatever stands before the header of a PNG, of which nothing is known then.
+bool has_late_header(AVCodecID codec, std::string_view bytes) {
+    return codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR";
+}
+
+/// What the header of a PNG says that its decoder keeps to itself.
+struct PngHeader {
+    int bits = 8;
+    std::uint64_t pixels = 0, bytes = 0;  ///< these: before they are packed
+    bool grey = false, interlaced = false;
+    std::optional<std::size_t> colours{};  ///< of its palette
+    bool made_after = false;               ///< FFmpeg makes its samples of others once all are decoded
+};
+
+constexpr std::size_t png_signature = 8;
+
+/// The first chunk of these bytes of a PNG, up to its checksum; its name is empty where there is no whole
+/// one.
+struct PngChunk {
+    std::string_view name{}, all{};
+    std::size_t length = 0;
+
+    explicit PngChunk(std::string_view png) {
+        constexpr std::size_t around = 12;  // its length, its name, a checksum
+        for (const char c : png.substr(0, 4)) length = length << 8 | static_cast<unsigned char>(c);
+        if (png.size() < around || length > png.size() - around) return;
+        name = png.substr(4, 4);
+        all = png.substr(0, around + length);
+    }
+};
+
+/// As many as FFmpeg takes: of several palettes the last one before the picture's data.
+std::size_t colours_in_palette(std::string_view png) {
+    std::size_t colours = 0;
+    for (png.remove_prefix(png_signature);;) {
+        const PngChunk chunk(png);
+        if (chunk.name.empty() || chunk.name == "IDAT") return colours;
+        if (chunk.name == "PLTE") colours = chunk.length / 3;
+        png.remove_prefix(chunk.all.size());
+    }
+}
+
+/// Bytes that a picture is packed in.
+std::size_t packed_pixels(std::string_view png) {
+    std::size_t bytes = 0;
+    for (png.remove_prefix(std::min(png_signature, png.size()));;) {
+        const PngChunk chunk(png);
+        if (chunk.name.empty()) return bytes;
+        if (chunk.name == "IDAT") bytes += chunk.length;
+        png.remove_prefix(chunk.all.size());
+    }
+}
+
+/// Bytes followed by the zeros FFmpeg's decoders may read past their end. Without the texts and colour
+/// profiles of a PNG, which FFmpeg would unpack, however large, and which are not asked for.
+Result<PacketPtr> packet_of(std::string_view bytes) {
+    std::vector<std::string_view> parts;
+    std::size_t size = 0;
+    const auto take = [&](std::size_t count) {
+        parts.push_back(bytes.substr(0, count));
+        size += count;
+        bytes.remove_prefix(count);
+    };
+    if (codec_of(bytes) == AV_CODEC_ID_PNG) {
+        take(png_signature);
+        for (PngChunk chunk(bytes); !chunk.name.empty(); chunk = PngChunk(bytes)) {
+            if (chunk.name == "zTXt" || chunk.name == "iTXt" || chunk.name == "iCCP")
+                bytes.remove_prefix(chunk.all.size());
+            else
+                take(chunk.all.size());
+        }
+    }
+    take(bytes.size());
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return no_memory();
+    std::uint8_t* to = packet->data;
+    for (const std::string_view part : parts) to = std::copy(part.begin(), part.end(), to);
+    return packet;
+}
+
+PngHeader png_header(std::string_view png) {
+    constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
+    if (png.size() < end || codec_of(png) != AV_CODEC_ID_PNG) return {};
+    const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(png[at])); };
+    const auto side = [&](std::size_t at) {
+        return static_cast<std::uint64_t>(byte(at) << 8 | byte(at + 1)) << 16 |
+               static_cast<std::uint64_t>(byte(at + 2) << 8 | byte(at + 3));
+    };
+    PngHeader header;
+    header.bits = byte(24);
+    header.pixels = side(16) * side(20);
+    constexpr std::uint64_t channels[] = {1, 1, 3, 1, 2, 1, 4};  // by kind of colour
+    const auto kind = std::min<std::size_t>(static_cast<std::size_t>(byte(25)), 6);
+    const std::uint64_t row_bits = side(16) * channels[kind] * static_cast<std::uint64_t>(header.bits);
+    header.bytes = side(20) * (row_bits / 8 + 2);  // a byte before each row says how it was filtered
+    header.grey = byte(25) == 0 || byte(25) == 4;
+    header.interlaced = byte(28) != 0;
+    const bool palette = byte(25) == 3;
+    if (palette) header.colours = colours_in_palette(png);
+    const bool transparent = png.substr(0, png.find("IDAT")).find("tRNS") != std::string_view::npos;
+    header.made_after = header.bits < 8 || (transparent && !palette);
+    return header;
+}
+
+/// Noise laid where a decoder will put the last row of a picture: where data run out before it, FFmpeg's PNG
+/// decoder says nothing, and the noise stays.
+class LastRow {
+public:
+    explicit LastRow(std::uint8_t seed) : seed_(seed) {}
+    void lay(AVFrame& frame) const {
+        for (int k = 0; k < row_bytes(frame); ++k) row_of(frame)[k] = noise(k);
+    }
+    bool untouched(const AVFrame& frame) const {
+        const std::uint8_t* row = row_of(frame);
+        for (int k = 0; k < row_bytes(frame); ++k)
+            if (row[k] != noise(k)) return false;
+        return true;
+    }
+    static std::vector<std::uint8_t> copy(const AVFrame& frame) {
+        return {row_of(frame), row_of(frame) + row_bytes(frame)};
+    }
+
+private:
+    std::uint8_t noise(int k) const { return static_cast<std::uint8_t>((k * 157 + seed_) ^ (k >> 3)); }
+    static std::uint8_t* row_of(const AVFrame& frame) {
+        return frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * (frame.height - 1);
+    }
+    static int row_bytes(const AVFrame& frame) {
+        return av_image_get_linesize(static_cast<AVPixelFormat>(frame.format), frame.width, 0);
+    }
+
+    std::uint8_t seed_;
+};
+
+constexpr std::uint32_t deflate_expansion = 1032;  // times as many bytes, at most
+
+/// Pixels that these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a
+/// block of 8x8 pixels of a JPEG takes at least a bit.
+std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
+    const auto size = static_cast<std::int64_t>(bytes.size());
+    if (codec == AV_CODEC_ID_PNG)
+        return size * std::int64_t{deflate_expansion} * 8 / std::max(png_header(bytes).bits, 1);
+    return size * 8 * 64;
+}
+
+/// Gives a decoder the memory of its picture, unless that is larger than the file can hold.
+class PictureMemory {
+public:
+    PictureMemory(std::int64_t held_pixels, const LastRow* last_row)
+        : held_pixels_(held_pixels), last_row_(last_row) {}
+    void serve(AVCodecContext& decoder) {
+        decoder.opaque = this;
+        decoder.get_buffer2 = [](AVCodecContext* context, AVFrame* frame, int flags) {
+            return static_cast<PictureMemory*>(context->opaque)->give(*context, *frame, flags);
+        };
+    }
+    bool is_refused() const { return is_refused_; }
+
+private:
+    int give(AVCodecContext& context, AVFrame& frame, int flags) {
+        is_refused_ = std::int64_t{context.width} * context.height > held_pixels_;
+        if (is_refused_) return AVERROR(EINVAL);
+        const int status = avcodec_default_get_buffer2(&context, &frame, flags);
+        if (status >= 0 && last_row_) last_row_->lay(frame);
+        return status;
+    }
+
+    const std::int64_t held_pixels_;
+    const LastRow* const last_row_;
+    bool is_refused_ = false;
+};
+
+Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet,
+                        LastRow* last_row) {
+    const AVCodec* codec = avcodec_find_decoder(codec_id);
+    CodecPtr decoder(avcodec_alloc_context3(codec));
+    FramePtr frame(av_frame_alloc());
+    if (!codec || !decoder || !frame) return no_memory();
+    decoder->thread_count = 1;
+    decoder->max_pixels = std::int64_t{16384} * 16384;
+    decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+    PictureMemory memory(held_pixels(codec_id, view_of(packet)), last_row);
+    memory.serve(*decoder);
+    int status = avcodec_open2(decoder.get(), codec, nullptr);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
+    if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
+    if (memory.is_refused())
+        return input_error(where + ": claims more pixels than its " + std::to_string(packet.size) +
+                           " bytes can hold");
+    if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return input_error(where + ": is damaged");
+    return frame;
+}
+
+/// Pixels of the largest picture in a JPEG, times the scans that go over it. Neither marker can occur inside
+/// coded data.
+std::uint64_t scanned_pixels(std::string_view jpeg) {
+    std::uint64_t pixels = 0, scans = 1;
+    for (std::size_t at = 0; (at = jpeg.find('\xff', at)) != std::string_view::npos; ++at) {
+        const auto byte = [&](std::size_t k) {
+            return at + k < jpeg.size() ? std::uint64_t{static_cast<unsigned char>(jpeg[at + k])} : 0;
+        };
+        const std::uint64_t marker = byte(1);
+        const bool has_size =
+            marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+        if (has_size) pixels = std::max(pixels, (byte(5) << 8 | byte(6)) * (byte(7) << 8 | byte(8)));
+        scans += marker == 0xda;
+    }
+    return pixels * scans;
+}
+
+/// Whether it may: some hundredths of a second.
+bool takes_long(AVCodecID codec, const AVPacket& packet) {
+    constexpr std::uint64_t many = 1 << 23;
+    const std::string_view bytes = view_of(packet);
+    if (codec != AV_CODEC_ID_PNG) return scanned_pixels(bytes) >= many;
+    return std::max<std::uint64_t>(png_header(bytes).bytes, deflate_expansion * packed_pixels(bytes)) >= many;
+}
+
+/// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
+/// does not wait for them.
+Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
+                                       std::optional<LastRow> last_row) {
+    if (!takes_long(codec, packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
+    PacketPtr own(av_packet_clone(&packet));
+    if (!own) return no_memory();
+    auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
+        return decode(where, codec, *packet, last_row ? &*last_row : nullptr);
+    });
+    if (!frame) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    return std::move(*frame);
+}
+
+/// FFmpeg unpacks all that follows the pixels, too. Where they cannot be packed at all their data are hardly
+/// longer than they.
+Result<void> check_packed_pixels(AVCodecID codec, const PngHeader& header, std::string_view bytes,
+                                 const std::string& where) {
+    constexpr std::size_t always = std::size_t{64} << 10;
+    if (codec != AV_CODEC_ID_PNG) return {};
+    const std::size_t packed = packed_pixels(bytes);
+    if (packed <= 2 * header.bytes + always) return {};
+    return input_error(where + ": is damaged: has " + std::to_string(packed) + " bytes of data for " +
+                       std::to_string(header.pixels) + " pixels");
+}
+
+/// FFmpeg makes pixels black that name a colour beyond the palette's last.
+Result<void> check_indices(const std::string& where, const AVFrame& frame, std::size_t colours) {
+    for (int y = 0; y < frame.height && !stop_requested(); ++y) {
+        const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+        const std::uint8_t* most = std::max_element(row, row + frame.width);
+        if (*most >= colours)
+            return input_error(where + ": is damaged: a pixel has colour " + std::to_string(*most) +
+                               " of its palette, which has " + std::to_string(colours));
+    }
+    return {};
+}
+
+/// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
+/// decoded and may have been noise: no row that was decoded depends on it.
+Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
+    const LastRow noise(1), other(2);
+    std::vector<std::uint8_t> last_row;
+    {
+        auto frame = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, noise);
+        if (!frame || !(header.made_after || noise.untouched(**frame))) return frame;
+        last_row = LastRow::copy(**frame);
+    }
+    auto again = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, other);
+    if (!again || LastRow::copy(**again) == last_row) return again;
+    return input_error(where + ": is damaged: its data end before the picture does");
+}
+
+constexpr bool host_is_big_endian = std::endian::native == std::endian::big;
+
+const AVPixFmtDescriptor& descriptor(const AVFrame& frame) {
+    return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+}
+
+Image rgb_of_size(int width, int height) {
+    Image image{width, height, 1, 3, {}};
+    image.samples.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    return image;
+}
+
+std::uint8_t* row_of(Image& image, int y) {
+    return image.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 3;
+}
+
+void move_palette(const AVFrame& frame, const std::uint8_t* from, std::uint8_t* to) {
+    for (int x = 0; x < frame.width; ++x, to += 3) {
+        std::uint32_t entry;  // 0xAARRGGBB in host order
+        std::memcpy(&entry, frame.data[1] + 4 * std::size_t{from[x]}, 4);
+        for (int c = 0; c < 3; ++c) to[c] = static_cast<std::uint8_t>(entry >> (16 - 8 * c));
+    }
+}
+
+std::optional<PlaneView> first_plane(const AVFrame& frame) {
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    const AVComponentDescriptor& samples = format.comp[0];
+    const int bytes = samples.depth > 8 ? 2 : 1;
+    constexpr std::uint64_t other = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
+                                    AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER;
+    const bool big_endian = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
+    if ((format.flags & other) != 0 || (bytes == 2 && big_endian != host_is_big_endian)) return std::nullopt;
+    if (samples.plane != 0 || samples.offset != 0 || samples.step != bytes || samples.shift != 0 ||
+        samples.depth < 8 || samples.depth > 16)
+        return std::nullopt;
+    return PlaneView{frame.data[0], frame.linesize[0], frame.width, frame.height, bytes, 1};
+}
+
+/// Rows that are copied at once; then their memory goes back, so that a picture is held once and not twice.
+constexpr int rows_at_once = 64;
+
+/// A picture whose rows `append(samples, first, count)` adds at the end, false where they are of another
+/// kind.
+template <class Append>
+Result<std::optional<Image>> gathered(const std::string& where, AVFrame& frame, int bytes, int channels,
+                                      Append&& append) {
+    Image image{frame.width, frame.height, bytes, channels, {}};
+    image.samples.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
+                          static_cast<std::size_t>(bytes * channels));
+    for (int first = 0; first < frame.height; first += rows_at_once) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        const int count = std::min(rows_at_once, frame.height - first);
+        if (!append(image.samples, first, count)) return std::optional<Image>{};
+        drop_rows(frame, first, count);
+    }
+    return std::optional(std::move(image));
+}
+
+using Samples = std::vector<std::uint8_t>;
+
+auto packed_grey(const PlaneView& plane) {
+    return [plane](Samples& to, int first, int count) {
+        const auto row_bytes = static_cast<std::ptrdiff_t>(plane.width) * plane.bytes_per_sample;
+        for (int y = first; y < first + count; ++y)
+            to.insert(to.end(), plane.row(y), plane.row(y) + row_bytes);
+        return true;
+    };
+}
+
+/// The grey of formats that `grey_samples` does not see: 16 bits as PNG has them (high byte first), grey with
+/// alpha, and grey stored as colour of 16 bits, which no colour is.
+struct GreyOfPng {
+    const AVFrame& frame;
+    bool is_colour() const {
+        return frame.format == AV_PIX_FMT_RGB48BE || frame.format == AV_PIX_FMT_RGBA64BE;
+    }
+    bool is_deep() const {
+        return frame.format == AV_PIX_FMT_GRAY16BE || frame.format == AV_PIX_FMT_YA16BE || is_colour();
+    }
+    bool is_it() const { return is_deep() || frame.format == AV_PIX_FMT_YA8; }
+    bool operator()(Samples& to, int first, int count) const {
+        const bool deep = is_deep(), colour = is_colour();
+        const int step =
+            (deep ? 2 : 1) * av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
+        for (int y = first; y < first + count; ++y) {
+            const std::uint8_t* from = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+            for (int x = 0; x < frame.width; ++x, from += step) {
+                if (colour && std::memcmp(from, from + 2, 4) != 0) return false;
+                const auto sample = static_cast<std::uint16_t>(deep ? from[0] << 8 | from[1] : from[0]);
+                const auto bytes = std::bit_cast<std::array<std::uint8_t, 2>>(sample);
+                if (deep)
+                    to.insert(to.end(), bytes.begin(), bytes.end());
+                else
+                    to.push_back(from[0]);
+            }
+        }
+        return true;
+    }
+};
+
+/// Grey of 1 bit, eight pixels a byte, the first one highest.
+auto black_and_white(const AVFrame& frame) {
+    return [&frame](Samples& to, int first, int count) {
+        for (int y = first; y < first + count; ++y) {
+            const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+            for (int x = 0; x < frame.width; ++x)
+                to.push_back((row[x / 8] >> (7 - x % 8) & 1) != 0 ? 255 : 0);
+        }
+        return true;
+    };
+}
+
+auto rgb_of(const AVFrame& frame) {
+    return [&frame](Samples& to, int first, int count) {
+        const Image rows = rgb_rows(frame, first, count);
+        to.insert(to.end(), rows.samples.begin(), rows.samples.end());
+        return true;
+    };
+}
+
+/// Nothing of kinds that are not read.
+Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr frame) {
+    if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(where, *frame, 1, 1, black_and_white(*frame));
+    if (const GreyOfPng grey{*frame}; grey.is_it())
+        return gathered(where, *frame, grey.is_deep() ? 2 : 1, 1, grey);
+    if (const auto plane = grey_samples(*frame))
+        return gathered(where, *frame, plane->bytes_per_sample, 1, packed_grey(*plane));
+    if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8)
+        return std::optional<Image>{};
+    if (!is_rgb8(*frame)) {
+        auto rgb = unless_stopped([frame = std::move(frame)] { return RgbConverter().converted(*frame); });
+        if (!rgb) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        if (!*rgb) return input_error(where + ": " + rgb->error().message);
+        frame = std::move(**rgb);
+    }
+    return gathered(where, *frame, 1, 3, rgb_of(*frame));
+}
+
+Result<Image> image_from(const std::string& where, FramePtr frame) {
+    const std::string format = format_name(*frame);
+    TRY_ASSIGN(auto image, image_of_any(where, std::move(frame)));
+    if (image) return std::move(*image);
+    return input_error(where + ": has pixel format " + format +
+                       "; grey of 8 or 16 bits and colour of 8 bits are read");
+}
+
+/// Grey of 1, 2 and 4 bits comes spread over 8.
+void gather(Image& image, int bits) {
+    const int step = 255 / ((1 << bits) - 1);
+    until_stopped(image.samples.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k)
+            image.samples[k] = static_cast<std::uint8_t>(image.samples[k] / step);
+    });
+}
+
+}  // namespace
+
+Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where) {
+    silence_ffmpeg();
+    const AVCodecID codec = codec_of(bytes);
+    if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
+    if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
+    if (has_late_header(codec, bytes))
+        return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
+    const PngHeader header = png_header(bytes);
+    TRY(check_packed_pixels(codec, header, bytes, where));
+    TRY_ASSIGN(const auto packet, packet_of(bytes));
+    TRY_ASSIGN(auto frame, codec == AV_CODEC_ID_PNG
+                               ? decode_png(where, *packet, header)
+                               : decode_unless_stopped(where, codec, *packet, std::nullopt));
+    if (header.colours && frame->format == AV_PIX_FMT_PAL8)
+        TRY(check_indices(where, *frame, *header.colours));
+    return DecodedPicture{std::move(frame), codec, header.grey ? header.bits : 8, header.interlaced};
+}
+
+std::string format_name(const AVFrame& frame) {
+    const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
+    return name ? name : "unknown";
+}
+
+int sample_bits(const AVFrame& frame) {
+    return descriptor(frame).comp[0].depth;
+}
+
+bool is_rgb8(const AVFrame& frame) {
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    if (frame.format == AV_PIX_FMT_PAL8) return true;
+    if ((format.flags & AV_PIX_FMT_FLAG_RGB) == 0 || format.nb_components < 3) return false;
+    if ((format.flags & (AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER |
+                         AV_PIX_FMT_FLAG_FLOAT)) != 0)
+        return false;
+    for (int c = 0; c < 3; ++c)
+        if (format.comp[c].depth != 8 || format.comp[c].shift != 0) return false;
+    return true;
+}
+
+std::optional<PlaneView> grey_samples(const AVFrame& frame) {
+    return descriptor(frame).nb_components == 1 ? first_plane(frame) : std::nullopt;
+}
+
+std::optional<PlaneView> luma_samples(const AVFrame& frame) {
+    return first_plane(frame);
+}
+
+Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits) {
+    const std::size_t row_bytes = static_cast<std::size_t>(high.width) * 2;
+    Image image{high.width, high.height, 2, 1, {}};
+    image.samples.resize(row_bytes * static_cast<std::size_t>(high.height));
+    for (int y = 0; y < high.height; ++y) {
+        const std::uint8_t *above = high.row(y), *below = low.row(y);
+        std::uint8_t* to = image.samples.data() + row_bytes * static_cast<std::size_t>(y);
+        for (int x = 0; x < high.width; ++x) {
+            const auto sample = static_cast<std::uint16_t>(above[x] << low_bits | below[x]);
+            std::memcpy(to + 2 * x, &sample, 2);
+        }
+    }
+    return image;
+}
+
+void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb) {
+    static const VectorUnit unit = usable_vector_units().front();
+    std::array<const std::uint8_t*, 3> from{};
+    std::array<int, 3> places{}, steps{};
+    for (int c = 0; c < 3; ++c) {
+        const AVComponentDescriptor& samples = descriptor(frame).comp[c];
+        const auto n = static_cast<std::size_t>(c);
+        from[n] = frame.data[samples.plane] + std::ptrdiff_t{frame.linesize[samples.plane]} * y;
+        places[n] = samples.offset;
+        steps[n] = samples.step;
+    }
+    if (frame.format == AV_PIX_FMT_PAL8) return move_palette(frame, from[0], rgb);
+    if (steps == std::array{1, 1, 1}) return join_channels(unit, from, frame.width, rgb);
+    if (steps == std::array{4, 4, 4}) return take_channels(unit, from[0], places, frame.width, rgb);
+    for (std::size_t c = 0; c < 3; ++c)
+        for (int x = 0; x < frame.width; ++x)
+            rgb[3 * static_cast<std::size_t>(x) + c] = from[c][steps[c] * x + places[c]];
+}
+
+Image rgb_exact(const AVFrame& frame) {
+    return rgb_rows(frame, 0, frame.height);
+}
+
+Image rgb_rows(const AVFrame& frame, int first, int count) {
+    Image image = rgb_of_size(frame.width, count);
+    for (int y = 0; y < count; ++y) move_rgb_row(frame, first + y, row_of(image, y));
+    return image;
+}
+
+void drop_rows(AVFrame& frame, int first, int count) {
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
+    if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
+    for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
+        const auto stride = static_cast<std::size_t>(std::max(frame.linesize[plane], 0));
+        give_back(frame.data[plane] + stride * static_cast<std::size_t>(first),
+                  stride * static_cast<std::size_t>(count));
+    }
+}
+
+Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where) {
+    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
+    const std::string format = format_name(*picture.frame);
+    TRY_ASSIGN(auto image, image_from(where, std::move(picture.frame)));
+    if (picture.bits < 8) gather(image, picture.bits);
+    if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    StoredImage stored;
+    stored.image = std::move(image);
+    stored.codec = avcodec_get_name(picture.codec);
+    stored.pixel_format = format;
+    stored.bits = picture.bits;
+    stored.interlaced = picture.interlaced;
+    return stored;
+}
+
+Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
+    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
+    const AVFrame& frame = *picture.frame;
+    if (picture.codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
+        auto indices =
+            gathered(where, *picture.frame, 1, 1,
+                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1}));
+        if (!indices) return indices.error();  // TRY_ASSIGN's move of an optional picture makes GCC 12 warn
+        return std::move(**indices);
+    }
+    TRY_ASSIGN(auto stored, decode_coded_image(bytes, where));
+    const Image& image = stored.image;
+    if (stored.codec != "png" || image.channels != 1 || image.bytes_per_sample != 1)
+        return input_error(where + ": must be a PNG of indices, with a palette or grey of up to 8 bits");
+    return std::move(stored.image);
+}
+
+}  // namespace touchable

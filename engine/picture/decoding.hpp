@@ -1,0 +1,126 @@
+#pragma once
+
+// What FFmpeg has decoded, as samples: exact where a format is grey or RGB, converted where it is not.
+//
+// decode_picture is a PNG or JPEG by FFmpeg's decoders. grey_samples and luma_samples show a frame's own
+// samples; move_rgb_row, rgb_exact and rgb_rows move bytes of packed, planar and palette RGB; RgbConverter
+// converts any other colour to RGB of 8 bits, by vectors for YUV 4:2:0 (the same bits as swscale's plain C)
+// and by swscale otherwise. joined_bytes puts two planes of bytes together to one of 16 bits.
+//
+// Include it in .cpp files and in private headers: it brings FFmpeg's own. An RgbConverter is one thread's.
+
+// Packed RGB: 8 bits, three bytes a pixel, made by the CPU's vectors.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/base/result.hpp"
+#include "engine/base/vectors.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
+
+namespace touchable {
+
+/// A row whose red, green and blue lie apart, as H.264 has them.
+void join_channels(VectorUnit unit, const std::array<const std::uint8_t*, 3>& channels, int width,
+                   std::uint8_t* rgb);
+
+/// A row of four bytes a pixel; `places`: which of them are red, green and blue, from 0.
+void take_channels(VectorUnit unit, const std::uint8_t* pixels, const std::array<int, 3>& places, int width,
+                   std::uint8_t* rgb);
+
+/// What YUV of 8 bits counts for in red, green and blue, in 8192ths.
+struct YuvFactors {
+    int black = 0;  ///< the y of black
+    int y = 0, red_of_v = 0, green_of_u = 0, green_of_v = 0, blue_of_u = 0;
+};
+/// Of a table as swscale has it for each colour space: in 65536ths, v in red, u in blue, u and v taken from
+/// green, where y goes from 16 to 235. `full`: it goes from 0 to 255.
+YuvFactors yuv_factors(const int* table, bool full);
+
+/// Whose u and v have a sample for each four pixels.
+struct Yuv420Picture {
+    std::array<const std::uint8_t*, 3> planes{};  ///< y, u, v
+    std::array<std::ptrdiff_t, 3> strides{};      ///< bytes from one row to the next
+    int width = 0, height = 0;
+};
+/// Pictures of other sizes swscale enlarges by other filters.
+constexpr bool is_converted(int width, int height) {
+    return width % 2 == 0 && height % 2 == 0 && width >= 10 && height >= 10;
+}
+/// As RGB, the same bits as swscale's plain C for RGB24 with bilinear, accurate, bit-exact and full chroma:
+/// they are in relief that recordings were made with. That takes its u and v from left to right between their
+/// samples, but of every second row as they are. The picture's size is_converted.
+void convert_yuv420(VectorUnit unit, const Yuv420Picture& picture, const YuvFactors& factors,
+                    std::uint8_t* rgb, std::ptrdiff_t stride);
+
+/// FFmpeg's name of the format, "gray10le" for one.
+std::string format_name(const AVFrame& frame);
+
+/// Bits of a sample of its first component, which may be fewer than its bytes have.
+int sample_bits(const AVFrame& frame);
+
+/// True where red, green and blue are stored as 8-bit samples: packed, planar or as a palette.
+bool is_rgb8(const AVFrame& frame);
+
+/// The frame's own samples of 8 to 16 bits, host order, of a format that is only grey; nothing for other
+/// formats. Never through swscale, which squeezes grey into 16..235 where a range tag is missing.
+std::optional<PlaneView> grey_samples(const AVFrame& frame);
+/// The same, or the luma of a YUV format, which is how some decoders return what was stored as grey.
+std::optional<PlaneView> luma_samples(const AVFrame& frame);
+
+/// Samples of two bytes, from a grey picture of their high bytes and one, as large, of their `low_bits` low
+/// bits.
+Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8);
+
+/// A row of 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
+void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb);
+/// The same of all rows.
+Image rgb_exact(const AVFrame& frame);
+/// The same of `count` rows from `first` on.
+Image rgb_rows(const AVFrame& frame, int first, int count);
+
+/// Gives these rows' memory back to the system, as far as it is whole pages: nobody may read them again. Of
+/// a frame that nobody else has.
+void drop_rows(AVFrame& frame, int first, int count);
+
+/// 8-bit RGB of any colour format: bytes moved where the format is RGB, otherwise rounded. Keeps what it has
+/// set up for frames of one kind.
+class RgbConverter {
+public:
+    /// A frame of format RGB24.
+    Result<FramePtr> converted(const AVFrame& frame);
+
+private:
+    bool is_set_up_for(const AVFrame& frame) const;
+    bool set_up_for(const AVFrame& frame);
+    bool set_up_scaler(const AVFrame& frame);
+    FramePtr new_rgb() const;
+
+    ScalerPtr scaler_;                    // null: bytes are only moved, or there are
+    std::optional<YuvFactors> factors_;   // what swscale's arithmetic is done with, without it
+    std::shared_ptr<AVBufferPool> pool_;  // of RGB pictures: fresh memory costs a page fault every 4096 bytes
+    int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
+    AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
+    AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;
+};
+/// The same of one frame.
+Result<Image> rgb_converted(const AVFrame& frame);
+
+struct DecodedPicture {
+    FramePtr frame;
+    AVCodecID codec = AV_CODEC_ID_NONE;
+    int bits = 8;             ///< of a sample as stored; grey of 2 and 4 is spread over 8 in the frame
+    bool interlaced = false;  ///< a PNG that is; then it is not found out where its data end too early
+};
+
+/// PNG or JPEG by its first bytes. Refused where it is cut, damaged, or has data for a part of it only.
+Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where);
+
+}  // namespace touchable

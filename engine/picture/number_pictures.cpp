@@ -1,0 +1,570 @@
+#include "engine/picture/number_pictures.hpp"
+
+#include <tiffio.h>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstdarg>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+
+namespace {
+
+/// IEEE 754 binary16.
+struct Half {
+    std::uint16_t bits;
+    explicit operator float() const {
+        const std::uint32_t sign = (bits & 0x8000U) << 16U, exponent = bits >> 10U & 31U,
+                            fraction = bits & 1023U;
+        if (exponent == 0) {
+            const float size = std::ldexp(static_cast<float>(fraction), -24);
+            return sign != 0 ? -size : size;
+        }
+        const std::uint32_t wide = exponent == 31 ? 255 : exponent + 112;
+        return std::bit_cast<float>(sign | wide << 23U | fraction << 13U);
+    }
+};
+
+template <class Number>
+Number number_at(const char* from, bool swapped) {
+    std::array<char, sizeof(Number)> bytes;
+    std::copy_n(from, sizeof(Number), bytes.begin());
+    if (swapped) std::reverse(bytes.begin(), bytes.end());
+    return std::bit_cast<Number>(bytes);
+}
+
+template <class Number>
+float as_float(Number number) {
+    return static_cast<float>(number);
+}
+/// A number that no float can hold is beyond all that could be touched.
+float as_float(double number) {
+    if (std::abs(number) > std::numeric_limits<float>::max())
+        return std::copysign(std::numeric_limits<float>::infinity(), static_cast<float>(number > 0 ? 1 : -1));
+    return static_cast<float>(number);
+}
+
+const char* order_name(bool big_endian) {
+    return big_endian ? "be" : "le";
+}
+
+/// After FFmpeg's names for what is like its formats.
+std::string number_format_name(const NumberFormat& format) {
+    const bool floating = format.kind == NumberFormat::Kind::floating;
+    if (!floating && format.bytes == 1) return "gray";
+    return std::string("gray") + (floating ? "f" : "") + std::to_string(8 * format.bytes) +
+           order_name(format.big_endian);
+}
+
+bool is_blank(char c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/// The words of a file that begins as text; a comment lasts from # to the end of its line.
+class NetpbmWords {
+public:
+    explicit NetpbmWords(std::string_view bytes) : rest_(bytes) {}
+    std::string_view next() {
+        while (!rest_.empty() && (is_blank(rest_.front()) || rest_.front() == '#')) {
+            const bool comment = rest_.front() == '#';
+            rest_.remove_prefix(comment ? std::min(rest_.find_first_of("\r\n"), rest_.size()) : 1);
+        }
+        std::size_t length = 0;
+        while (length < rest_.size() && !is_blank(rest_[length]) && rest_[length] != '#') ++length;
+        const std::string_view word = rest_.substr(0, length);
+        rest_.remove_prefix(length);
+        return word;
+    }
+    /// -1 where the next word is no whole number, or more than nine digits.
+    int number() {
+        const std::string_view word = next();
+        int value = 0;
+        const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+        const bool whole = failure == std::errc() && end == word.data() + word.size() && word.size() <= 9;
+        return whole && value >= 0 ? value : -1;
+    }
+    /// What follows the one blank that ends a header.
+    std::string_view data() const { return rest_.empty() ? rest_ : rest_.substr(1); }
+    bool at_blank() const { return !rest_.empty() && is_blank(rest_.front()); }
+
+private:
+    std::string_view rest_;
+};
+
+struct NetpbmHeader {
+    int width = 0, height = 0, largest = 0;
+    int channels = 1;
+    bool text = false;
+    int bytes_per_sample() const { return largest > 255 ? 2 : 1; }
+    std::size_t sample_count() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+               static_cast<std::size_t>(channels);
+    }
+};
+
+Error cut_picture(const std::string& where) {
+    return input_error(where + ": is cut short: its data end before the picture does");
+}
+
+Result<NetpbmHeader> netpbm_header(NetpbmWords& words, const std::string& where) {
+    const std::string_view kind = words.next();
+    NetpbmHeader header;
+    header.text = kind == "P2" || kind == "P3";
+    header.channels = kind == "P3" || kind == "P6" ? 3 : 1;
+    header.width = words.number();
+    header.height = words.number();
+    TRY(check_picture_size(header.width, header.height, where));
+    header.largest = words.number();
+    if (header.largest < 1 || header.largest > 65535)
+        return input_error(where + ": has no greatest value from 1 to 65535 after its size");
+    if (!words.at_blank()) return cut_picture(where);
+    return header;
+}
+
+/// Numbers written as words, in the bytes that a binary file would have: the high one first.
+Result<std::string> bytes_of_words(NetpbmWords& words, const NetpbmHeader& header, const std::string& where) {
+    // A digit and a blank each.
+    if (words.data().size() / 2 + 1 < header.sample_count()) return cut_picture(where);
+    std::string bytes;
+    bytes.reserve(header.sample_count() * static_cast<std::size_t>(header.bytes_per_sample()));
+    for (std::size_t k = 0; k < header.sample_count(); ++k) {
+        const int number = words.number();
+        if (number < 0 || number > header.largest)
+            return input_error(where + ": is damaged: number " + std::to_string(k + 1) +
+                               " of its samples is none from 0 to " + std::to_string(header.largest));
+        if (header.bytes_per_sample() == 2) bytes += static_cast<char>(number >> 8);
+        bytes += static_cast<char>(number & 255);
+    }
+    return bytes;
+}
+
+StoredImage grey_picture(std::string_view data, const NetpbmHeader& header, int channels) {
+    const int bytes = header.bytes_per_sample(), step = channels * bytes;
+    NumberPicture picture(header.width, header.height, {NumberFormat::Kind::unsigned_integer, bytes, true});
+    picture.put(0, 0, {data.data(), header.width, header.height, step, std::ptrdiff_t{step} * header.width});
+    return std::move(picture).finish(header.channels == 3 ? "ppm" : "pgm");
+}
+
+/// Colour of 16 bits is read where it is grey: red, green and blue the same.
+bool is_grey16(std::string_view data) {
+    for (std::size_t at = 0; at < data.size(); at += 6)
+        if (data.compare(at, 2, data, at + 2, 2) != 0 || data.compare(at, 2, data, at + 4, 2) != 0)
+            return false;
+    return true;
+}
+
+Result<StoredImage> netpbm_picture(std::string_view data, const NetpbmHeader& header,
+                                   const std::string& where) {
+    StoredImage stored;
+    if (header.channels == 1) {
+        stored = grey_picture(data, header, 1);
+    } else if (header.bytes_per_sample() == 2) {
+        if (!is_grey16(data))
+            return input_error(where +
+                               ": is in colour of 16 bits; grey of 8 or 16 bits and colour of 8 bits "
+                               "are read");
+        stored = grey_picture(data, header, 3);
+    } else {
+        stored.image = {header.width, header.height, 1, 3, {data.begin(), data.end()}};
+        stored.codec = "ppm";
+        stored.pixel_format = "rgb24";
+        return stored;
+    }
+    stored.bits = std::bit_width(static_cast<unsigned>(header.largest));
+    return stored;
+}
+
+constexpr tmsize_t largest_tile = tmsize_t{64} << 20;
+constexpr tmsize_t largest_piece = tmsize_t{256} << 20;  // of memory that libtiff takes at once
+
+struct CloseTiff {
+    void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+};
+
+/// A file in memory as libtiff reads it, and the first that was wrong with it.
+struct TiffBytes {
+    std::string_view bytes;
+    toff_t at = 0;
+    std::string wrong;
+};
+
+TiffBytes& of_handle(thandle_t handle) {
+    return *static_cast<TiffBytes*>(handle);
+}
+tmsize_t read_tiff(thandle_t handle, void* to, tmsize_t size) {
+    TiffBytes& file = of_handle(handle);
+    const auto rest = file.at < file.bytes.size() ? file.bytes.size() - file.at : 0;
+    const std::size_t count = std::min(rest, static_cast<std::size_t>(std::max<tmsize_t>(size, 0)));
+    if (count > 0) std::memcpy(to, file.bytes.data() + file.at, count);
+    file.at += count;
+    return static_cast<tmsize_t>(count);
+}
+tmsize_t write_tiff(thandle_t, void*, tmsize_t) {
+    return -1;
+}
+toff_t seek_tiff(thandle_t handle, toff_t offset, int from) {
+    TiffBytes& file = of_handle(handle);
+    return file.at = offset + (from == SEEK_CUR ? file.at : from == SEEK_END ? file.bytes.size() : 0);
+}
+int leave_tiff(thandle_t) {
+    return 0;
+}
+toff_t size_of_tiff(thandle_t handle) {
+    return of_handle(handle).bytes.size();
+}
+int map_tiff(thandle_t handle, void** begin, toff_t* size) {
+    *begin = const_cast<char*>(of_handle(handle).bytes.data());  // libtiff only reads it
+    *size = of_handle(handle).bytes.size();
+    return 1;
+}
+void unmap_tiff(thandle_t, void*, toff_t) {}
+
+[[gnu::format(printf, 4, 0)]] int keep_first_error(TIFF*, void* file, const char*, const char* format,
+                                                   std::va_list arguments) {
+    char text[256];
+    std::vsnprintf(text, sizeof text, format, arguments);
+    std::string& wrong = static_cast<TiffBytes*>(file)->wrong;
+    if (wrong.empty()) wrong = printable(text, 200);
+    return 1;
+}
+/// Unknown tags and the like.
+int ignore_warning(TIFF*, void*, const char*, const char*, std::va_list) {
+    return 1;
+}
+
+using TiffPtr = std::unique_ptr<TIFF, CloseTiff>;
+
+TiffPtr open_tiff(TiffBytes& file) {
+    const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
+                                                                               TIFFOpenOptionsFree);
+    if (!options) return nullptr;
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), largest_piece);
+    TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_first_error, &file);
+    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
+    return TiffPtr(TIFFClientOpenExt("", "r", &file, read_tiff, write_tiff, seek_tiff, leave_tiff,
+                                     size_of_tiff, map_tiff, unmap_tiff, options.get()));
+}
+
+struct TiffLayout {
+    std::uint32_t width = 0, height = 0;
+    std::uint16_t bits = 1, samples = 1, format = SAMPLEFORMAT_UINT, photometric = PHOTOMETRIC_MINISBLACK,
+                  planes = PLANARCONFIG_CONTIG, compression = COMPRESSION_NONE,
+                  orientation = ORIENTATION_TOPLEFT;
+
+    bool is_rgb() const { return photometric == PHOTOMETRIC_RGB; }
+    int bytes() const { return bits / 8; }
+    int pixel_bytes() const { return planes == PLANARCONFIG_CONTIG ? bytes() * samples : bytes(); }
+    NumberFormat numbers() const {
+        using Kind = NumberFormat::Kind;
+        return {format == SAMPLEFORMAT_IEEEFP ? Kind::floating
+                : format == SAMPLEFORMAT_INT  ? Kind::signed_integer
+                                              : Kind::unsigned_integer,
+                bytes(), std::endian::native == std::endian::big};
+    }
+};
+
+TiffLayout layout_of(TIFF* tiff) {
+    TiffLayout layout;
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &layout.width);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &layout.height);
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout.photometric);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &layout.bits);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &layout.samples);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout.format);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout.planes);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout.compression);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &layout.orientation);
+    return layout;
+}
+
+/// What of TIFF's many kinds is not read; empty where this one is.
+std::string refusal_of(const TiffLayout& layout) {
+    const auto is = [](const char* what, int number, const char* right) {
+        return std::string(what) + " " + std::to_string(number) + ": must be " + right;
+    };
+    if (layout.photometric != PHOTOMETRIC_MINISBLACK && !layout.is_rgb())
+        return is("has photometric interpretation", layout.photometric, "1 (grey, black is 0) or 2 (RGB)");
+    const bool floats = layout.format == SAMPLEFORMAT_IEEEFP;
+    if (!(layout.bits == 16 || layout.bits == 32 || layout.bits == 64 || (layout.bits == 8 && !floats)))
+        return is("has bits a sample", layout.bits, "8, 16, 32 or 64");
+    if (layout.format > SAMPLEFORMAT_VOID) return is("has sample format", layout.format, "1 to 4");
+    if (layout.samples > 4) return is("has samples a pixel", layout.samples, "1 to 4");
+    if (layout.is_rgb() && (layout.bits > 16 || floats || layout.samples < 3))
+        return "is in colour that is not of 8 bits: must be grey, or RGB of 8 bits";
+    if (layout.is_rgb() && layout.planes != PLANARCONFIG_CONTIG)
+        return "has a plane for each colour: must have all of a pixel together";
+    if (layout.compression == COMPRESSION_JPEG || layout.compression == COMPRESSION_OJPEG)
+        return "is compressed as JPEG: must be without loss";
+    if (layout.orientation != ORIENTATION_TOPLEFT)
+        return is("is to be turned, orientation", layout.orientation, "1, the upper left first");
+    return "";
+}
+
+/// Takes pixels where they belong: numbers of grey, or RGB of 8 bits.
+class TiffPixels {
+public:
+    explicit TiffPixels(const TiffLayout& layout) : layout_(layout) {
+        const int width = static_cast<int>(layout.width), height = static_cast<int>(layout.height);
+        if (!layout.is_rgb() || layout.bits > 8) {
+            grey_.emplace(width, height, layout.numbers());
+            return;
+        }
+        rgb_ = {width, height, 1, 3, {}};
+        rgb_.samples.resize(std::size_t{layout.width} * layout.height * 3);
+    }
+    /// `across` is how many pixels a row of them has in memory. False for colour where only grey is read.
+    bool put(int x, int y, const char* pixels, int width, int height, int across) {
+        const int step = layout_.pixel_bytes();
+        const NumberBlock block{pixels, width, height, step, std::ptrdiff_t{step} * across};
+        if (!grey_) return put_rgb(x, y, block);
+        if (layout_.is_rgb() && !is_grey(block)) return false;
+        grey_->put(x, y, block);
+        return true;
+    }
+    StoredImage finish() && {
+        if (grey_) return std::move(*grey_).finish("tiff");
+        StoredImage stored;
+        stored.image = std::move(rgb_);
+        stored.codec = "tiff";
+        stored.pixel_format = "rgb24";
+        return stored;
+    }
+
+private:
+    bool put_rgb(int x, int y, const NumberBlock& block) {
+        for (int row = 0; row < block.height; ++row) {
+            const char* from = block.first + block.row_step * row;
+            std::uint8_t* to =
+                rgb_.samples.data() +
+                (static_cast<std::size_t>(y + row) * layout_.width + static_cast<std::size_t>(x)) * 3;
+            for (int column = 0; column < block.width; ++column, to += 3, from += block.column_step)
+                std::memcpy(to, from, 3);
+        }
+        return true;
+    }
+    /// Of 16 bits, red, green and blue the same.
+    static bool is_grey(const NumberBlock& block) {
+        for (int row = 0; row < block.height; ++row) {
+            const char* at = block.first + block.row_step * row;
+            for (int column = 0; column < block.width; ++column, at += block.column_step)
+                if (std::memcmp(at, at + 2, 4) != 0) return false;
+        }
+        return true;
+    }
+
+    TiffLayout layout_;
+    std::optional<NumberPicture> grey_;
+    Image rgb_;
+};
+
+enum class TiffOutcome { read, damaged, coloured, interrupted };
+
+TiffOutcome read_tiles(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) {
+    std::uint32_t across = 0, down = 0;
+    TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &across);
+    TIFFGetField(tiff, TIFFTAG_TILELENGTH, &down);
+    const tmsize_t size = TIFFTileSize(tiff);
+    const auto needed = std::uint64_t{across} * down * static_cast<std::uint64_t>(layout.pixel_bytes());
+    if (size < 1 || size > largest_tile || static_cast<std::uint64_t>(size) != needed)
+        return TiffOutcome::damaged;
+    std::vector<char> tile(static_cast<std::size_t>(size));
+    for (std::uint32_t y = 0; y < layout.height; y += down)
+        for (std::uint32_t x = 0; x < layout.width; x += across) {
+            if (stop_requested()) return TiffOutcome::interrupted;
+            if (TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, 0), tile.data(), size) != size)
+                return TiffOutcome::damaged;
+            if (!pixels.put(static_cast<int>(x), static_cast<int>(y), tile.data(),
+                            static_cast<int>(std::min(across, layout.width - x)),
+                            static_cast<int>(std::min(down, layout.height - y)), static_cast<int>(across)))
+                return TiffOutcome::coloured;
+        }
+    return TiffOutcome::read;
+}
+
+TiffOutcome read_rows(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) {
+    const tmsize_t size = TIFFScanlineSize(tiff);
+    if (size != static_cast<tmsize_t>(layout.width) * layout.pixel_bytes()) return TiffOutcome::damaged;
+    std::vector<char> row(static_cast<std::size_t>(size));
+    const int width = static_cast<int>(layout.width);
+    for (std::uint32_t y = 0; y < layout.height; ++y) {
+        if (stop_requested()) return TiffOutcome::interrupted;
+        if (TIFFReadScanline(tiff, row.data(), y, 0) != 1) return TiffOutcome::damaged;
+        if (!pixels.put(0, static_cast<int>(y), row.data(), width, 1, width)) return TiffOutcome::coloured;
+    }
+    return TiffOutcome::read;
+}
+
+Error tiff_damage(const TiffBytes& file, const std::string& where) {
+    return input_error(where + ": is damaged" + (file.wrong.empty() ? "" : ": " + file.wrong));
+}
+
+}  // namespace
+
+NumberPicture::NumberPicture(int width, int height, const NumberFormat& format)
+    : format_(format), codes_(format.kind != NumberFormat::Kind::floating) {
+    const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    picture_.image = {width, height, 2, 1, {}};
+    const auto fill = [&](auto& memory, std::size_t each) {
+        memory.reserve(count * each);
+        is_whole_ = until_stopped(count, [&](std::size_t, std::size_t last) { memory.resize(last * each); });
+    };
+    if (stored_as_codes()) {
+        picture_.image.bytes_per_sample = format.bytes;
+        fill(picture_.image.samples, static_cast<std::size_t>(format.bytes));
+    } else {
+        fill(picture_.values, 1);
+    }
+}
+
+template <class Number>
+void NumberPicture::put_as(int x, int y, const NumberBlock& block) {
+    constexpr bool is_code = std::same_as<Number, std::uint8_t> || std::same_as<Number, std::uint16_t>;
+    const bool swapped = format_.big_endian != (std::endian::native == std::endian::big);
+    for (int row = 0; row < block.height; ++row) {
+        const char* from = block.first + block.row_step * row;
+        std::size_t at = static_cast<std::size_t>(y + row) * static_cast<std::size_t>(picture_.image.width) +
+                         static_cast<std::size_t>(x);
+        for (int column = 0; column < block.width; ++column, ++at, from += block.column_step) {
+            const auto number = number_at<Number>(from, swapped);
+            if constexpr (is_code) {
+                std::memcpy(picture_.image.samples.data() + at * sizeof(Number), &number, sizeof(Number));
+            } else {
+                picture_.values[at] = as_float(number);
+                if constexpr (std::integral<Number>) codes_ = codes_ && std::in_range<std::uint16_t>(number);
+            }
+        }
+    }
+}
+
+void NumberPicture::put(int x, int y, const NumberBlock& block) {
+    if (!is_whole_) return;
+    using Kind = NumberFormat::Kind;
+    const auto is = [this](Kind kind, int bytes) { return format_.kind == kind && format_.bytes == bytes; };
+    if (is(Kind::unsigned_integer, 1)) return put_as<std::uint8_t>(x, y, block);
+    if (is(Kind::unsigned_integer, 2)) return put_as<std::uint16_t>(x, y, block);
+    if (is(Kind::unsigned_integer, 4)) return put_as<std::uint32_t>(x, y, block);
+    if (is(Kind::unsigned_integer, 8)) return put_as<std::uint64_t>(x, y, block);
+    if (is(Kind::signed_integer, 1)) return put_as<std::int8_t>(x, y, block);
+    if (is(Kind::signed_integer, 2)) return put_as<std::int16_t>(x, y, block);
+    if (is(Kind::signed_integer, 4)) return put_as<std::int32_t>(x, y, block);
+    if (is(Kind::signed_integer, 8)) return put_as<std::int64_t>(x, y, block);
+    if (is(Kind::floating, 2)) return put_as<Half>(x, y, block);
+    if (is(Kind::floating, 4)) return put_as<float>(x, y, block);
+    if (is(Kind::floating, 8)) return put_as<double>(x, y, block);
+}
+
+StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) && {
+    constexpr bool host_is_big = std::endian::native == std::endian::big;
+    if (!is_whole_) {  // of which nothing is asked any more
+        StoredImage none;
+        none.image = {1, 1, 1, 1, {0}};
+        return none;
+    }
+    picture_.codec = codec;
+    picture_.bits = 8 * format_.bytes;
+    picture_.pixel_format = number_format_name(format_);
+    if (stored_as_codes()) return std::move(picture_);
+    if (codes_ && !floats_anyway) {
+        std::vector<float>& values = picture_.values;
+        std::vector<std::uint8_t>& samples = picture_.image.samples;
+        samples.reserve(values.size() * 2);  // which takes memory as it is filled
+        until_stopped(values.size(), [&](std::size_t first, std::size_t last) {
+            samples.resize(2 * last);
+            for (std::size_t k = first; k < last; ++k) {
+                const auto code = static_cast<std::uint16_t>(values[k]);
+                std::memcpy(samples.data() + 2 * k, &code, 2);
+            }
+            give_back(values.data() + first, (last - first) * sizeof(float));
+        });
+        samples.resize(values.size() * 2);
+        values = {};
+        picture_.bits = 16;
+        picture_.pixel_format = number_format_name({NumberFormat::Kind::unsigned_integer, 2, host_is_big});
+    } else if (format_.kind != NumberFormat::Kind::floating) {
+        picture_.pixel_format = number_format_name({NumberFormat::Kind::floating, 4, host_is_big});
+    }
+    return std::move(picture_);
+}
+
+Result<StoredImage> decode_netpbm(std::string_view bytes, const std::string& where) {
+    NetpbmWords words(bytes);
+    TRY_ASSIGN(const auto header, netpbm_header(words, where));
+    const std::size_t needed = header.sample_count() * static_cast<std::size_t>(header.bytes_per_sample());
+    if (header.text) {
+        const auto samples = bytes_of_words(words, header, where);
+        return samples ? netpbm_picture(*samples, header, where) : samples.error();
+    }
+    if (words.data().size() < needed) return cut_picture(where);
+    return netpbm_picture(words.data().substr(0, needed), header, where);
+}
+
+Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where) {
+    NetpbmWords words(bytes);
+    words.next();
+    const int width = words.number(), height = words.number();
+    TRY(check_picture_size(width, height, where));
+    const std::string_view word = words.next();
+    float scale = 0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), scale);
+    if (failure != std::errc() || end != word.data() + word.size() || scale == 0 || !std::isfinite(scale))
+        return input_error(where +
+                           ": has no scale after its size: must be a number, negative where the "
+                           "low byte is first");
+    const std::size_t row = static_cast<std::size_t>(width) * 4;
+    if (!words.at_blank() || words.data().size() / row < static_cast<std::size_t>(height))
+        return cut_picture(where);
+    NumberPicture picture(width, height, {NumberFormat::Kind::floating, 4, scale > 0});
+    const char* last_row = words.data().data() + row * static_cast<std::size_t>(height - 1);
+    picture.put(0, 0, {last_row, width, height, 4, -static_cast<std::ptrdiff_t>(row)});
+    return std::move(picture).finish("pfm");
+}
+
+bool is_tiff(std::string_view begin) {
+    using namespace std::string_view_literals;
+    for (const auto magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+        if (begin.starts_with(magic)) return true;
+    return false;
+}
+
+Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where) {
+    TiffBytes file{bytes, 0, {}};
+    const TiffPtr tiff = open_tiff(file);
+    if (!tiff) return tiff_damage(file, where);
+    const TiffLayout layout = layout_of(tiff.get());
+    TRY(check_picture_size(layout.width, layout.height, where));
+    if (const std::string refusal = refusal_of(layout); !refusal.empty())
+        return input_error(where + ": " + refusal);
+    const auto needed =
+        std::uint64_t{layout.width} * layout.height * static_cast<std::uint64_t>(layout.pixel_bytes());
+    TRY(check_expansion(needed, bytes.size(), where));
+    TiffPixels pixels(layout);
+    switch (TIFFIsTiled(tiff.get()) ? read_tiles(tiff.get(), layout, pixels)
+                                    : read_rows(tiff.get(), layout, pixels)) {
+        case TiffOutcome::damaged:
+            return tiff_damage(file, where);
+        case TiffOutcome::coloured:
+            return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
+        case TiffOutcome::interrupted:
+            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        case TiffOutcome::read:
+            break;
+    }
+    return std::move(pixels).finish();
+}
+
+}  // namespace touchable

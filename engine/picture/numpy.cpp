@@ -1,0 +1,570 @@
+#include "engine/picture/numpy.hpp"
+
+#include <zip.h>
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <limits>
+#include <utility>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr std::string_view npy_magic = "\x93NUMPY";
+
+/// The few of Python's literals of which a header consists.
+class PythonText {
+public:
+    explicit PythonText(std::string_view text) : rest_(text) {}
+    bool take(char c) {
+        skip_blanks();
+        if (!rest_.starts_with(c)) return false;
+        rest_.remove_prefix(1);
+        return true;
+    }
+    std::optional<std::string_view> quoted() {
+        skip_blanks();
+        const char quote = rest_.empty() ? '\0' : rest_.front();
+        if (quote != '\'' && quote != '"') return std::nullopt;
+        const auto end = rest_.find(quote, 1);
+        if (end == std::string_view::npos) return std::nullopt;
+        const std::string_view text = rest_.substr(1, end - 1);
+        rest_.remove_prefix(end + 1);
+        return text;
+    }
+    std::optional<bool> boolean() {
+        skip_blanks();
+        for (const bool value : {false, true}) {
+            const std::string_view word = value ? "True" : "False";
+            if (!rest_.starts_with(word)) continue;
+            rest_.remove_prefix(word.size());
+            return value;
+        }
+        return std::nullopt;
+    }
+    /// A tuple of extents, which Python 2 wrote with an L behind them.
+    std::optional<std::vector<std::int64_t>> extents() {
+        std::vector<std::int64_t> found;
+        if (!take('(')) return std::nullopt;
+        while (!take(')')) {
+            skip_blanks();
+            std::int64_t value = 0;
+            const auto [end, failure] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+            if (failure != std::errc() || value < 0 || value > std::int64_t{1} << 31 || found.size() == 32)
+                return std::nullopt;
+            rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+            if (rest_.starts_with('L')) rest_.remove_prefix(1);
+            found.push_back(value);
+            if (!take(',') && !rest_.starts_with(')')) return std::nullopt;
+        }
+        return found;
+    }
+
+private:
+    void skip_blanks() { rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size())); }
+    std::string_view rest_;
+};
+
+std::optional<NumberFormat> number_format_of(std::string_view type) {
+    using Kind = NumberFormat::Kind;
+    constexpr std::pair<std::string_view, NumberFormat> types[] = {
+        {"u1", {Kind::unsigned_integer, 1}}, {"u2", {Kind::unsigned_integer, 2}},
+        {"u4", {Kind::unsigned_integer, 4}}, {"u8", {Kind::unsigned_integer, 8}},
+        {"i1", {Kind::signed_integer, 1}},   {"i2", {Kind::signed_integer, 2}},
+        {"i4", {Kind::signed_integer, 4}},   {"i8", {Kind::signed_integer, 8}},
+        {"f2", {Kind::floating, 2}},         {"f4", {Kind::floating, 4}},
+        {"f8", {Kind::floating, 8}}};
+    if (type.size() != 3 || std::string_view("<>|").find(type[0]) == std::string_view::npos)
+        return std::nullopt;
+    for (const auto& [name, format] : types)
+        if (name == type.substr(1) && (type[0] != '|' || format.bytes == 1))
+            return NumberFormat{format.kind, format.bytes, type[0] == '>'};
+    return std::nullopt;
+}
+
+Error damaged_header(const std::string& where) {
+    return input_error(where + ": is damaged: its header is not NumPy's");
+}
+
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+    std::string text;
+    for (const std::int64_t extent : shape) {
+        if (!text.empty()) text += 'x';
+        text += std::to_string(extent);
+    }
+    return text.empty() ? "a single number" : text;
+}
+
+Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string& where) {
+    PythonText text(dictionary);
+    std::optional<std::string_view> type;
+    std::optional<bool> columns_first;
+    std::optional<std::vector<std::int64_t>> shape;
+    if (!text.take('{')) return damaged_header(where);
+    while (!text.take('}')) {
+        const auto key = text.quoted();
+        if (!key || !text.take(':')) return damaged_header(where);
+        if (*key == "descr" && !(type = text.quoted()))
+            return input_error(where + ": is an array of records: must be of plain numbers");
+        if (*key == "fortran_order") columns_first = text.boolean();
+        if (*key == "shape") shape = text.extents();
+        text.take(',');
+    }
+    if (!type || !columns_first || !shape) return damaged_header(where);
+    const auto format = number_format_of(*type);
+    if (!format)
+        return input_error(where + ": is of NumPy's type " + in_quotes(*type) +
+                           ": must be an integer or float of 8 to 64 bits");
+    NpyHeader header;
+    header.format = *format;
+    header.columns_first = *columns_first;
+    header.shape = std::move(*shape);
+    return header;
+}
+
+using ZipArchive = std::shared_ptr<zip_t>;
+constexpr zip_int64_t most_members = 4096;
+/// As much as a byte can stand for at most where it is packed by deflate.
+constexpr zip_uint64_t largest_expansion = 1032;
+
+struct CloseMember {
+    void operator()(zip_file_t* member) const { zip_fclose(member); }
+};
+
+/// An archive's own bytes, as libzip calls for them.
+class ArchiveBytes {
+public:
+    explicit ArchiveBytes(std::unique_ptr<ByteSource> bytes) : bytes_(std::move(bytes)) {
+        zip_error_init(&error_);
+    }
+    ~ArchiveBytes() { zip_error_fini(&error_); }
+    ArchiveBytes(const ArchiveBytes&) = delete;
+    ArchiveBytes& operator=(const ArchiveBytes&) = delete;
+
+    static zip_int64_t answer(void* own, void* data, zip_uint64_t length, zip_source_cmd_t command) {
+        auto* const archive = static_cast<ArchiveBytes*>(own);
+        if (command != ZIP_SOURCE_FREE) return archive->answer(data, length, command);
+        delete archive;
+        return 0;
+    }
+
+private:
+    zip_int64_t answer(void* data, zip_uint64_t length, zip_source_cmd_t command) {
+        switch (command) {
+            case ZIP_SOURCE_OPEN:
+                at_ = 0;
+                return 0;
+            case ZIP_SOURCE_READ:
+                return read(static_cast<char*>(data), length);
+            case ZIP_SOURCE_CLOSE:
+                return 0;
+            case ZIP_SOURCE_STAT: {
+                auto* const about = static_cast<zip_stat_t*>(data);
+                zip_stat_init(about);
+                about->valid = ZIP_STAT_SIZE;
+                about->size = bytes_->size();
+                return sizeof *about;
+            }
+            case ZIP_SOURCE_ERROR:
+                return zip_error_to_data(&error_, data, length);
+            case ZIP_SOURCE_SEEK: {
+                const zip_int64_t to =
+                    zip_source_seek_compute_offset(at_, bytes_->size(), data, length, &error_);
+                if (to < 0) return -1;
+                at_ = static_cast<zip_uint64_t>(to);
+                return 0;
+            }
+            case ZIP_SOURCE_TELL:
+                return static_cast<zip_int64_t>(at_);
+            case ZIP_SOURCE_SUPPORTS:
+                return ZIP_SOURCE_SUPPORTS_SEEKABLE;
+            default:
+                zip_error_set(&error_, ZIP_ER_OPNOTSUPP, 0);
+                return -1;
+        }
+    }
+    zip_int64_t read(char* to, zip_uint64_t length) {
+        const zip_uint64_t count = std::min<zip_uint64_t>(length, bytes_->size() - at_);
+        if (!bytes_->read(at_, to, static_cast<std::size_t>(count))) {
+            zip_error_set(&error_, ZIP_ER_READ, EIO);
+            return -1;
+        }
+        at_ += count;
+        return static_cast<zip_int64_t>(count);
+    }
+
+    std::unique_ptr<ByteSource> bytes_;
+    zip_uint64_t at_ = 0;
+    zip_error_t error_;
+};
+
+Error interrupted_unpacking() {
+    return {ErrorKind::interrupted, "interrupted while it was unpacked"};
+}
+
+/// What an archive's member unpacks to. A step back begins again.
+class UnpackedBytes final : public ByteSource {
+public:
+    UnpackedBytes(ZipArchive archive, zip_uint64_t index, std::uint64_t size)
+        : archive_(std::move(archive)), index_(index), size_(size) {}
+    std::uint64_t size() const override { return size_; }
+    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
+        if (!member_ || at < position_) {
+            member_.reset(zip_fopen_index(archive_.get(), index_, 0));
+            position_ = 0;
+            if (!member_)
+                return input_error(std::string("cannot be unpacked: ") + zip_strerror(archive_.get()));
+        }
+        char passed[16384];
+        while (position_ < at)
+            if (auto got = take(passed, std::min<std::uint64_t>(at - position_, sizeof passed)); !got)
+                return got;
+        if (auto got = take(to, count); !got) return got;
+        // Only behind its last byte is a member's sum compared.
+        return position_ == size_ && zip_fread(member_.get(), passed, 1) < 0 ? damage() : Result<void>{};
+    }
+
+private:
+    Result<void> take(char* to, std::uint64_t count) {
+        if (stop_requested()) return interrupted_unpacking();
+        const zip_int64_t got = zip_fread(member_.get(), to, count);
+        if (got < 0) return damage();
+        position_ += static_cast<std::uint64_t>(got);
+        return static_cast<std::uint64_t>(got) == count ? Result<void>{} : input_error("is cut short");
+    }
+    Result<void> damage() {
+        if (stop_requested()) return interrupted_unpacking();  // which is why its bytes did not come
+        return input_error(std::string("is damaged: ") + zip_file_strerror(member_.get()));
+    }
+
+    ZipArchive archive_;
+    zip_uint64_t index_;
+    std::uint64_t size_, position_ = 0;
+    std::unique_ptr<zip_file_t, CloseMember> member_;
+};
+
+/// One member that is an array.
+struct NpzArray {
+    std::string name;  // without ".npy"
+    zip_uint64_t index;
+    std::uint64_t size;
+    bool pictures = false;
+    bool is_possible = true;  // that so many bytes are packed in those of the file
+};
+
+std::unique_ptr<UnpackedBytes> unpacked(const ZipArchive& archive, const NpzArray& array) {
+    return std::make_unique<UnpackedBytes>(archive, array.index, array.size);
+}
+
+std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
+    std::vector<NpzArray> arrays;
+    const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
+    for (zip_int64_t k = 0; k < count; ++k) {
+        const auto index = static_cast<zip_uint64_t>(k);
+        zip_stat_t about;
+        if (zip_stat_index(archive.get(), index, 0, &about) != 0 || !(about.valid & ZIP_STAT_NAME) ||
+            !(about.valid & ZIP_STAT_SIZE))
+            continue;
+        NpzArray array{about.name, index, about.size};
+        if (!array.name.ends_with(".npy")) continue;
+        constexpr auto needed = ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD;
+        const bool is_deflated = (about.valid & needed) == needed && about.comp_method == ZIP_CM_DEFLATE;
+        array.is_possible = !is_deflated || about.size / largest_expansion <= about.comp_size;
+        array.name.resize(array.name.size() - 4);
+        const auto header = read_npy_header(*unpacked(archive, array), "");
+        array.pictures = header.ok() && npy_pictures(*header, "").ok();
+        arrays.push_back(std::move(array));
+    }
+    return arrays;
+}
+
+/// The only one that fits, if it is.
+template <class Fits>
+const NpzArray* only(const std::vector<NpzArray>& arrays, Fits&& fits) {
+    const auto first = std::find_if(arrays.begin(), arrays.end(), fits);
+    if (first == arrays.end() || std::find_if(first + 1, arrays.end(), fits) != arrays.end()) return nullptr;
+    return &*first;
+}
+
+const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
+    if (arrays.size() == 1) return &arrays.front();
+    const auto named = [](const NpzArray& a) { return a.pictures && a.name == "depth"; };
+    const auto begins = [](const NpzArray& a) { return a.pictures && a.name.starts_with("depth"); };
+    if (const NpzArray* found = only(arrays, named)) return found;
+    if (const NpzArray* found = only(arrays, begins)) return found;
+    return only(arrays, [](const NpzArray& a) { return a.pictures; });
+}
+
+std::string names_of(const std::vector<NpzArray>& arrays) {
+    std::string names;
+    for (const NpzArray& array : arrays) names += (names.empty() ? "" : ", ") + array.name;
+    return printable(names, 300);
+}
+
+Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) {
+    if (zip_get_num_entries(archive.get(), 0) > most_members)
+        return input_error(where + ": has more than " + std::to_string(most_members) + " members");
+    const auto arrays = npz_arrays(archive);
+    if (arrays.empty())
+        return input_error(where +
+                           ": is a zip archive without arrays (.npy): unpack it, or give what is inside");
+    const NpzArray* array = depth_array(arrays);
+    if (!array)
+        return input_error(where +
+                           ": has several arrays, and none is the only one named depth or of height x "
+                           "width: " +
+                           names_of(arrays));
+    const std::string name = where + ": " + printable(array->name);
+    if (!array->is_possible)
+        return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +
+                           " bytes");
+    const NpzArray* const trust = only(arrays, [&](const NpzArray& a) {
+        return &a != array && a.pictures && a.is_possible && (a.name == "conf" || a.name == "confidence");
+    });
+    return NpzMember{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
+}
+
+Result<NpzMember> open_archive(zip_source_t* source, zip_error_t& error, const std::string& where) {
+    zip_t* archive = source ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr;
+    if (archive) return depth_member_of(ZipArchive(archive, zip_discard), where);
+    if (source) zip_source_free(source);
+    if (stop_requested()) return error_at(where, interrupted_unpacking());
+    return input_error(where + ": is damaged: " + zip_error_strerror(&error));
+}
+
+/// The error that an archive's opening fills in.
+struct ZipError {
+    ZipError() { zip_error_init(&error); }
+    ~ZipError() { zip_error_fini(&error); }
+    ZipError(const ZipError&) = delete;
+    ZipError& operator=(const ZipError&) = delete;
+    zip_error_t error;
+};
+
+constexpr std::size_t npy_block = std::size_t{1} << 20;
+
+Error interrupted_reading(const std::string& where) {
+    return {ErrorKind::interrupted, "interrupted while " + where + " was read"};
+}
+
+Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& where) {
+    if (!stack) return stack.error();
+    if (stack->count() == 1) return stack->image(0);
+    return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
+                       std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
+                       ": must be one picture here");
+}
+
+/// Of pixel k, row by row. What is no number is least.
+float number_at(const StoredImage& picture, std::size_t k) {
+    if (picture.values.empty()) {
+        const PlaneView codes = picture.image.view();
+        const int at = static_cast<int>(k);
+        return static_cast<float>(codes.sample(at % codes.width, at / codes.width));
+    }
+    const float value = picture.values[k];
+    return value == value ? value : std::numeric_limits<float>::lowest();
+}
+
+std::size_t pixels_of(const StoredImage& picture) {
+    return static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
+}
+
+}  // namespace
+
+bool is_npy(std::string_view begin) {
+    return begin.starts_with(npy_magic);
+}
+
+Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
+    char begin[12] = {};
+    if (bytes.size() < sizeof begin) return damaged_header(where);
+    if (auto got = bytes.read(0, begin, sizeof begin); !got) return error_at(where, got.error());
+    if (!is_npy({begin, sizeof begin})) return damaged_header(where);
+    const auto byte = [&](int at) { return std::size_t{static_cast<unsigned char>(begin[at])}; };
+    if (byte(6) < 1 || byte(6) > 3)
+        return input_error(where + ": is of NumPy's format " + std::to_string(byte(6)) + ": must be 1 to 3");
+    const std::size_t text_at = byte(6) == 1 ? 10 : 12;
+    const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
+    if (length > 65536 || text_at + length > bytes.size()) return damaged_header(where);
+    std::string text(length, '\0');
+    if (auto got = bytes.read(text_at, text.data(), length); !got) return error_at(where, got.error());
+    auto header = header_of_text(text, where);
+    if (header) header->data_at = text_at + length;
+    return header;
+}
+
+Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& where) {
+    std::vector<std::int64_t> shape = header.shape;
+    if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
+    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
+    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
+        one = *one == 1 ? shape.erase(one) : one + 1;
+    if (shape.size() == 2) shape.insert(shape.begin(), 1);
+    if (shape.size() != 3 || shape[0] < 1)
+        return input_error(where + ": is an array of " + shape_text(header.shape) +
+                           ": must be height x width, or count x height x width");
+    if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
+        return input_error(where + ": is an array of " + shape_text(header.shape) + ", with " +
+                           std::to_string(shape[2]) + " numbers a pixel: must have one");
+    TRY(check_picture_size(shape[2], shape[1], where));
+    return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
+}
+
+bool is_npz(std::string_view begin) {
+    return begin.starts_with("PK\x03\x04");
+}
+
+Result<NpzMember> open_npz(std::unique_ptr<ByteSource> archive, const std::string& where) {
+    ZipError failure;
+    auto bytes = std::make_unique<ArchiveBytes>(std::move(archive));
+    zip_source_t* source = zip_source_function_create(ArchiveBytes::answer, bytes.get(), &failure.error);
+    if (source) (void)bytes.release();
+    return open_archive(source, failure.error, where);
+}
+
+Result<NpzMember> depth_member(std::string_view archive, const std::string& where) {
+    ZipError failure;
+    zip_source_t* source = zip_source_buffer_create(archive.data(), archive.size(), 0, &failure.error);
+    return open_archive(source, failure.error, where);
+}
+
+ImageStack::ImageStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header,
+                       NpyPictures pictures)
+    : bytes_(std::move(bytes)), where_(std::move(where)), header_(std::move(header)), pictures_(pictures) {}
+
+Result<ImageStack> ImageStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
+    TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
+    TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
+    ImageStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
+    TRY(stack.check());
+    TRY(stack.find_floats());
+    return stack;
+}
+
+Result<void> ImageStack::check() const {
+    if (header_.columns_first && pictures_.count > 1)
+        return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
+                           "numpy.ascontiguousarray makes it");
+    const auto needed =
+        static_cast<std::uint64_t>(pictures_.count) * static_cast<std::uint64_t>(pictures_.width) *
+        static_cast<std::uint64_t>(pictures_.height) * static_cast<std::uint64_t>(header_.format.bytes);
+    if (bytes_->size() < header_.data_at || bytes_->size() - header_.data_at < needed)
+        return input_error(where_ + ": is cut short: has " + std::to_string(bytes_->size()) + " bytes of " +
+                           std::to_string(header_.data_at + needed));
+    return {};
+}
+
+/// Whether integers that may be beyond 16 bits are, in any picture.
+Result<void> ImageStack::find_floats() {
+    const bool codes =
+        header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
+    if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
+    for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+        TRY_ASSIGN(const auto picture, read(number));
+        floats_ = !picture.has_codes();
+    }
+    return {};
+}
+
+Result<NumberPicture> ImageStack::read(std::int64_t number) {
+    const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
+    const bool columns = header_.columns_first;
+    const int lines = columns ? width : height, line = bytes * (columns ? height : width);
+    const int together = std::max(1, static_cast<int>(npy_block) / line);
+    std::vector<char> block(static_cast<std::size_t>(line) *
+                            static_cast<std::size_t>(std::min(together, lines)));
+    NumberPicture picture(width, height, header_.format);
+    std::uint64_t at = header_.data_at + static_cast<std::uint64_t>(number) *
+                                             static_cast<std::uint64_t>(line) *
+                                             static_cast<std::uint64_t>(lines);
+    for (int first = 0; first < lines; first += together) {
+        if (stop_requested()) return interrupted_reading(where_);
+        const int now = std::min(together, lines - first);
+        const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
+        if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
+        if (columns)
+            picture.put(first, 0, {block.data(), now, height, line, bytes});
+        else
+            picture.put(0, first, {block.data(), width, now, bytes, line});
+        at += size;
+    }
+    return picture;
+}
+
+Result<StoredImage> ImageStack::image(std::int64_t number) {
+    if (number < 0 || number >= count())
+        return usage_error(where_ + ": has no picture " + std::to_string(number) + ": must be from 0 to " +
+                           std::to_string(count() - 1));
+    TRY_ASSIGN(auto picture, read(number));
+    StoredImage image = std::move(picture).finish("npy", floats_);
+    if (stop_requested()) return interrupted_reading(where_);
+    if (!confidence_) return image;
+    TRY_ASSIGN(const auto confidence, confidence_->image(number));
+    const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
+    const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) {
+            if (number_at(confidence, k) >= *least_confidence_) continue;
+            if (!image.values.empty())
+                image.values[k] = std::numeric_limits<float>::quiet_NaN();
+            else
+                std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
+                            std::uint8_t{0});
+        }
+    });
+    if (!all_trusted) return interrupted_reading(where_);
+    return image;
+}
+
+Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> least) {
+    if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
+        return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
+                           " pictures of " + std::to_string(confidence.width()) + "x" +
+                           std::to_string(confidence.height()) + ", but depth of " + std::to_string(count()) +
+                           " of " + std::to_string(width()) + "x" + std::to_string(height()));
+    if (!least) {
+        TRY_ASSIGN(const auto first, confidence.image(0));
+        std::vector<float> numbers(pixels_of(first));
+        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
+        const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+        std::nth_element(numbers.begin(), middle, numbers.end());
+        least = *middle / 2.0;
+    }
+    least_confidence_ = least;
+    confidence_ = std::make_unique<ImageStack>(std::move(confidence));
+    return {};
+}
+
+Result<ImageStack> open_npy_stack(const SourceFile& file, std::optional<double> least_confidence) {
+    TRY_ASSIGN(auto bytes, bytes_of_file(file));
+    if (!is_npz(first_bytes(*bytes, 4))) return ImageStack::of(std::move(bytes), file.string());
+    TRY_ASSIGN(auto member, open_npz(std::move(bytes), file.string()));
+    auto stack = ImageStack::of(std::move(member.bytes), member.where);
+    if (!stack || !member.confidence) return stack;
+    auto confidence = ImageStack::of(std::move(member.confidence), file.string() + ": conf");
+    if (!confidence) return confidence;
+    TRY(stack->trust(std::move(*confidence), least_confidence));
+    return stack;
+}
+
+bool is_npy_file(const SourceFile& file) {
+    const std::string begin = first_bytes(file, 8);
+    const std::string_view kind = picture_kind(begin);
+    return kind == "npy" || kind == "npz";
+}
+
+Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where) {
+    return only_image(ImageStack::of(bytes_in_memory(bytes), where), where);
+}
+
+Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where) {
+    TRY_ASSIGN(auto member, depth_member(bytes, where));
+    return only_image(ImageStack::of(std::move(member.bytes), member.where), member.where);
+}
+
+}  // namespace touchable

@@ -1,0 +1,336 @@
+#include "engine/scene/filter_codes.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace touchable {
+
+namespace {
+
+/// Thus three of them have 16 bits.
+constexpr double most_coefficient = 65535 / 3;
+
+/// What is no number, of planes at the end of what doubles can tell, is the most.
+std::uint16_t coefficient(double value) {
+    return static_cast<std::uint16_t>(std::floor(std::min(most_coefficient, value) + 0.5));
+}
+
+/// A length in codes, t being the share of the largest distance: constant + linear t + quadratic t^2.
+struct Polynomial {
+    double constant, linear, quadratic;
+};
+
+/// `of` (a + b t)^2.
+Polynomial squared(double of, double a, double b) {
+    return {of * a * a, of * 2 * a * b, of * b * b};
+}
+
+/// Of log codes no polynomial is exact: this one is at both planes and in the middle between them.
+std::optional<Polynomial> length_in_log_codes(const DepthCoding& coding, const DepthLength& length,
+                                              int last) {
+    const double way = coding.log_span();
+    if (!(way > 0)) return std::nullopt;
+    const auto codes_at = [&](double depth) {
+        return last * length.at(depth) / ((depth + coding.shift) * way);
+    };
+    const double least = codes_at(coding.near), middle = codes_at(coding.log_depth(0.5)),
+                 most = codes_at(coding.far);
+    return Polynomial{least, 4 * middle - 3 * least - most, std::max(0.0, 2 * (least + most) - 4 * middle)};
+}
+
+/// Nothing where planes are so close that doubles do not tell them apart.
+std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const DepthLength& length, int last) {
+    if (coding.kind == DepthCodingKind::log) return length_in_log_codes(coding, length, last);
+    if (coding.kind != DepthCodingKind::inverse) {
+        const bool is_metric = coding.kind == DepthCodingKind::metric;
+        const double least = is_metric ? 0 : coding.near;
+        const double span = is_metric ? coding.scale * last : coding.far - coding.near;
+        if (!(span > 0)) return std::nullopt;
+        const Polynomial grows = squared(length.quadratic, least, span);
+        const double codes = last / span;
+        return Polynomial{codes * (length.constant + grows.constant), codes * grows.linear,
+                          codes * grows.quadratic};
+    }
+    // An error e of depth z is one of e w^2 of w = 1/(z + shift), and z w = 1 - shift w.
+    const double least = 1.0 / (coding.far + coding.shift);
+    const double span = 1.0 / (coding.near + coding.shift) - least;
+    if (!(span > 0)) return std::nullopt;
+    const Polynomial even = squared(length.constant, least, span),
+                     grows = squared(length.quadratic, 1 - coding.shift * least, -coding.shift * span);
+    const double codes = last / span;
+    return Polynomial{codes * (even.constant + grows.constant), codes * (even.linear + grows.linear),
+                      codes * (even.quadratic + grows.quadratic)};
+}
+
+// The gate is at most 5/4 factors and 3/4 of the noise: fewer than five factors.
+static_assert(5 + 3 * most_terrace_noise < 4 * 5);
+
+/// Metric codes that are to be multiplied by less are looked up: near a camera that sees far they would be
+/// coarse (docs/real-depth.md).
+constexpr int least_factor_of_lengths = 8, least_factor = 2;
+/// Fewer working codes are not worth a table.
+constexpr int fewest_codes = 255;
+/// The deepest depth over the shift of looked-up codes. Their steps are then at most about a sixth of a
+/// pixel's width from a fiftieth of the deepest depth on, and a fifteenth where they are finest.
+constexpr double deepest_per_shift = 5;
+
+/// Of the levels at the nearest and the deepest valid code the distance in codes, whichever is more; 0 where
+/// every code is a level.
+double most_codes_of_a_level(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    if (scene.filter.levels == DepthLength{}) return 0;
+    double most = 0;
+    for (const std::uint16_t code : {coding.valid_min, coding.valid_max}) {
+        // Of planes that doubles cannot tell apart it is 0.
+        const double step = std::max(step_of_code(coding, code), std::numeric_limits<double>::min());
+        most = std::max(most, level_distance(scene, coding.depth(code)) / step);
+    }
+    return most;
+}
+
+/// How many times as many codes there can be; 0: the stored ones leave no room.
+int factor_of(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    if (coding.kind == DepthCodingKind::log) return 0;  // no curve of levels is exact in its codes
+    // Of the largest gate, in codes; see terrace_range.
+    const double levels = most_codes_of_a_level(scene);
+    const int last = largest_code(coding), gate = static_cast<int>(std::min(1.25 * levels, 32767.0));
+    const int factor = terrace_range / (std::max(last, 255) + (levels > 0 ? std::max(gate + 4, 5) : 5));
+    if (coding.kind != DepthCodingKind::metric) return factor < least_factor ? 0 : factor;
+    return factor < least_factor_of_lengths ? 0
+                                            : static_cast<int>(std::bit_floor(static_cast<unsigned>(factor)));
+}
+
+/// From the nearest depth on, ordered as the stored ones.
+std::optional<DepthCoding> looked_up_coding(const Scene& scene) {
+    const DepthCoding& stored = scene.depth;
+    DepthCoding coding = stored;
+    coding.kind = DepthCodingKind::inverse;
+    coding.near_is_high = !stored.deeper_is_higher();
+    coding.near = stored.nearest_depth();
+    coding.far = stored.deepest_depth();
+    coding.scale = 0;
+    coding.shift = coding.far / deepest_per_shift;
+    coding.invalid_code_count = 0;
+    coding.invalid_codes = {};
+    // Of all codes, the share of one level at either end, where it is largest.
+    const double ends = 1 / (coding.near + coding.shift) - 1 / (coding.far + coding.shift);
+    if (!(ends > 0)) return std::nullopt;
+    double most = 0;
+    // Of log codes, which the curve has longer there than they are.
+    const DepthLength steps = stored.kind == DepthCodingKind::log ? code_step(stored) : DepthLength{};
+    for (const double depth : {coding.near, coding.far}) {
+        const double beyond = depth + coding.shift;
+        const double level = std::max(level_distance(scene, depth), steps.at(depth));
+        most = std::max(most, level / (beyond * beyond * ends));
+    }
+    most *= 1 + 0.6 * scene.filter.terrace_noise;
+    const double codes = std::floor((terrace_range - 8) / (1 + 1.25 * most));
+    if (!(codes >= fewest_codes)) return std::nullopt;
+    coding.code_max = static_cast<std::uint16_t>(codes);
+    coding.valid_min = 0;
+    coding.valid_max = coding.code_max;
+    return coding;
+}
+
+/// For every valid stored code the nearest working one.
+std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding& working) {
+    std::vector<std::uint16_t> table(65536, 0);
+    const double last = working.code_max, from = 1 / (working.far + working.shift);
+    const double per_share = last / (1 / (working.near + working.shift) - from);
+    for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
+        const double depth = stored.depth(static_cast<std::uint16_t>(code));
+        const double from_far = std::clamp((1 / (depth + working.shift) - from) * per_share, 0.0, last);
+        table[static_cast<std::size_t>(code)] =
+            static_cast<std::uint16_t>((working.near_is_high ? from_far : last - from_far) + 0.5);
+    }
+    return table;
+}
+
+// Eight gates, which the sum of a pass may reach on its way (terrace_rows.cpp), at the largest factor and the
+// most noise.
+static_assert(8 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
+
+/// Of looked-up codes, whose steps differ: noise makes both lengths wider by three fifths of it, as it makes
+/// the gate.
+TerraceFilter looked_up_filter(const Scene& scene, const WorkingCodes& working) {
+    const DepthLength step = code_step(scene.depth), &levels = scene.filter.levels;
+    const double noise = 0.6 * scene.filter.terrace_noise;
+    const auto wider = [&](const DepthLength& length) {
+        return DepthLength{length.constant + noise * step.constant,
+                           length.quadratic + noise * step.quadratic};
+    };
+    TerraceFilter filter;
+    filter.working = working;
+    filter.step = 1;
+    // Their curves are differences, and a level may be two codes. The largest level has room for two digits.
+    filter.fraction = 2;
+    filter.steps = code_curve(working.coding, wider(step), 4.0);
+    if (!(levels == DepthLength{})) filter.levels = code_curve(working.coding, wider(levels), 4.0);
+    return filter;
+}
+
+TerraceFilter multiplied_filter(const Scene& scene, const WorkingCodes& working) {
+    const FilterSettings& settings = scene.filter;
+    TerraceFilter filter;
+    filter.working = working;
+    filter.step = working.factor;
+    filter.noise = static_cast<int>(std::floor(settings.terrace_noise * working.factor + 0.5));
+    if (!(settings.levels == DepthLength{})) filter.levels = code_curve(working.coding, settings.levels, 1.0);
+    return filter;
+}
+
+/// Half the noise is left by a median of 5x5, two thirds by one of 3x3; the gate is twice what is left.
+double gate_per_noise(int median) {
+    if (median == 5) return 1;
+    return median == 3 ? 4.0 / 3.0 : 2;
+}
+
+}  // namespace
+
+DepthLength length_along_depth(double share, double shift, double near, double far) {
+    // As long as it at both ends, and too short in between.
+    const double quadratic = share / (far + near);
+    const DepthLength chord{share * (near + shift) - quadratic * near * near, quadratic};
+    double least = 1;
+    for (int part = 1; part < 64; ++part) {
+        const double depth = near + (far - near) * part / 64;
+        least = std::min(least, chord.at(depth) / (share * (depth + shift)));
+    }
+    return chord.times(2 / (1 + least));
+}
+
+CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
+    CodeCurve curve;
+    const int last = largest_code(coding);
+    curve.last = static_cast<std::uint16_t>(last);
+    while (last << (curve.shift + 1) <= 65535) ++curve.shift;
+    const bool grows_with_depth = coding.kind != DepthCodingKind::inverse;
+    curve.from_last = coding.deeper_is_higher() != grows_with_depth;
+    const auto scaled = length_in_codes(coding, length, last);
+    if (!scaled) {
+        curve.constant = curve.linear = curve.quadratic = coefficient(most_coefficient);
+        return curve;
+    }
+    const double unit = 65536.0 / (last << curve.shift);  // of a share, in filled distances
+    curve.falls = scaled->linear < 0;
+    curve.constant = coefficient(times * scaled->constant);
+    curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
+    curve.quadratic = coefficient(times * scaled->quadratic * unit * unit);
+    return curve;
+}
+
+int largest_code(const DepthCoding& coding) {
+    return coding.kind == DepthCodingKind::metric ? coding.valid_max : coding.code_max;
+}
+
+double step_of_code(const DepthCoding& coding, std::uint16_t code) {
+    if (coding.valid_min >= coding.valid_max) return 0;
+    code = std::min(code, static_cast<std::uint16_t>(coding.valid_max - 1));
+    return std::fabs(coding.depth(static_cast<std::uint16_t>(code + 1)) - coding.depth(code));
+}
+
+DepthLength code_step(const DepthCoding& coding) {
+    switch (coding.kind) {
+        case DepthCodingKind::metric:
+            return {coding.scale, 0};
+        case DepthCodingKind::inverse:
+            return {0, (1 / coding.near - 1 / coding.far) / coding.code_max};
+        case DepthCodingKind::log:
+            return length_along_depth(coding.log_span() / coding.code_max, coding.shift, coding.near,
+                                      coding.far);
+        case DepthCodingKind::linear:
+        case DepthCodingKind::hue:
+            break;
+    }
+    return {(coding.far - coding.near) / coding.code_max, 0};
+}
+
+// Numerator and denominator of a share of the way grow alike, so their quotient stays the same double; so
+// does a metric code's depth, because there the factor is a power of two.
+DepthCoding finer(const DepthCoding& coding, int factor) {
+    const auto fine = [factor](int code) { return static_cast<std::uint16_t>(code * factor); };
+    DepthCoding result = coding;
+    result.code_max = fine(largest_code(coding));
+    result.scale = coding.scale / factor;
+    result.valid_min = fine(result.valid_min);
+    result.valid_max = fine(result.valid_max);
+    result.invalid_codes = {};  // between two valid codes there may be any
+    result.invalid_code_count = 0;
+    return result;
+}
+
+WorkingCodes unchanged_codes(const DepthCoding& coding) {
+    return {1, nullptr, finer(coding, 1)};
+}
+
+bool has_working_codes(const Scene& scene) {
+    if (scene.depth.valid_min >= scene.depth.valid_max) return false;
+    return factor_of(scene) > 0 || looked_up_coding(scene);
+}
+
+std::optional<WorkingCodes> working_codes(const Scene& scene) {
+    if (scene.depth.valid_min >= scene.depth.valid_max) return std::nullopt;
+    if (const int factor = factor_of(scene); factor > 0)
+        return WorkingCodes{factor, nullptr, finer(scene.depth, factor)};
+    const auto coding = looked_up_coding(scene);
+    if (!coding) return std::nullopt;
+    return WorkingCodes{1, std::make_shared<const std::vector<std::uint16_t>>(table_of(scene.depth, *coding)),
+                        *coding};
+}
+
+double level_distance(const Scene& scene, double depth) {
+    const DepthCoding& coding = scene.depth;
+    const DepthLength& levels = scene.filter.levels;
+    return std::max(step_of_code(coding, coding.code(depth)), levels.at(depth));
+}
+
+double kappa_of_depth(const Scene& scene, double depth) {
+    if (scene.depth.valid_min >= scene.depth.valid_max) return 0;
+    return level_distance(scene, depth) / (depth / scene.camera.fx);
+}
+
+double kappa_of_scene(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    return kappa_of_depth(scene, 0.5 * (coding.depth(coding.valid_min) + coding.depth(coding.valid_max)));
+}
+
+bool terraces_advised(const Scene& scene) {
+    return has_working_codes(scene) && kappa_of_scene(scene) >= kappa_of_terraces;
+}
+
+std::optional<TerraceFilter> terrace_filter(const Scene& scene) {
+    const FilterSettings& settings = scene.filter;
+    const bool wanted = settings.terraces == TerraceRemoval::on ||
+                        (settings.terraces == TerraceRemoval::automatic && terraces_advised(scene));
+    if (!wanted) return std::nullopt;
+    const auto working = working_codes(scene);
+    if (!working) return std::nullopt;
+    TerraceFilter filter =
+        working->table ? looked_up_filter(scene, *working) : multiplied_filter(scene, *working);
+    filter.reach = settings.terrace_reach;
+    filter.coding = finer(working->coding, 2);
+    if (settings.temporal) filter.working = unchanged_codes(working->coding);
+    return filter;
+}
+
+std::optional<FlyingPixels> flying_pixels(const Scene& scene) {
+    if (scene.filter.flying_pixels == DepthLength{}) return std::nullopt;
+    return FlyingPixels{code_curve(scene.depth, scene.filter.flying_pixels, 1)};
+}
+
+std::optional<TemporalFilter> temporal_filter(const Scene& scene) {
+    if (!scene.filter.temporal) return std::nullopt;
+    // Looked-up codes are fewer, which is worth it for terraces, and for log codes, of which no gate is
+    // exact.
+    auto working = working_codes(scene);
+    const bool is_log = scene.depth.kind == DepthCodingKind::log;
+    if (!working || (working->table && !is_log && !terrace_filter(scene)))
+        working = unchanged_codes(scene.depth);
+    const DepthCoding& coding = working->coding;
+    const CodeCurve gate =
+        code_curve(coding, scene.filter.temporal_noise, gate_per_noise(scene.filter.median));
+    return TemporalFilter{*working, gate, coding};
+}
+
+}  // namespace touchable

@@ -1,0 +1,172 @@
+#include "engine/scene/frames.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace touchable {
+
+RawFrame kept_frame(const RawFrame& frame) {
+    if (frame.storage) return frame;
+    RawFrame kept = frame;
+    std::size_t bytes = 0;
+    PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
+    const auto row_bytes = [](const PlaneView& plane) {
+        return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
+               static_cast<std::size_t>(plane.bytes_per_sample);
+    };
+    // Samples of two bytes stay at even places.
+    const auto room = [&](const PlaneView& plane) {
+        return plane.empty() ? 0 : (row_bytes(plane) * static_cast<std::size_t>(plane.height) + 1) / 2 * 2;
+    };
+    for (const PlaneView* plane : planes) bytes += room(*plane);
+    const auto storage = std::make_shared<std::vector<std::uint8_t>>(bytes);
+    std::uint8_t* to = storage->data();
+    for (PlaneView* plane : planes) {
+        if (plane->empty()) continue;
+        const PlaneView from = *plane;
+        plane->data = to;
+        plane->stride = static_cast<std::ptrdiff_t>(row_bytes(from));
+        for (int y = 0; y < from.height; ++y)
+            std::memcpy(to + static_cast<std::size_t>(y) * row_bytes(from), from.row(y), row_bytes(from));
+        to += room(from);
+    }
+    kept.storage = storage;
+    return kept;
+}
+
+bool same_form(const PlaneView& a, const PlaneView& b) {
+    if (a.empty() || b.empty()) return a.empty() && b.empty();
+    return a.width == b.width && a.height == b.height && a.bytes_per_sample == b.bytes_per_sample &&
+           a.channels == b.channels;
+}
+
+bool same_samples(const PlaneView& a, const PlaneView& b) {
+    if (!same_form(a, b)) return false;
+    if (a.empty() || (a.data == b.data && a.stride == b.stride)) return true;
+    const auto row_bytes = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.channels) *
+                           static_cast<std::size_t>(a.bytes_per_sample);
+    for (int y = 0; y < a.height; ++y)
+        if (std::memcmp(a.row(y), b.row(y), row_bytes) != 0) return false;
+    return true;
+}
+
+bool same_touch_planes(const RawFrame& a, const RawFrame& b) {
+    return same_samples(a.depth, b.depth) && same_samples(a.haptic, b.haptic) &&
+           same_samples(a.height, b.height);
+}
+
+namespace {
+
+/// Nothing seen yet: any depth narrows it, and so does the union with another tile.
+constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity(), false};
+
+void copy_bytes(const PlaneView& plane, std::vector<std::uint8_t>& out) {
+    const auto row_bytes = static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels);
+    out.resize(row_bytes * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y)
+        std::memcpy(out.data() + row_bytes * static_cast<std::size_t>(y), plane.row(y), row_bytes);
+}
+
+void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
+    const auto width = static_cast<std::size_t>(plane.width);
+    out.resize(width * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* from = plane.row(y);
+        std::uint16_t* to = out.data() + width * static_cast<std::size_t>(y);
+        if (plane.bytes_per_sample == 2)
+            std::memcpy(to, from, width * 2);
+        else
+            for (std::size_t x = 0; x < width; ++x) to[x] = from[x];
+    }
+}
+
+}  // namespace
+
+TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
+    TileDepths depths = no_depths;
+    depths.any_invalid = bounds.any_invalid;
+    if (bounds.least > bounds.greatest) return depths;
+    // Depth is monotone in the code, in floating point too, so the extreme codes enclose the rest.
+    depths.nearest = coding.depth(bounds.least);
+    depths.farthest = coding.depth(bounds.greatest);
+    if (!coding.deeper_is_higher()) std::swap(depths.nearest, depths.farthest);
+    return depths;
+}
+
+DepthSample FilteredVertices::at(int x, int y) const {
+    return sample_of(frame_, x, y);
+}
+
+TileDepths FilteredVertices::tile(int tx, int ty) const {
+    const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
+    const TileBounds& bounds =
+        frame_.tiles[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
+                     static_cast<std::size_t>(tx)];
+    return depths_of(bounds, frame_.coding);
+}
+
+ExactVertices::ExactVertices(int width, int height, std::vector<double> depths)
+    : width_(std::max(width, 0)), height_(std::max(height, 0)), depths_(std::move(depths)) {
+    depths_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_),
+                   std::numeric_limits<double>::quiet_NaN());
+    const TileGrid grid = TileGrid::of(width_, height_);
+    tiles_.reserve(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+    for (int ty = 0; ty < grid.tiles_y; ++ty)
+        for (int tx = 0; tx < grid.tiles_x; ++tx) tiles_.push_back(bound(tx, ty));
+}
+
+TileDepths ExactVertices::bound(int tx, int ty) const {
+    const int x0 = tx * TileGrid::cells, x1 = std::min(x0 + TileGrid::cells, width_ - 1);
+    const int y0 = ty * TileGrid::cells, y1 = std::min(y0 + TileGrid::cells, height_ - 1);
+    TileDepths depths = no_depths;
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const DepthSample sample = at(x, y);
+            if (!sample.valid) {
+                depths.any_invalid = true;
+                continue;
+            }
+            depths.nearest = std::min(depths.nearest, sample.depth);
+            depths.farthest = std::max(depths.farthest, sample.depth);
+        }
+    return depths;
+}
+
+DepthSample ExactVertices::at(int x, int y) const {
+    const double depth =
+        depths_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    return {depth, std::isfinite(depth)};
+}
+
+TileDepths ExactVertices::tile(int tx, int ty) const {
+    const TileGrid grid = TileGrid::of(width_, height_);
+    return tiles_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
+                  static_cast<std::size_t>(tx)];
+}
+
+bool has_size(const SurfaceFrame& frame, int width, int height) {
+    if (frame.width != width || frame.height != height || !frame.vertices) return false;
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return (frame.haptic.empty() || frame.haptic.size() == 3 * pixels) &&
+           (frame.heights.empty() || frame.heights.size() == pixels);
+}
+
+void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out) {
+    // Not cleared first: memory that has the size is not filled with zeros on the way.
+    if (raw.haptic.empty()) {
+        out.haptic.clear();
+    } else {
+        assert(raw.haptic.channels == 3 && raw.haptic.bytes_per_sample == 1);
+        copy_bytes(raw.haptic, out.haptic);
+    }
+    if (raw.height.empty()) {
+        out.heights.clear();
+    } else {
+        assert(raw.height.channels == 1);
+        copy_codes(raw.height, out.heights);
+    }
+}
+
+}  // namespace touchable

@@ -1,0 +1,421 @@
+#include "engine/stream/labelled_codec.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+namespace {
+
+// --- Helpers of messages
+
+/// No byte is zero, so that nothing in a message is ever escaped.
+constexpr std::array<std::uint8_t, 16> message_uuid{0x9b, 0x3e, 0x57, 0xc1, 0x6d, 0x2a, 0x4f, 0x88,
+                                                    0xa5, 0x74, 0x1c, 0xe9, 0x33, 0xd6, 0xb2, 0x4d};
+constexpr std::array<std::string_view, 3> part_names{"whole", "high", "low"};
+constexpr std::string_view hash_key = " xxh64=", scene_key = "touchable_scene=1 xxh64=";
+constexpr std::size_t hash_digits = 16, longest_message = std::size_t{1} << 20;
+
+std::uint64_t hash_of(std::string_view text, const PlaneView& samples) {
+    ByteHash hash;
+    hash.add(text.data(), text.size());
+    for (int y = 0; y < samples.height; ++y)
+        hash.add(samples.row(y), static_cast<std::size_t>(samples.width * samples.channels));
+    return hash.value();
+}
+
+std::string hex(std::uint64_t number) {
+    std::string digits(hash_digits, '0');
+    for (std::size_t k = hash_digits; k-- > 0; number >>= 4) digits[k] = "0123456789abcdef"[number & 15];
+    return digits;
+}
+
+std::string with_uuid(const std::string& text) {
+    return std::string(message_uuid.begin(), message_uuid.end()) + text;
+}
+
+/// Takes the words of a message from its front.
+class WordReader {
+public:
+    explicit WordReader(std::string_view text) : rest_(text) {}
+    /// The value of this key, which comes next; empty where it does not.
+    std::string_view value(std::string_view key) {
+        if (!rest_.starts_with(key) || !rest_.substr(key.size()).starts_with('=')) return "";
+        rest_.remove_prefix(key.size() + 1);
+        const std::size_t end = std::min(rest_.find(' '), rest_.size());
+        const std::string_view value = rest_.substr(0, end);
+        rest_.remove_prefix(std::min(end + 1, rest_.size()));
+        return value;
+    }
+    bool at_end() const { return rest_.empty(); }
+
+private:
+    std::string_view rest_;
+};
+
+template <class Number>
+bool read_number(std::string_view digits, Number& number) {
+    const char* const end = digits.data() + digits.size();
+    const auto [last, failure] = std::from_chars(digits.data(), end, number);
+    return failure == std::errc() && last == end;
+}
+
+std::optional<PlanePart> part_named(std::string_view name) {
+    const auto* const found = std::ranges::find(part_names, name);
+    if (found == part_names.end()) return std::nullopt;
+    return static_cast<PlanePart>(found - part_names.begin());
+}
+
+std::string text_of(const PictureMessage& message) {
+    return "touchable=1 role=" + std::string(role_name(message.role)) +
+           " part=" + std::string(part_names[static_cast<std::size_t>(message.part)]) +
+           " bits=" + std::to_string(message.bits) + " frame=" + std::to_string(message.label.frame) +
+           " taken_ns=" + std::to_string(message.label.taken_ns);
+}
+
+std::optional<PictureMessage> read_message(std::string_view text) {
+    WordReader words(text);
+    PictureMessage message;
+    if (words.value("touchable") != "1") return std::nullopt;
+    const auto role = role_named(words.value("role"));
+    const auto part = part_named(words.value("part"));
+    if (!role || !part || !read_number(words.value("bits"), message.bits) ||
+        !read_number(words.value("frame"), message.label.frame) ||
+        !read_number(words.value("taken_ns"), message.label.taken_ns) || !words.at_end())
+        return std::nullopt;
+    message.role = *role;
+    message.part = *part;
+    const bool can_be = *part == PlanePart::whole
+                            ? message.bits == 8
+                            : message.bits >= 8 && message.bits <= 16 &&
+                                  (*role == PlaneRole::depth || *role == PlaneRole::height);
+    if (!can_be || message.label.frame < 0 || message.label.taken_ns < 0) return std::nullopt;
+    return message;
+}
+
+// --- Helpers of the encoder
+
+constexpr PlaneRole labelled_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
+                                        PlaneRole::height};
+
+/// Frames at times of their own are sent with their mean rate: each picture says when it was taken.
+std::string sent_scene(const SceneDescription& described) {
+    SceneDescription said = said_of_clip(described);
+    said.scene.rate.own_times = nullptr;
+    return scene_to_json(said);
+}
+
+bool fits(const PlaneView& plane, const PlaneView& form) {
+    return !plane.empty() && plane.width == form.width && plane.height == form.height &&
+           plane.channels == form.channels && plane.bytes_per_sample == form.bytes_per_sample;
+}
+
+bool is_begin_of_plane(PlaneRole role, PlanePart part) {
+    return role == PlaneRole::depth && part != PlanePart::low;
+}
+
+// --- Helpers of the decoder
+
+constexpr std::size_t most_tracks = 16;
+/// So many halves of a plane wait for the others: tracks of one frame come close to each other.
+constexpr std::size_t most_halves = 8;
+constexpr AVRational nanosecond{1, 1'000'000'000};
+
+Error no_memory() {
+    return {ErrorKind::internal, "a stream's pictures: out of memory"};
+}
+
+/// The messages of a picture.
+struct SaidOf {
+    std::optional<ReadSei> picture;
+    std::shared_ptr<const std::string> scene;
+    bool is_one = true;  // picture: not of two, which are then mixed up
+};
+
+SaidOf messages_in(const AVFrame& frame) {
+    SaidOf said;
+    for (int k = 0; k < frame.nb_side_data; ++k) {
+        const AVFrameSideData& side = *frame.side_data[k];
+        if (side.type != AV_FRAME_DATA_SEI_UNREGISTERED) continue;
+        auto sei = read_sei({side.data, side.size});
+        if (!sei) continue;
+        if (sei->scene) {
+            said.scene = std::make_shared<const std::string>(std::move(*sei->scene));
+        } else {
+            said.is_one = !said.picture;
+            said.picture = std::move(sei);
+        }
+    }
+    return said;
+}
+
+std::optional<Plane> rgb_plane(RgbConverter& converter, const AVFrame& frame) {
+    auto rgb = converter.converted(frame);
+    if (!rgb) return std::nullopt;
+    const AVFrame& made = **rgb;
+    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+}
+
+/// Exact samples of three channels, of one, or none.
+std::optional<Plane> exact_plane(RgbConverter& converter, FramePtr frame, const PictureMessage& message) {
+    const bool may_be_rgb = message.part == PlanePart::whole && message.role != PlaneRole::height;
+    if (is_rgb8(*frame)) return may_be_rgb ? rgb_plane(converter, *frame) : std::nullopt;
+    if (message.role == PlaneRole::haptic) return std::nullopt;
+    const auto samples = luma_samples(*frame);
+    if (!samples || samples->bytes_per_sample != 1) return std::nullopt;
+    return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), 8};
+}
+
+/// Joins the high part and the low one; nothing where they cannot belong together.
+std::optional<Plane> joined_plane(const PlaneView& high, const PlaneView& low, int bits) {
+    if (high.width != low.width || high.height != low.height) return std::nullopt;
+    return plane_from(joined_bytes(high, low, bits - 8), bits);
+}
+
+}  // namespace
+
+// --- Messages
+
+std::string sei_of(const PictureMessage& message, const PlaneView& samples) {
+    const std::string text = text_of(message);
+    const bool is_exact = message.role != PlaneRole::colour;
+    return with_uuid(text + std::string(hash_key) + hex(hash_of(text, is_exact ? samples : PlaneView{})));
+}
+
+std::string sei_of_scene(std::string_view json) {
+    return with_uuid(std::string(scene_key) + hex(hash_of(json, {})) + " " + std::string(json));
+}
+
+std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content) {
+    if (content.size() > longest_message || content.size() < message_uuid.size() ||
+        !std::equal(message_uuid.begin(), message_uuid.end(), content.begin()))
+        return std::nullopt;
+    const std::string_view text(reinterpret_cast<const char*>(content.data()) + message_uuid.size(),
+                                content.size() - message_uuid.size());
+    ReadSei read;
+    if (text.starts_with(scene_key)) {
+        const std::size_t json_at = scene_key.size() + hash_digits + 1;
+        if (text.size() < json_at || text[json_at - 1] != ' ') return std::nullopt;
+        read.hash = text.substr(scene_key.size(), hash_digits);
+        read.scene = text.substr(json_at);
+        return hex(hash_of(*read.scene, {})) == read.hash ? std::optional(std::move(read)) : std::nullopt;
+    }
+    const std::size_t hash_at = text.rfind(hash_key);
+    if (hash_at == std::string_view::npos) return std::nullopt;
+    read.hashed = text.substr(0, hash_at);
+    read.picture = read_message(read.hashed);
+    read.hash = text.substr(hash_at + hash_key.size());
+    return read.picture ? std::optional(std::move(read)) : std::nullopt;
+}
+
+bool is_sound(const ReadSei& sei, const PlaneView& samples) {
+    const bool is_exact = sei.picture->role != PlaneRole::colour;
+    return hex(hash_of(sei.hashed, is_exact ? samples : PlaneView{})) == sei.hash;
+}
+
+// --- LabelledEncoder
+
+std::string LabelledEncoder::name(std::size_t track) const {
+    const Track& named = tracks_[track];
+    return std::string(role_name(named.role)) + (named.part == PlanePart::low ? low_track_suffix : "");
+}
+
+Result<void> LabelledEncoder::describe(std::size_t track, AVCodecParameters& stored) const {
+    return tracks_[track].encoder->describe(stored);
+}
+
+Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, const Scene& scene,
+                                        TrackCoding coding) {
+    const PlaneView& plane = plane_of(first, track.role);
+    track.form = plane;
+    TRY_ASSIGN(track.encoder,
+               TrackEncoder::open(track.role, coding, part_of(plane, track.part, track.bits - 8, track.bytes),
+                                  scene));
+    tracks_.push_back(std::move(track));
+    return {};
+}
+
+Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const SceneDescription& described,
+                                              TrackCoding touch, TrackCoding colour) {
+    silence_ffmpeg();
+    LabelledEncoder made;
+    made.scene_sei_ = sei_of_scene(sent_scene(described));
+    const Scene& scene = described.scene;
+    for (const PlanePart part : {PlanePart::high, PlanePart::low})
+        for (const PlaneRole role : labelled_order) {
+            const PlaneView& plane = plane_of(first, role);
+            const bool is_wide = plane.bytes_per_sample == 2;
+            if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
+            const int bits =
+                role == PlaneRole::depth ? scene.depth_bits : std::max(8, height_bits(scene.height_coding));
+            Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits : 8};
+            const TrackCoding coding = role == PlaneRole::colour ? colour : touch;
+            TRY(made.add_track(std::move(track), first, scene, coding));
+        }
+    return made;
+}
+
+Result<std::vector<PacketPtr>> LabelledEncoder::encode(const RawFrame& frame, const PictureLabel& label,
+                                                       bool is_key) {
+    std::vector<PacketPtr> packets;
+    for (Track& track : tracks_) {
+        const PlaneView& plane = plane_of(frame, track.role);
+        if (!fits(plane, track.form))
+            return input_error("frame " + std::to_string(frame.number) + ": its plane " +
+                               std::string(role_name(track.role)) + " is not like that of the first frame");
+        const PlaneView part = part_of(plane, track.part, track.bits - 8, track.bytes);
+        std::vector<std::string> messages{sei_of({track.role, track.part, track.bits, label}, part)};
+        if (is_key && is_begin_of_plane(track.role, track.part)) messages.push_back(scene_sei_);
+        TRY_ASSIGN(auto packet, track.encoder->encode(part, is_key, messages));
+        packets.push_back(std::move(packet));
+    }
+    return packets;
+}
+
+// --- LabelledDecoder
+
+Result<std::size_t> LabelledDecoder::add_track(const AVStream& stream, const std::string& where) {
+    if (stream.codecpar->codec_id != AV_CODEC_ID_H264)
+        return input_error(where + ": has codec " + codec_name(*stream.codecpar) + ": must be h264");
+    if (tracks_.size() == most_tracks) return input_error(where + ": is one track more than 16");
+    silence_ffmpeg();
+    TRY_ASSIGN(auto decoder, PacketDecoder::open(stream, where, most_pixels_));
+    tracks_.push_back({std::move(decoder), stream.time_base});
+    return tracks_.size() - 1;
+}
+
+Result<std::vector<LabelledPicture>> LabelledDecoder::add(std::size_t track, const AVPacket& packet) {
+    Pictures pictures;
+    Track& of = tracks_[track];
+    of.has_begun = of.has_begun || (packet.flags & AV_PKT_FLAG_KEY) != 0;
+    if (!of.has_begun) return pictures;
+    TRY(send(of, &packet, pictures));
+    return pictures;
+}
+
+Result<std::vector<LabelledPicture>> LabelledDecoder::end() {
+    Pictures pictures;
+    for (Track& track : tracks_) TRY(send(track, nullptr, pictures));
+    restart();
+    return pictures;
+}
+
+void LabelledDecoder::restart() {
+    for (auto& halves : halves_) {
+        faults_.halved += static_cast<std::int64_t>(halves.size());
+        halves.clear();
+    }
+    for (Track& track : tracks_) {
+        track.decoder->flush();
+        track.has_begun = track.is_broken = false;
+        track.newest.reset();
+    }
+}
+
+Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Pictures& pictures) {
+    const auto failed = [&](int status) -> Result<void> {
+        if (status == AVERROR(ENOMEM)) return no_memory();
+        ++faults_.undecodable;
+        track.is_broken = true;
+        return {};
+    };
+    if (const int status = track.decoder->send(packet); status < 0) return failed(status);
+    while (true) {
+        FramePtr frame(av_frame_alloc());
+        if (!frame) return no_memory();
+        const int status = track.decoder->receive(*frame);
+        if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return {};
+        if (status < 0) return failed(status);
+        TRY(take(track, std::move(frame), pictures));
+    }
+}
+
+/// Nothing in a picture of colour shows that it depends on one that was lost; in a plane that is felt the
+/// hash does.
+bool LabelledDecoder::follows(Track& track, const PictureMessage& message, bool is_key) {
+    const std::int64_t frame = message.label.frame;
+    const bool is_next = track.newest && *track.newest < frame && frame - *track.newest == 1;
+    track.newest = frame;
+    track.is_broken = !is_key && (track.is_broken || !is_next);
+    return !track.is_broken || message.role != PlaneRole::colour;
+}
+
+Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictures) {
+    SaidOf said = messages_in(*frame);
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
+        ++faults_.undecodable;
+        track.is_broken = true;
+        return {};
+    }
+    if (!said.picture || !said.is_one) {
+        ++faults_.unlabelled;
+        track.is_broken = true;
+        return {};
+    }
+    const PictureMessage message = said.picture->picture.value();
+    LabelledPicture picture{message.role, message.label, is_key_frame(*frame), 0, {}, std::move(said.scene)};
+    if (frame->best_effort_timestamp != AV_NOPTS_VALUE)
+        picture.time_ns = av_rescale_q(frame->best_effort_timestamp, track.time_base, nanosecond);
+    if (!follows(track, message, picture.is_key)) {
+        ++faults_.undecodable;
+        return {};
+    }
+    auto plane = plane_in(track, std::move(frame), *said.picture);
+    if (!plane) {
+        ++faults_.damaged;
+        track.is_broken = true;
+        return {};
+    }
+    picture.plane = std::move(*plane);
+    if (message.part == PlanePart::whole)
+        pictures.push_back(std::move(picture));
+    else
+        join(message, std::move(picture), pictures);
+    return {};
+}
+
+std::optional<Plane> LabelledDecoder::plane_in(Track& track, FramePtr frame, const ReadSei& sei) {
+    const PictureMessage& message = *sei.picture;
+    if (message.role != PlaneRole::colour) {
+        auto plane = exact_plane(track.converter, std::move(frame), message);
+        return plane && is_sound(sei, plane->view) ? std::move(plane) : std::nullopt;
+    }
+    if (!is_sound(sei, {})) return std::nullopt;
+    if (leaves_out_colour_) return Plane{};
+    return rgb_plane(track.converter, *frame);
+}
+
+void LabelledDecoder::join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures) {
+    auto& halves = halves_[static_cast<std::size_t>(message.role)];
+    PictureMessage other = message;
+    other.part = message.part == PlanePart::high ? PlanePart::low : PlanePart::high;
+    const auto found = std::ranges::find(halves, other, &Half::message);
+    if (found == halves.end()) {
+        halves.push_back({message, std::move(picture)});
+        if (halves.size() > most_halves) {
+            halves.pop_front();
+            ++faults_.halved;
+        }
+        return;
+    }
+    Half half = std::move(*found);
+    halves.erase(found);
+    LabelledPicture& high = message.part == PlanePart::high ? picture : half.picture;
+    const LabelledPicture& low = message.part == PlanePart::high ? half.picture : picture;
+    auto plane = joined_plane(high.plane.view, low.plane.view, message.bits);
+    if (!plane) {
+        ++faults_.damaged;
+        return;
+    }
+    high.plane = std::move(*plane);
+    high.is_key = high.is_key && low.is_key;
+    pictures.push_back(std::move(high));
+}
+
+}  // namespace touchable

@@ -1,0 +1,169 @@
+#pragma once
+
+// Framesets as tracks of H.264 whose pictures say what they are: the message in a picture, the encoder and
+// the decoder. MPEG-TS (stream_muxers.cpp) and HLS (hls_output.cpp) carry them; labelled_pictures.cpp reads
+// them.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
+#include "engine/picture/decoding.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// The message in a picture of H.264 that says what it is, in any container: an unregistered SEI message
+/// (ISO/IEC 14496-10, D.1.7) of our own UUID. Its text is
+///   touchable=1 role=depth part=high bits=16 frame=12 taken_ns=1700000000000000000 xxh64=0123456789abcdef
+/// part: whole, high or low; bits: of the plane's samples, of which the high part has the upper eight;
+/// xxh64 (seed 0): of the text before " xxh64=" and of the part's samples as they decode, row by row, of
+/// three channels red, green, blue. Colour, which no codec here keeps, has that of the text alone.
+struct PictureMessage {
+    PlaneRole role = PlaneRole::depth;
+    PlanePart part = PlanePart::whole;
+    int bits = 8;  ///< 8 to 16; 8 where the part is whole
+    PictureLabel label;
+    bool operator==(const PictureMessage&) const = default;
+};
+
+/// With the UUID. `samples`: of the part, one byte each.
+std::string sei_of(const PictureMessage& message, const PlaneView& samples);
+/// The description of the scene, in the same form; it goes with keyframes of depth, whole or high:
+///   touchable_scene=1 xxh64=0123456789abcdef {...}
+/// the hash being of the JSON behind it.
+std::string sei_of_scene(std::string_view json);
+
+/// A message of either kind, taken apart.
+struct ReadSei {
+    std::optional<PictureMessage> picture;  ///< whose hash is not judged yet
+    std::string hashed;                     ///< of a picture: the text before its hash
+    std::string hash;                       ///< 16 digits where it is right
+    std::optional<std::string> scene;       ///< JSON, as it was sent
+};
+/// Nothing where it is neither, or is damaged: numbers out of range, words that are not known, a scene whose
+/// hash is wrong.
+std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content);
+/// Whether the message and its samples are what was sent.
+bool is_sound(const ReadSei& sei, const PlaneView& samples);
+
+/// Framesets as tracks of H.264, in which each picture says what it is (PictureMessage): so planes,
+/// frame numbers, damage and the scene are known from the pictures alone, whatever carries them. Planes that
+/// are felt keep every value; those of more than 8 bits are two tracks.
+class LabelledEncoder {
+public:
+    /// `touch`: how the planes that are felt are coded, h264_quick or h264_thrifty; `colour`: h264_visual or
+    /// h264_reduced. An error of kind usage where H.264 has no pictures of that size.
+    static Result<LabelledEncoder> open(const RawFrame& first, const SceneDescription& described,
+                                        TrackCoding touch, TrackCoding colour = TrackCoding::h264_visual);
+
+    /// Tracks in their order: colour first, which ordinary players show, low parts last.
+    std::size_t tracks() const { return tracks_.size(); }
+    PlaneRole role(std::size_t track) const { return tracks_[track].role; }
+    /// "depth", "depth_low": for tools that show names.
+    std::string name(std::size_t track) const;
+    /// Says in a container how a track is encoded.
+    Result<void> describe(std::size_t track, AVCodecParameters& stored) const;
+
+    /// A packet for each track, without times; planes as the first frame had them, or an error of kind input.
+    /// Where `is_key`, decoding can begin with each.
+    Result<std::vector<PacketPtr>> encode(const RawFrame& frame, const PictureLabel& label, bool is_key);
+
+private:
+    struct Track {
+        PlaneRole role;
+        PlanePart part;
+        int bits;  // of the plane's samples
+        std::unique_ptr<TrackEncoder> encoder{};
+        PlaneView form{};                   // of the plane; its samples are gone
+        std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
+    };
+    LabelledEncoder() = default;
+    Result<void> add_track(Track track, const RawFrame& first, const Scene& scene, TrackCoding coding);
+
+    std::vector<Track> tracks_;
+    std::string scene_sei_;
+};
+
+/// A plane of a frameset as it was sent: every value of it where it is felt.
+struct LabelledPicture {
+    PlaneRole role = PlaneRole::depth;
+    PictureLabel label;
+    bool is_key = false;                       ///< decoding could have begun with it
+    std::int64_t time_ns = 0;                  ///< by the container's clock
+    Plane plane;                               ///< of both halves, where it was sent as two
+    std::shared_ptr<const std::string> scene;  ///< JSON that came with it; null: none did
+};
+
+/// Pictures that were not given, by cause.
+struct PictureFaults {
+    std::int64_t undecodable = 0;  ///< also larger than was said, or depending on one that is not there
+    std::int64_t unlabelled = 0;   ///< not of ours, or with a damaged message
+    std::int64_t damaged = 0;      ///< other samples than were sent
+    std::int64_t halved = 0;       ///< whose other half never came
+    std::int64_t all() const { return undecodable + unlabelled + damaged + halved; }
+};
+
+/// Takes apart what LabelledEncoder made, whatever carried it and in whatever order its tracks come. What is
+/// damaged is counted and never given. One thread.
+class LabelledDecoder {
+public:
+    /// Larger pictures are not decoded.
+    explicit LabelledDecoder(std::int64_t most_pixels) : most_pixels_(most_pixels) {}
+
+    /// Adds a track of H.264 and returns its number, for `add`. Refused (ErrorKind::input) is another codec,
+    /// and more than 16.
+    Result<std::size_t> add_track(const AVStream& stream, const std::string& where);
+    /// The pictures that are whole with this packet. An error only of kind internal: out of memory.
+    Result<std::vector<LabelledPicture>> add(std::size_t track, const AVPacket& packet);
+    /// The pictures that are left, once no packet comes any more.
+    Result<std::vector<LabelledPicture>> end();
+    /// Packets from here on do not follow those before.
+    void restart();
+
+    /// Colour from here on comes without samples.
+    void leave_out_colour() { leaves_out_colour_ = true; }
+    const PictureFaults& faults() const { return faults_; }
+
+private:
+    struct Track {
+        std::unique_ptr<PacketDecoder> decoder;
+        AVRational time_base;
+        bool has_begun = false;                // with a packet that is a key
+        bool is_broken = false;                // a picture that others depend on is missing
+        std::optional<std::int64_t> newest{};  // frame number
+        RgbConverter converter{};
+    };
+    /// A plane that is in two parts, of which one came.
+    struct Half {
+        PictureMessage message;
+        LabelledPicture picture;
+    };
+    using Pictures = std::vector<LabelledPicture>;
+    Result<void> send(Track& track, const AVPacket* packet, Pictures& pictures);
+    Result<void> take(Track& track, FramePtr frame, Pictures& pictures);
+    bool follows(Track& track, const PictureMessage& message, bool is_key);
+    void join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures);
+    std::optional<Plane> plane_in(Track& track, FramePtr frame, const ReadSei& sei);
+
+    const std::int64_t most_pixels_;
+    std::deque<Track> tracks_;
+    std::array<std::deque<Half>, all_roles.size()> halves_;
+    bool leaves_out_colour_ = false;
+    PictureFaults faults_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,241 @@
+#include "engine/stream/listeners.hpp"
+
+#include <netdb.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+namespace touchable {
+namespace {
+
+struct AddressListDeleter {
+    void operator()(addrinfo* list) const { ::freeaddrinfo(list); }
+};
+
+std::optional<SocketAddress> first_address(const std::string& host, int port, int flags) {
+    addrinfo wanted = {};
+    wanted.ai_flags = AI_NUMERICSERV | flags;
+    wanted.ai_socktype = SOCK_STREAM;  // otherwise each address is listed once per type
+    addrinfo* found = nullptr;
+    if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found) != 0) return std::nullopt;
+    const std::unique_ptr<addrinfo, AddressListDeleter> list(found);
+    SocketAddress address;
+    if (found->ai_addrlen > sizeof address.storage) return std::nullopt;
+    address.length = found->ai_addrlen;
+    std::memcpy(&address.storage, found->ai_addr, found->ai_addrlen);
+    return address;
+}
+
+/// Cuts the next word off a line.
+std::string_view next_word(std::string_view& line) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    const std::string_view word = line.substr(0, end);
+    line.remove_prefix(std::min(end + 1, line.size()));
+    return word;
+}
+
+std::string_view reason_of(int status) {
+    switch (status) {
+        case 200:
+            return "OK";
+        case 404:
+            return "Not Found";
+        case 405:
+            return "Method Not Allowed";
+        case 503:
+            return "Service Unavailable";
+        default:
+            return "Bad Request";
+    }
+}
+
+std::string_view words_of(int status) {
+    switch (status) {
+        case 404:
+            return "there is no stream of this name\n";
+        case 405:
+            return "the stream is only read: GET or HEAD\n";
+        case 503:
+            return "as many listen as there is room for; try again later\n";
+        default:
+            return "this is no request of HTTP/1.0 or HTTP/1.1\n";
+    }
+}
+
+}  // namespace
+
+// --- Addresses
+
+std::string SocketAddress::text() const {
+    char host[NI_MAXHOST], port[NI_MAXSERV];
+    if (::getnameinfo(get(), length, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) !=
+        0)
+        return "?";
+    const std::string name(&host[0]);
+    return (is_ipv6() ? "[" + name + "]" : name) + ":" + &port[0];
+}
+
+std::optional<SocketAddress> own_address(const StreamUrl& url) {
+    const std::string host = url.host == "localhost" ? "127.0.0.1" : url.host.empty() ? "0.0.0.0" : url.host;
+    return first_address(host, url.port, AI_PASSIVE | AI_NUMERICHOST);
+}
+
+std::optional<SocketAddress> look_up(const StreamUrl& url) {
+    return first_address(url.host.empty() ? "127.0.0.1" : url.host, url.port, 0);
+}
+
+// --- Requests over HTTP
+
+void HttpRequest::take(std::string_view bytes) {
+    if (status_ != 0) return;
+    const std::size_t before = head_.size();
+    head_.append(bytes.substr(0, most_bytes + 1 - before));
+    // A line may end without its CR (RFC 9112, 2.2).
+    const std::size_t from = before < 3 ? 0 : before - 3;
+    const std::size_t end = std::min(head_.find("\r\n\r\n", from), head_.find("\n\n", from));
+    if (end != std::string::npos && end < most_bytes)
+        status_ = judged(std::string_view(head_).substr(0, end));
+    else if (head_.size() > most_bytes)
+        status_ = 400;
+    if (status_ != 0) head_ = {};
+}
+
+int HttpRequest::judged(std::string_view head) {
+    std::string_view line = head.substr(0, std::min(head.find_first_of("\r\n"), head.size()));
+    const std::string_view method = next_word(line), target = next_word(line), version = next_word(line);
+    if (!line.empty() || !target.starts_with('/') || (version != "HTTP/1.0" && version != "HTTP/1.1"))
+        return 400;
+    is_head_ = method == "HEAD";
+    if (method != "GET" && !is_head_) return 405;
+    return target.substr(0, target.find('?')) == path_ ? 200 : 404;
+}
+
+std::string http_answer(int status) {
+    std::string head = "HTTP/1.1 " + std::to_string(status) + " " + std::string(reason_of(status)) +
+                       "\r\nConnection: close\r\nCache-Control: no-store\r\n";
+    if (status == 200) return head + "Content-Type: video/x-matroska\r\nAccept-Ranges: none\r\n\r\n";
+    if (status == 405) head += "Allow: GET, HEAD\r\n";
+    const std::string_view words = words_of(status);
+    return head.append("Content-Type: text/plain; charset=utf-8\r\nContent-Length: ")
+        .append(std::to_string(words.size()))
+        .append("\r\n\r\n")
+        .append(words);
+}
+
+// --- Links
+
+bool NarrowLink::is_behind(std::int64_t now_ns, bool is_tried) {
+    if (!behind_since_ns_) behind_since_ns_ = now_ns;
+    if (!first_behind_ns_) first_behind_ns_ = now_ns;
+    // A listener that joins begins with a key of up to half a second ago.
+    if (is_tried || now_ns - *first_behind_ns_ < joins_within_ns) return false;
+    if (now_ns - *behind_since_ns_ < colour_goes_after_ns) return false;
+    if (has_colour_) {
+        const bool was_in_vain = colour_back_ns_ && now_ns - *colour_back_ns_ < longest_trial_ns;
+        trial_ns_ = was_in_vain ? std::min(2 * trial_ns_, longest_trial_ns) : shortest_trial_ns;
+    }
+    next_trial_ns_ = now_ns + trial_ns_;
+    return std::exchange(has_colour_, false);
+}
+
+bool NarrowLink::gives_colour(bool is_key, std::int64_t now_ns) {
+    if (!has_colour_ && is_key && !behind_since_ns_ && now_ns >= next_trial_ns_) {
+        has_colour_ = true;
+        colour_back_ns_ = now_ns;
+    }
+    return has_colour_;
+}
+
+void LinkRate::look(const Look& look) {
+    if (!first_in_slice_) first_in_slice_ = look;
+    if (look.rtt_ns > 0) {
+        shortest_ns_ = shortest_ns_ > 0 ? std::min(shortest_ns_, look.rtt_ns) : look.rtt_ns;
+        slice_.rtt_ns = std::min(slice_.rtt_ns, look.rtt_ns);
+    }
+    slice_.is_full = slice_.is_full || look.is_full;
+    const std::int64_t passed_ns = look.now_ns - first_in_slice_->now_ns;
+    if (passed_ns < slice_ns) return;
+    const auto more = [](std::int64_t now, std::int64_t then) {
+        return std::max<std::int64_t>(now - then, 0);
+    };
+    constexpr double ns_per_second = 1e9;
+    slice_.rate = static_cast<double>(more(look.arrived_bytes, first_in_slice_->arrived_bytes)) *
+                  ns_per_second / static_cast<double>(passed_ns);
+    slice_.datagrams = more(look.datagrams, first_in_slice_->datagrams);
+    slice_.lost = more(look.lost, first_in_slice_->lost);
+    slices_[slice_count_++ % recent] = std::exchange(slice_, Slice{});
+    first_in_slice_ = look;
+    grow();
+    forget_shortest();
+}
+
+std::int64_t LinkRate::bytes_per_second() const {
+    double most = 0;
+    for (const std::size_t before : {std::size_t{0}, recent / 2}) {
+        const std::size_t there = slice_count_ - std::min(slice_count_, before);
+        const std::size_t slices = std::min(there, recent / 2);
+        double sum = 0;
+        for (std::size_t k = 0; k < slices; ++k) sum += slices_[(there - 1 - k) % recent].rate;
+        if (slices > 0) most = std::max(most, sum / static_cast<double>(slices));
+    }
+    return static_cast<std::int64_t>(most);
+}
+
+std::int64_t LinkRate::window_bytes() const {
+    constexpr std::size_t first_slices = 4;
+    // Acknowledgements are sent every 10 ms and looked at every 5; a thread may have to wait for a core.
+    // On a long way the rate has to be able to grow by a quarter.
+    constexpr double least_slack_ns = 80e6, ns_per_second = 1e9;
+    const auto way_ns = static_cast<double>(shortest_ns_);
+    const double slack_ns = std::max(least_slack_ns, way_ns / 4);
+    std::int64_t datagrams = 0, lost = 0;
+    for (const Slice& slice : slices_) {
+        datagrams += slice.datagrams;
+        lost += slice.lost;
+    }
+    // Acknowledgements stop at what is lost until it has been asked for and sent again. Of the hundreds
+    // of datagrams on their way some are lost once more as they are sent again.
+    constexpr int loses_from = 200;  // one datagram in this many
+    const double ways = lost * loses_from > datagrams ? 6 : 1;
+    const double seconds = ((ways + (is_growing_ ? 1 : 0)) * way_ns + slack_ns) / ns_per_second;
+    const double bytes = static_cast<double>(bytes_per_second()) * seconds;
+    constexpr double most_bytes = 64 << 20;
+    return std::max(
+        slice_count_ < first_slices || shortest_ns_ == 0 ? first_window_bytes : least_window_bytes,
+        static_cast<std::int64_t>(std::min(bytes, most_bytes)));
+}
+
+void LinkRate::grow() {
+    if (!is_growing_ || shortest_ns_ == 0) return;
+    constexpr double grows_by = 1.25;
+    constexpr std::int64_t queue_ns = 100'000'000, least_in_vain_ns = 1'000'000'000, ways_in_vain = 3,
+                           fits_for_ns = 4'000'000'000;
+    const Slice& newest = slices_[(slice_count_ - 1) % recent];
+    const auto rate = static_cast<double>(bytes_per_second());
+    if (rate > grows_by * fastest_) {
+        fastest_ = rate;
+        in_vain_ns_ = 0;
+    } else if (newest.is_full) {
+        in_vain_ns_ += slice_ns;
+    }
+    fits_ns_ = newest.is_full ? 0 : fits_ns_ + slice_ns;
+    const bool has_queue = newest.rtt_ns < std::numeric_limits<std::int64_t>::max() &&
+                           newest.rtt_ns > 2 * shortest_ns_ + queue_ns;
+    is_growing_ = !has_queue && fits_ns_ < fits_for_ns &&
+                  in_vain_ns_ < std::max(least_in_vain_ns, ways_in_vain * shortest_ns_);
+}
+
+/// The way there and back is measured anew while nothing of ours waits in front of the link. While the
+/// window is full something does, and to believe in that would widen the window again and again.
+void LinkRate::forget_shortest() {
+    if (slice_count_ < recent) return;
+    std::int64_t shortest_ns = std::numeric_limits<std::int64_t>::max();
+    for (const Slice& slice : slices_) {
+        if (slice.is_full) return;
+        shortest_ns = std::min(shortest_ns, slice.rtt_ns);
+    }
+    if (shortest_ns < std::numeric_limits<std::int64_t>::max()) shortest_ns_ = shortest_ns;
+}
+
+}  // namespace touchable

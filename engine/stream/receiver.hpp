@@ -1,0 +1,194 @@
+#pragma once
+
+// From pictures to framesets: FramesetAssembler, which puts them together, and StreamReceiver, one connection
+// to a sender. stream_clip.cpp and live_stream.cpp give what is received to others.
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/clip/clip.hpp"
+#include "engine/stream/receiving.hpp"
+#include "engine/stream/stream_pictures.hpp"
+
+namespace touchable {
+
+/// The planes of one frame. A plane that was not received is empty.
+struct WholeFrameset {
+    std::int64_t number = 0, taken_ns = 0;
+    std::array<Plane, all_roles.size()> planes{};  ///< by PlaneRole
+};
+
+/// Numbers of framesets, by what became of them.
+struct FramesetCounts {
+    std::int64_t whole = 0;           ///< given
+    std::int64_t late = 0;            ///< whole once a later one had been given
+    std::int64_t lost = 0;            ///< never whole
+    std::int64_t torn = 0;            ///< never whole, because a checksum of theirs was wrong
+    std::int64_t repeated = 0;        ///< pictures that came twice
+    std::int64_t without_colour = 0;  ///< given with the colour of a frameset before, or none
+    std::int64_t restarts = 0;        ///< numbers began anew
+    std::array<std::int64_t, all_roles.size()> lost_of{};  ///< of those lost, by the first plane missing
+
+    FramesetCounts& operator+=(const FramesetCounts& more) {
+        whole += more.whole;
+        late += more.late;
+        lost += more.lost;
+        torn += more.torn;
+        repeated += more.repeated;
+        without_colour += more.without_colour;
+        restarts += more.restarts;
+        for (std::size_t k = 0; k < lost_of.size(); ++k) lost_of[k] += more.lost_of[k];
+        return *this;
+    }
+};
+
+/// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes
+/// that are felt are there, of its number and no other; colour may be that of a frame before. They are given
+/// in order: what becomes whole behind a later one is late. Keeps 64 pictures of each plane, and 512 MiB of
+/// all of them: the oldest ones go first.
+class FramesetAssembler {
+public:
+    /// `roles`: those of the stream.
+    explicit FramesetAssembler(const std::vector<PlaneRole>& roles);
+
+    void add(StreamPicture picture);
+    /// Pictures of planes that are felt whose checksum was wrong.
+    void add_torn(std::int64_t pictures) { torn_ += pictures; }
+    /// Colour is not wanted: it is not waited for.
+    void leave_out_colour() { has_colour_ = false; }
+    /// No more will come: what waits for its colour does so no longer.
+    void end();
+    /// Numbers begin anew.
+    void restart();
+    /// The next whole one.
+    std::optional<WholeFrameset> take();
+    /// Whether there are pictures of a frame that is not whole.
+    bool has_part() const;
+    const FramesetCounts& counts() const { return counts_; }
+
+private:
+    struct Held {
+        std::int64_t first = 0, end = 0, taken_ns = 0;
+        Plane plane;
+        std::int64_t step = 1;
+    };
+    using Roles = std::uint32_t;  // a bit for each
+    /// A frameset that was not whole when a later one was given.
+    struct Missed {
+        Roles there = 0;
+        std::optional<PlaneRole> first_missing;
+        bool is_torn = false;  // as which it is counted, else as lost
+    };
+    /// Where numbers began anew: what was sent before may still come.
+    struct Before {
+        std::int64_t since_ns = 0, last = 0;
+        int left = 0;  // pictures
+    };
+    enum class Anew { no, perhaps, yes };
+    Anew begins_anew(const StreamPicture& picture) const;
+    bool goes_on_from_doubtful(const StreamPicture& picture) const;
+    void begin_anew(std::int64_t since_ns);
+    void leave_doubtful();
+    void admit(StreamPicture picture);
+    bool is_of_before(const StreamPicture& picture);
+    void add_late(const StreamPicture& picture);
+    bool hold(StreamPicture&& picture);
+    void drop_oldest();
+    const Held* of(PlaneRole role, std::int64_t number) const;
+    Roles there(std::int64_t number) const;
+    bool has_its_colour(std::int64_t number) const;
+    bool came_before_colour(std::int64_t number) const;
+    void give_whole();
+    void give(std::int64_t number);
+    void count(const Missed& missed, std::int64_t by);
+    void count_missing(std::int64_t next, std::int64_t step);
+    void forget();
+
+    Roles needed_ = 0;
+    bool has_colour_ = false, colour_came_ = false, ended_ = false;
+    int without_colour_in_a_row_ = 0;  // framesets
+    bool is_full_ = false;             // of bytes, before the first colour came
+    std::array<std::deque<Held>, all_roles.size()> held_;
+    std::int64_t torn_ = 0;             // not counted yet
+    std::optional<std::int64_t> last_;  // given
+    std::int64_t last_step_ = 1;
+    std::int64_t last_taken_ns_ = 0;
+    Before before_;
+    std::optional<StreamPicture> doubtful_;  // it may be the first of a sender that began again
+    Plane newest_colour_;
+    std::map<std::int64_t, Missed> missed_;
+    std::deque<WholeFrameset> whole_;
+    FramesetCounts counts_;
+};
+
+/// A frameset as it came.
+struct Received {
+    std::int64_t number = 0;
+    std::int64_t sent_ns = 0;  ///< by the sender's clock, or by its frames' times; 0: not known
+    RawFrame frame;            ///< its planes, without number and time
+};
+
+std::size_t bytes_of_planes(const RawFrame& frame);
+
+/// One connection to a sender: framesets in order, those alone that are whole, each with what `Scene` says.
+class StreamReceiver {
+public:
+    /// Connects, and reads what it sends up to the first whole frameset. Errors name the stream.
+    static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source);
+
+    const Scene& scene() const { return scene_; }
+    const Unstated& unstated() const { return unstated_; }
+    const std::vector<TrackInfo>& tracks() const { return tracks_; }
+    const std::vector<std::string>& notes() const { return notes_; }
+    /// Whether both say the same of scene and planes.
+    bool is_like(const StreamReceiver& other) const;
+
+    /// The next whole frameset, within `longest`; nothing once the sender has ended.
+    Result<std::optional<Received>> next(std::chrono::milliseconds longest);
+    /// Closes the connection, after which there is no `next`.
+    void hang_up() {
+        pictures_.reset();
+        bytes_.reset();
+    }
+    void leave_out_colour() {
+        with_colour_ = false;
+        pictures_->leave_out_colour();
+        assembler_->leave_out_colour();
+    }
+    /// Figures of the connection's datagrams, where its transport counts them.
+    std::optional<LinkFigures> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
+    std::optional<LevelFigures> levels() const { return pictures_->levels(); }
+    FramesetCounts counts() const { return assembler_->counts(); }
+    /// Once it has ended.
+    std::string how_it_ended() const { return pictures_->how_it_ended(); }
+    /// Whether that was in the middle of a frameset, or of the connection.
+    bool was_broken_off() const { return pictures_->was_lost() || assembler_->has_part(); }
+
+private:
+    explicit StreamReceiver(const StreamSource& source) : name_(source.url.name()), wait_(source.wait) {}
+    Result<void> connect(const StreamSource& source);
+    Result<void> read_first();
+    Result<void> take(StreamPictures::Came came);
+    Received received(WholeFrameset frameset) const;
+
+    const std::string name_;
+    const std::shared_ptr<StreamWait> wait_;
+    std::shared_ptr<const StreamBytes> bytes_;  // none: segments
+    std::unique_ptr<StreamPictures> pictures_;
+    Scene scene_;
+    std::string scene_text_;
+    Unstated unstated_;
+    std::optional<FramesetAssembler> assembler_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::optional<Received> first_;
+    bool with_colour_ = true, has_ended_ = false;
+};
+
+}  // namespace touchable

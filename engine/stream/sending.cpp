@@ -1,0 +1,298 @@
+#include "engine/stream/sending.hpp"
+
+#include <algorithm>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_remembered = 256;  // listeners that left
+constexpr std::int64_t longest_between_keys_ns = 500'000'000, most_between_keys = 15;
+/// A clip that is later than this begins again from where it is, rather than hurry.
+constexpr std::int64_t longest_hurry_ns = 500'000'000;
+
+std::string listeners(int count) {
+    return count == 1 ? "1 listener" : std::to_string(count) + " listeners";
+}
+
+}  // namespace
+
+// --- StreamRing
+
+void StreamRing::changed() {
+    there_is_more_.notify_all();
+    for (const auto& wake : watchers_) wake();
+}
+
+void StreamRing::begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding) {
+    auto bytes = std::make_shared<const std::vector<std::uint8_t>>(header.begin(), header.end());
+    {
+        const std::lock_guard lock(mutex_);
+        header_ = std::move(bytes);
+        padding_.assign(padding.begin(), padding.end());
+    }
+    changed();
+}
+
+void StreamRing::add(StreamBlock block) {
+    auto shared = std::make_shared<const StreamBlock>(std::move(block));
+    {
+        const std::lock_guard lock(mutex_);
+        if (shared->is_key) newest_key_ = end_of_kept();
+        const std::size_t before = bytes_;
+        bytes_ += shared->bytes.size();
+        kept_.push_back({std::move(shared), before});
+        const auto is_too_old = [this] {
+            return std::ssize(kept_) > bounds_.framesets ||
+                   bytes_ - kept_.front().bytes_before > bounds_.bytes;
+        };
+        for (; first_ < newest_key_ && is_too_old(); ++first_) kept_.pop_front();
+    }
+    changed();
+}
+
+void StreamRing::end() {
+    {
+        const std::lock_guard lock(mutex_);
+        is_over_ = true;
+    }
+    changed();
+}
+
+StreamRing::Cursor StreamRing::join() const {
+    const std::lock_guard lock(mutex_);
+    Cursor cursor;
+    cursor.next_ = newest_key_;
+    return cursor;
+}
+
+StreamRing::Bytes StreamRing::header() const {
+    const std::lock_guard lock(mutex_);
+    return header_;
+}
+
+std::vector<std::uint8_t> StreamRing::padding() const {
+    const std::lock_guard lock(mutex_);
+    return padding_;
+}
+
+/// A cursor whose next block is not kept any more goes on with the newest key.
+StreamRing::Block StreamRing::take(Cursor& cursor) const {
+    if (cursor.next_ < first_) {
+        cursor.dropped_ += newest_key_ - cursor.next_;
+        cursor.next_ = newest_key_;
+    }
+    if (cursor.next_ >= end_of_kept()) return nullptr;
+    return kept_[static_cast<std::size_t>(cursor.next_++ - first_)].block;
+}
+
+StreamRing::Block StreamRing::next(Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    return take(cursor);
+}
+
+StreamRing::Block StreamRing::wait_next(Cursor& cursor, std::chrono::milliseconds longest) const {
+    std::unique_lock lock(mutex_);
+    there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
+    return take(cursor);
+}
+
+bool StreamRing::has_next(const Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    return cursor.next_ < end_of_kept();
+}
+
+bool StreamRing::go_to_newest_key(Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    if (cursor.next_ >= newest_key_) return false;
+    cursor.dropped_ += newest_key_ - cursor.next_;
+    cursor.next_ = newest_key_;
+    return true;
+}
+
+bool StreamRing::is_over(const Cursor& cursor) const {
+    const std::lock_guard lock(mutex_);
+    return is_over_ && cursor.next_ >= end_of_kept();
+}
+
+bool StreamRing::is_ended() const {
+    const std::lock_guard lock(mutex_);
+    return is_over_;
+}
+
+// --- StreamAudience
+
+void StreamAudience::came(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    ++all_;
+    say_(name + " listens; " + listeners(there_ + 1));
+    ++there_;
+}
+
+void StreamAudience::went(ListenerFigures figures) {
+    const std::lock_guard lock(mutex_);
+    say_(figures.name + (figures.end.empty() ? " has all of it: " : " " + figures.end + ": ") +
+         std::to_string(figures.sent) + " framesets sent, " +
+         (figures.without_colour > 0 ? std::to_string(figures.without_colour) + " of them without colour, "
+                                     : "") +
+         std::to_string(figures.dropped) + " left out; " + listeners(there_ - 1));
+    if (gone_.size() == most_remembered) gone_.erase(gone_.begin());
+    gone_.push_back(std::move(figures));
+    --there_;
+}
+
+void StreamAudience::goes_without_colour(const std::string& name) {
+    remark(name + ": its link is too narrow; colour is left out for it until it keeps up");
+}
+
+void StreamAudience::remark(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    say_(line);
+}
+
+std::vector<ListenerFigures> StreamAudience::gone() const {
+    const std::lock_guard lock(mutex_);
+    return gone_;
+}
+
+std::int64_t StreamAudience::all() const {
+    const std::lock_guard lock(mutex_);
+    return all_;
+}
+
+// --- SteadySenderTime
+
+std::int64_t SteadySenderTime::now_ns() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::int64_t SteadySenderTime::utc_ns() {
+    return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+bool SteadySenderTime::wait_until(std::int64_t at_ns) {
+    const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
+    std::unique_lock lock(mutex_);
+    return !told_.wait_until(lock, at, [this] { return is_over_; });
+}
+
+void SteadySenderTime::end() {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+    told_.notify_all();
+}
+
+// --- StreamSender
+
+void StreamSender::end() {
+    is_told_to_end_ = true;
+    time_.end();
+    clip_->interrupt();
+}
+
+Result<void> StreamSender::run() {
+    auto sent = send_all();
+    for (const StreamChannel& channel : channels_) channel.ring.end();
+    const bool is_ended = is_told_to_end_ && !sent && sent.error().kind == ErrorKind::interrupted;
+    return is_ended ? Result<void>{} : std::move(sent);
+}
+
+Result<void> StreamSender::send_all() {
+    begin_ns_ = time_.now_ns() + (clip_->is_live() ? 0 : lead_ns);
+    figures_.rounds = 1;
+    if (clip_->is_live()) {
+        const std::chrono::steady_clock::time_point zero{std::chrono::nanoseconds(begin_ns_)};
+        TRY(clip_->begin(zero));
+    }
+    while (!is_told_to_end_) {
+        TRY_ASSIGN(const auto frame, next());
+        if (!frame) {
+            figures_.clip_ended = true;
+            return {};
+        }
+        const Due when = due(*frame);
+        if (settings_.longest_ns && when.time_ns >= *settings_.longest_ns) return {};
+        TRY_ASSIGN(const auto sent, send(*frame, when));
+        if (!sent) return {};
+    }
+    return {};
+}
+
+/// The next frame of the clip; in a loop the first one follows the last.
+Result<std::optional<RawFrame>> StreamSender::next() {
+    TRY_ASSIGN(auto frame, clip_->next());
+    if (!frame && settings_.loop && !clip_->is_live() && frames_of_round_ > 0) {
+        TRY(clip_->rewind());
+        round_ns_ += clip_->scene().rate.time_ns(frames_of_round_);
+        frames_of_round_ = 0;
+        ++figures_.rounds;
+        TRY_ASSIGN(frame, clip_->next());
+    }
+    if (frame) {
+        ++frames_of_round_;
+        frame->epoch = static_cast<std::uint64_t>(figures_.rounds - 1);
+    }
+    return frame;
+}
+
+/// At an even rate the rounds of a loop go on evenly, to the nanosecond.
+StreamSender::Due StreamSender::due(const RawFrame& frame) const {
+    const FrameRate& rate = clip_->scene().rate;
+    const bool has_own_times = clip_->is_live() || rate.own_times;
+    const std::int64_t time_ns = has_own_times ? round_ns_ + frame.time_ns : rate.time_ns(figures_.framesets);
+    return {time_ns, begin_ns_ + time_ns};
+}
+
+/// The frame after this one may come as late as the rate says.
+bool StreamSender::is_key(std::int64_t time_ns) {
+    const std::int64_t period_ns = clip_->scene().rate.time_ns(1);
+    const bool is_one = figures_.framesets == 0 || figures_.framesets - key_frame_ >= most_between_keys ||
+                        time_ns - key_time_ns_ + period_ns > longest_between_keys_ns;
+    if (is_one) {
+        key_frame_ = figures_.framesets;
+        key_time_ns_ = time_ns;
+    }
+    return is_one;
+}
+
+/// False: `end` was called before the frame's time came.
+Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
+    const PictureLabel label{figures_.framesets, time_.utc_ns() + due.at_ns - time_.now_ns()};
+    const bool key = is_key(due.time_ns);
+    const bool is_ahead = !clip_->is_live() && settings_.is_paced;
+    std::vector<StreamBlock> blocks;
+    for (StreamChannel& channel : channels_) {
+        TRY_ASSIGN(auto block, channel.muxer->add(frame, label, due.time_ns, key));
+        if (is_ahead)
+            blocks.push_back(std::move(block));
+        else  // the next form may take its time
+            give(channel, std::move(block));
+    }
+    if (is_ahead) {
+        if (!time_.wait_until(due.at_ns)) return false;
+        keep_pace(due);
+        for (std::size_t k = 0; k < channels_.size(); ++k) give(channels_[k], std::move(blocks[k]));
+    }
+    ++figures_.framesets;
+    figures_.keys += key ? 1 : 0;
+    sent_ = figures_.framesets;
+    return true;
+}
+
+void StreamSender::give(StreamChannel& channel, StreamBlock block) {
+    if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header(), channel.muxer->padding());
+    figures_.bytes += std::ssize(block.bytes);
+    channel.ring.add(std::move(block));
+}
+
+void StreamSender::keep_pace(const Due& due) {
+    const std::int64_t late_ns = time_.now_ns() - due.at_ns;
+    figures_.latest_ns = std::max(figures_.latest_ns, late_ns);
+    if (late_ns <= longest_hurry_ns) return;
+    begin_ns_ += late_ns;
+    figures_.held_up_ns += late_ns;
+}
+
+}  // namespace touchable

@@ -1,0 +1,432 @@
+#pragma once
+
+// Sending: a clip, or a camera, as a stream for any number of receivers.
+//
+//   StreamSender --frames--> StreamMuxer --blocks--> StreamRing --> StreamServer: TCP and HTTP
+//                                                               --> SrtOutput
+//                            make_hls_channel --> HlsWriter: a folder for web servers (HLS)
+//
+// A StreamSender reads the clip, waits for each frame's time, and gives it to a muxer for every form in which
+// the stream is sent: Matroska for programs of ours, MPEG-TS for stock tools, HLS. So each form is encoded
+// once, however many receive it. A ring keeps a form's newest framesets; its listeners take them from there,
+// each at the pace of its link, and a slow or hostile listener costs the others nothing. StreamAudience
+// counts them all and writes one line for a person whenever a listener comes or goes.
+//
+// To send: make the muxers, a ring for each, the audience; `StreamServer::open` and `SrtOutput::create`
+// for the URLs, then `start` each; run the StreamSender on a thread of its own. `StreamSender::end` ends the
+// rings, and with them the listeners, once each has been given the rest. HlsWriter::finish writes the last
+// segment.
+//
+// Threads: StreamSender::run, its muxers and HlsWriter belong to one thread. StreamRing and StreamAudience
+// may be called by any thread, but each ring cursor by one. Servers and outputs have threads of their own;
+// create, start and destroy them on one thread. Rings, audience and SenderTime outlive all that refers to
+// them.
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_format.hpp"
+#include "engine/picture/sound.hpp"
+#include "engine/stream/stream_url.hpp"
+
+namespace touchable {
+
+// --- Forms of a stream
+
+/// A frameset as a container has it: bytes that follow those of any frameset before. A listener may begin
+/// with any block that is a key.
+struct StreamBlock {
+    std::int64_t frame = 0;  ///< its number in the stream
+    bool is_key = false;     ///< decoding of all planes begins here
+    std::vector<std::uint8_t> bytes;
+    /// Bytes at the end that are its colour alone. A listener that goes without them does so until a key.
+    std::size_t colour_bytes = 0;
+
+    std::span<const std::uint8_t> given(bool with_colour) const {
+        return std::span(bytes).first(bytes.size() - (with_colour ? 0 : colour_bytes));
+    }
+};
+
+/// Makes the bytes of a stream, once for all listeners. One thread. Every plane that is felt is lossless,
+/// each picture is labelled and can be checked; the scene goes with each beginning.
+class StreamMuxer {
+public:
+    virtual ~StreamMuxer() = default;
+    /// The bytes that every listener is given first; available once the first frame was added.
+    virtual std::span<const std::uint8_t> header() const = 0;
+    /// A few bytes without meaning, which may follow any block.
+    virtual std::span<const std::uint8_t> padding() const { return {}; }
+    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    virtual Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                                    bool is_key) = 0;
+};
+
+/// A stream in our clips' own form, Matroska: tracks with their roles, the scene attached, and for each
+/// frameset one picture of every plane, labelled (BlockAddition), in clusters of its own. Touch is lossless,
+/// colour as good as the eye can tell. `sound`, where there is any, goes along, and begins anew with each
+/// frame of another epoch (RawFrame::epoch): a loop's next round. Header and blocks one after the other, from
+/// any key block on, are a clip.
+///
+/// Refused: a scene that no clip can have, sound that cannot be stored; by the first `add` (ErrorKind::usage)
+/// pictures of a size that cannot be encoded.
+Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription& described,
+                                                          const std::optional<SoundPart>& sound = {});
+
+/// Framesets as MPEG-TS, which stock tools read: each plane a track of H.264 whose pictures say what they are
+/// (LabelledEncoder), colour first. It has no header: everything that a listener needs is in each key block.
+/// A block is whole packets of 188 bytes. Refused is a scene that no clip can have.
+Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described);
+
+// --- HTTP Live Streaming
+
+/// The playlist in an HlsWriter's folder that players open.
+inline constexpr std::string_view hls_master_name = "master.m3u8";
+
+struct HlsSettings {
+    std::filesystem::path folder;
+    std::int64_t segment_ns = 1'000'000'000;  ///< from 0.5 s to 10 s
+    /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
+    /// playlists come with the end.
+    std::int64_t window_ns = 0;
+    bool has_low = false;  ///< a second level of about half the bytes, for narrow links
+};
+
+/// Figures of what was written, and of what each viewer fetches of it.
+struct HlsFigures {
+    std::int64_t segments = 0, duration_ns = 0;              ///< of the segments that are complete
+    std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of them
+    std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in place of those, where the link is narrow
+    /// Of both media playlists, as they are now; a live stream's are fetched once a segment.
+    std::int64_t playlist_bytes = 0;
+};
+
+/// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
+/// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
+/// same frames, and a master playlist in which ordinary players find the colour alone. The low level has both
+/// once more: colour of half the bit rate, and the planes of every second frameset of a segment. Each picture
+/// says what it is (LabelledEncoder). Each file appears whole; a segment is deleted some time after the last
+/// playlist that names it. One thread.
+class HlsWriter {
+public:
+    virtual ~HlsWriter() = default;
+    /// Refused: a folder with files of others, a scene that no clip can have, a length that is out of range
+    /// (ErrorKind::usage). Sound that is not AAC is left out, which a note says.
+    static Result<std::unique_ptr<HlsWriter>> open(const HlsSettings& settings,
+                                                   const SceneDescription& described,
+                                                   const std::optional<SoundPart>& sound = {});
+
+    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    virtual Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) = 0;
+    /// Writes the last segment, and that none follows.
+    virtual Result<void> finish() = 0;
+    /// Remarks for a person, once the first frame was added.
+    virtual const std::vector<std::string>& notes() const = 0;
+    virtual const HlsFigures& figures() const = 0;
+};
+
+/// A form of a stream whose framesets go into an HlsWriter's folder: its blocks have no bytes, and decoding
+/// begins where the writer's segments do. The writer outlives it; its owner finishes it.
+std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer);
+
+// --- Listeners and what they are given
+
+/// How far behind the newest frameset a listener may be, before whole framesets are left out for it.
+struct StreamBounds {
+    std::int64_t framesets = 30;
+    std::size_t bytes = std::size_t{64} << 20U;
+};
+
+/// A stream's header and its newest framesets, shared by all listeners. Keeps as many framesets as the bounds
+/// allow, and always those from the newest key on. Any thread may call it, but each cursor belongs to one.
+class StreamRing {
+public:
+    using Block = std::shared_ptr<const StreamBlock>;
+    using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+    /// The place of one listener.
+    class Cursor {
+    public:
+        std::int64_t dropped() const { return dropped_; }  ///< framesets that were left out for it
+
+    private:
+        friend class StreamRing;
+        std::int64_t next_ = 0;  // counted from the stream's first block
+        std::int64_t dropped_ = 0;
+    };
+
+    explicit StreamRing(const StreamBounds& bounds = {}) : bounds_(bounds) {}
+    /// `wake` is called after each change, on the thread that made it. Call this before others use the ring.
+    void watch(std::function<void()> wake) { watchers_.push_back(std::move(wake)); }
+
+    /// Header and padding (StreamMuxer); before the first block.
+    void begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding = {});
+    void add(StreamBlock block);
+    /// No block comes any more.
+    void end();
+
+    /// A listener that comes now begins with the newest key; where there is no block yet, with the first.
+    Cursor join() const;
+    /// Null before `begin`.
+    Bytes header() const;
+    /// Empty before `begin`.
+    std::vector<std::uint8_t> padding() const;
+    /// The listener's next frameset: the one after the last, or where it is too far behind the newest key.
+    /// Null: there is none yet.
+    Block next(Cursor& cursor) const;
+    /// `next`, after waiting at most `longest` for a frameset.
+    Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const;
+    /// Whether `next` would give one.
+    bool has_next(const Cursor& cursor) const;
+    /// Makes the newest key the listener's next frameset and leaves out those before it. False where that
+    /// would leave nothing out.
+    bool go_to_newest_key(Cursor& cursor) const;
+    /// Whether `next` has nothing more for it.
+    bool is_over(const Cursor& cursor) const;
+    /// Whether `end` was called.
+    bool is_ended() const;
+
+private:
+    struct Kept {
+        Block block;
+        std::size_t bytes_before;  // of the stream, up to this block
+    };
+    Block take(Cursor& cursor) const;
+    std::int64_t end_of_kept() const { return first_ + std::ssize(kept_); }
+    void changed();
+
+    const StreamBounds bounds_;
+    std::vector<std::function<void()>> watchers_;
+    mutable std::mutex mutex_;
+    mutable std::condition_variable there_is_more_;
+    // Guarded by mutex_.
+    Bytes header_;
+    std::vector<std::uint8_t> padding_;
+    std::deque<Kept> kept_;
+    std::int64_t first_ = 0;  // the number of kept_'s first
+    std::int64_t newest_key_ = 0;
+    std::size_t bytes_ = 0;  // of all blocks so far
+    bool is_over_ = false;
+};
+
+/// Limits on a listener: the connection of one that goes beyond them is closed.
+struct StreamListener {
+    static constexpr std::int64_t longest_request_ns = 5'000'000'000;  ///< for a whole request by HTTP
+    static constexpr std::int64_t longest_piece_ns = 10'000'000'000;   ///< for taking a frameset
+    static constexpr std::size_t most_heard_bytes = 65536;  ///< sent by it, though it has nothing to send
+};
+
+/// Figures of one listener.
+struct ListenerFigures {
+    std::string name;                    ///< "tcp://192.168.0.5:41234"
+    std::int64_t sent = 0, dropped = 0;  ///< framesets
+    std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
+    std::string end{};                   ///< why it is not there any more; empty: it had all of the stream
+    std::optional<LinkFigures> link{};   ///< of its connection, where the transport counts (SRT)
+};
+
+/// The listeners of a stream, now and before, and what they were given. Any thread.
+class StreamAudience {
+public:
+    static constexpr int most_listeners = 64;
+
+    /// `say` gets one line for each listener that comes or goes, from one thread at a time.
+    explicit StreamAudience(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
+
+    void came(const std::string& name);
+    void went(ListenerFigures figures);
+    /// Says that a listener's link is too narrow for the colour.
+    void goes_without_colour(const std::string& name);
+    /// Another line for a person about the listeners.
+    void remark(const std::string& line);
+
+    int there() const { return there_; }
+    bool has_room() const { return there_ < most_listeners; }
+    /// Those that left, the earliest first, the last 256; `all` counts every listener so far.
+    std::vector<ListenerFigures> gone() const;
+    std::int64_t all() const;
+
+private:
+    mutable std::mutex mutex_;
+    std::function<void(const std::string&)> say_;  // guarded by mutex_, as is what follows
+    std::vector<ListenerFigures> gone_;
+    std::int64_t all_ = 0;
+    std::atomic<int> there_{0};
+};
+
+// --- Places that are sent to
+
+/// Gives a stream to every client that connects, by TCP or HTTP, to each at its own pace.
+class StreamServer {
+public:
+    static constexpr int most_connections = 96;
+    using Clock = std::function<std::int64_t()>;  ///< ns, of any beginning; never backward
+
+    /// Listens at tcp:// and http:// names; port 0 is any that is free. Refused is (ErrorKind::usage) a host
+    /// that is no address of numbers, and (ErrorKind::input) an address that cannot be had.
+    static Result<std::unique_ptr<StreamServer>> open(const std::vector<StreamUrl>& urls, StreamRing& ring,
+                                                      StreamAudience& audience, Clock clock = steady_clock());
+    static Clock steady_clock();
+    /// Closes everything at once.
+    virtual ~StreamServer() = default;
+
+    /// Where it listens: "tcp://0.0.0.0:7000".
+    virtual std::vector<std::string> addresses() const = 0;
+    /// Starts its thread, which takes turns until the server is destroyed.
+    virtual Result<void> start() = 0;
+    /// Waits at most `longest` for something to do, and does it. Not beside that thread.
+    virtual void turn(std::chrono::milliseconds longest) = 0;
+    /// Connections, also those that do not listen yet or any more.
+    virtual int connections() const = 0;
+};
+
+/// A stream sent to one srt:// URL, by a thread of its own. It takes several callers, each at its own pace,
+/// or (mode=caller) calls, and calls again when the other end has gone; one that goes within a second is
+/// called again as one that does not answer.
+class SrtOutput {
+public:
+    /// A listener takes its port here. Refused (ErrorKind::usage): another transport, a port 0, and a setting
+    /// that SRT does not have; (ErrorKind::input) a port that cannot be had. The ring and the audience
+    /// outlive it.
+    static Result<std::unique_ptr<SrtOutput>> create(const StreamUrl& url, const StreamRing& ring,
+                                                     StreamAudience& audience);
+    /// Ends at once what it does, within a tenth of a second.
+    virtual ~SrtOutput() = default;
+
+    virtual Result<void> start() = 0;
+    /// From any thread: nothing is sent any more, not even what is on its way.
+    virtual void end() = 0;
+    /// The stream is over, and all of it was given, or nobody is there.
+    virtual bool is_over() const = 0;
+    /// Whether this end calls; otherwise it listens.
+    virtual bool calls() const = 0;
+
+    /// "srt://0.0.0.0:7000", as it was given, without its passphrase.
+    std::string address() const { return url_.name(); }
+    /// Only a program that knows the passphrase can receive it.
+    bool is_encrypted() const { return !url_.value("passphrase").empty(); }
+
+protected:
+    explicit SrtOutput(const StreamUrl& url) : url_(url) {}
+    const StreamUrl url_;
+};
+
+/// How long a caller waits after so many calls in vain, from 1 on: half a second, twice as long each time,
+/// eight seconds at most.
+std::int64_t wait_before_call_ns(int calls_in_vain);
+
+// --- The sender
+
+/// A sender's clock; a test has its own, which passes when it wants.
+class SenderTime {
+public:
+    virtual ~SenderTime() = default;
+    /// The time of std::chrono::steady_clock, ns.
+    virtual std::int64_t now_ns() = 0;
+    /// The time since 1970 (UTC), ns; it may be stepped.
+    virtual std::int64_t utc_ns() = 0;
+    /// False where `end` came before.
+    virtual bool wait_until(std::int64_t at_ns) = 0;
+    /// From any thread: ends the wait, and all later ones at once.
+    virtual void end() = 0;
+};
+
+class SteadySenderTime final : public SenderTime {
+public:
+    std::int64_t now_ns() override;
+    std::int64_t utc_ns() override;
+    bool wait_until(std::int64_t at_ns) override;
+    void end() override;
+
+private:
+    std::mutex mutex_;
+    std::condition_variable told_;
+    bool is_over_ = false;  // guarded by mutex_
+};
+
+/// A form in which a stream is sent, and where its framesets go.
+struct StreamChannel {
+    std::unique_ptr<StreamMuxer> muxer;
+    StreamRing& ring;
+};
+
+struct SendSettings {
+    bool loop = false;                         ///< of a clip: from its beginning again and again
+    std::optional<std::int64_t> longest_ns{};  ///< of the stream
+    bool is_paced = true;                      ///< of a clip: otherwise as fast as it can be read and encoded
+};
+
+/// Figures of what was sent, with listeners or without.
+struct SendFigures {
+    std::int64_t framesets = 0, keys = 0, bytes = 0;
+    std::int64_t rounds = 0;      ///< of a loop, begun
+    std::int64_t latest_ns = 0;   ///< the most by which a frameset was behind its time
+    std::int64_t held_up_ns = 0;  ///< delay that was not made up for
+    bool clip_ended = false;      ///< it gave no further frame: a camera is gone
+};
+
+/// Sends a clip at its own times, or a camera's frames as they are taken: each is encoded once in every form.
+/// Frames are numbered one after the other and times go on, also from round to round of a loop. Decoding of
+/// all planes begins at least every half second, and every 15 frames.
+class StreamSender {
+public:
+    /// From `run` to the first frame of a clip: by then its first frames are encoded.
+    static constexpr std::int64_t lead_ns = 100'000'000;
+
+    StreamSender(std::unique_ptr<ClipReader> clip, std::vector<StreamChannel> channels,
+                 const SendSettings& settings, SenderTime& time)
+        : clip_(std::move(clip)), channels_(std::move(channels)), settings_(settings), time_(time) {}
+
+    /// Sends from the clip's beginning until it ends, `longest_ns` is over, or `end` is called; the rings are
+    /// then over.
+    Result<void> run();
+    /// From any thread.
+    void end();
+    /// Framesets so far, from any thread.
+    std::int64_t framesets() const { return sent_; }
+    /// Remarks for a person, such as that the camera was unplugged.
+    std::vector<std::string> remarks() const { return clip_->remarks(); }
+    /// Once it has run.
+    const SendFigures& figures() const { return figures_; }
+
+private:
+    struct Due {
+        std::int64_t time_ns;  ///< of the stream
+        std::int64_t at_ns;    ///< of the sender's time; of a camera's frame, when it was taken
+    };
+    Result<void> send_all();
+    Result<std::optional<RawFrame>> next();
+    Due due(const RawFrame& frame) const;
+    Result<bool> send(const RawFrame& frame, const Due& due);
+    bool is_key(std::int64_t time_ns);
+    void give(StreamChannel& channel, StreamBlock block);
+    void keep_pace(const Due& due);
+
+    const std::unique_ptr<ClipReader> clip_;
+    std::vector<StreamChannel> channels_;
+    const SendSettings settings_;
+    SenderTime& time_;
+    std::atomic<bool> is_told_to_end_{false};
+    std::atomic<std::int64_t> sent_{0};
+    SendFigures figures_;
+    std::int64_t begin_ns_ = 0;  // time 0 of the stream
+    std::int64_t round_ns_ = 0;  // when the round began, of a stream whose frames have own times
+    std::int64_t frames_of_round_ = 0;
+    std::int64_t key_frame_ = 0, key_time_ns_ = 0;  // of the newest key
+};
+
+}  // namespace touchable

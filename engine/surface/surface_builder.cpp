@@ -1,0 +1,154 @@
+#include "engine/surface/surface_builder.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdlib>
+
+#include "engine/base/threads.hpp"
+
+namespace touchable {
+
+FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
+    const FilterSettings& asked = scene.filter;
+    assert(asked.median == 0 || asked.median == 3 || asked.median == 5);
+    if (const auto filter = flying_pixels(scene)) filters.push_back({*filter, flying_reach, coding()});
+    if (asked.fill_holes > 0) filters.push_back({HoleFilling{asked.fill_holes}, asked.fill_holes, coding()});
+    if (asked.median > 0) filters.push_back({MedianWindow{asked.median}, asked.median / 2, coding()});
+    if (const auto filter = temporal_filter(scene))
+        filters.push_back({*filter, std::nullopt, filter->coding});
+    if (const auto filter = terrace_filter(scene))
+        filters.push_back({*filter, filter->reach, filter->coding});
+}
+
+std::optional<int> FilterPlan::reach() const {
+    int sum = 0;
+    for (const PlannedFilter& planned : filters) {
+        if (!planned.reach) return std::nullopt;
+        sum += *planned.reach;
+    }
+    return sum;
+}
+
+namespace {
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+/// What a plane has to be; `bytes` are those of a sample.
+struct PlaneForm {
+    const char* name;
+    int channels, least_bytes, greatest_bytes;
+};
+
+/// What is wrong with a plane, empty where nothing is.
+std::string complaint(const PlaneView& plane, const PlaneForm& form, const Scene& scene) {
+    if (plane.width != scene.width || plane.height != scene.height)
+        return "is " + size_text(plane.width, plane.height) + ", the scene says " +
+               size_text(scene.width, scene.height);
+    if (plane.channels != form.channels)
+        return "has " + std::to_string(plane.channels) + " channels, " + std::to_string(form.channels) +
+               " would be right";
+    if (plane.bytes_per_sample < form.least_bytes || plane.bytes_per_sample > form.greatest_bytes)
+        return "has samples of " + std::to_string(8 * plane.bytes_per_sample) + " bits, " +
+               std::to_string(8 * form.least_bytes) + " would be right";
+    const std::ptrdiff_t row_bytes = std::ptrdiff_t{plane.width} * plane.channels * plane.bytes_per_sample;
+    if (plane.height > 1 && std::abs(plane.stride) < row_bytes)
+        return "has rows of " + std::to_string(row_bytes) + " bytes, but only " +
+               std::to_string(plane.stride) + " from one to the next";
+    return {};
+}
+
+class FallbackBuilder final : public SurfaceBuilder {
+public:
+    FallbackBuilder(std::unique_ptr<SurfaceBuilder> first, std::unique_ptr<SurfaceBuilder> second,
+                    std::function<void(const std::string&)> told)
+        : first_(std::move(first)), second_(std::move(second)), told_(std::move(told)) {}
+
+    std::string_view name() const override { return (first_ ? *first_ : *second_).name(); }
+    double built_share() const override { return (first_ ? *first_ : *second_).built_share(); }
+
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (!first_) return second_->build(raw, out);
+        Result<void> built = first_->build(raw, out);
+        if (built.ok() || built.error().kind != ErrorKind::gpu) return built;
+        told_("frame " + std::to_string(raw.number) + ": " + built.error().message + "; the " +
+              std::string(second_->name()) + " builder goes on");
+        first_.reset();  // frames it built keep what they need
+        return second_->build(raw, out);
+    }
+
+private:
+    std::unique_ptr<SurfaceBuilder> first_, second_;
+    std::function<void(const std::string&)> told_;
+};
+
+}  // namespace
+
+Result<void> check_raw_frame(const RawFrame& raw, const Scene& scene) {
+    const auto frame = [&] { return "frame " + std::to_string(raw.number) + ": "; };
+    if (raw.depth.empty()) return input_error(frame() + "there is no depth plane");
+    const PlaneForm depth = scene.depth.kind == DepthCodingKind::hue
+                                ? PlaneForm{"depth", 3, 1, 1}
+                                : PlaneForm{"depth", 1, scene.depth_bits > 8 ? 2 : 1, 2};
+    const std::pair<const PlaneView&, PlaneForm> planes[] = {
+        {raw.depth, depth},
+        {raw.colour, {"colour", 3, 1, 1}},
+        {raw.haptic, {"haptic", 3, 1, 1}},
+        {raw.height, {"height", 1, 1, 2}},
+    };
+    for (const auto& [plane, form] : planes) {
+        if (plane.empty()) continue;
+        if (const std::string wrong = complaint(plane, form, scene); !wrong.empty())
+            return input_error(frame() + "the " + form.name + " plane " + wrong);
+    }
+    return {};
+}
+
+CodePicture code_picture(const PlaneView& depth, const DepthCoding& coding) {
+    CodePicture picture{depth.width, depth.height, {}};
+    picture.codes.reserve(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const std::uint16_t code = stored_code(depth, coding, x, y);
+            picture.codes.push_back(coding.is_valid(code) ? int{code} : CodePicture::invalid);
+        }
+    return picture;
+}
+
+std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBuilder> first,
+                                                      std::unique_ptr<SurfaceBuilder> second,
+                                                      std::function<void(const std::string&)> told) {
+    return std::make_unique<FallbackBuilder>(std::move(first), std::move(second), std::move(told));
+}
+
+std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& given) {
+    // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
+    SurfaceFrame whole;
+    const bool is_lazy = given.codes.empty() && make_cpu_builder(scene)->build(given.raw, whole).ok();
+    const SurfaceFrame& frame = is_lazy ? whole : given;
+    const auto width = static_cast<std::size_t>(scene.width);
+    const std::size_t pixels = width * static_cast<std::size_t>(scene.height);
+    constexpr std::size_t enough = std::size_t{4096} * 4096;
+    const std::size_t step = pixels > enough ? pixels / enough | 1U : 1;  // no even width divides it
+    std::vector<double> depths;
+    depths.reserve(pixels / step);
+    until_stopped(pixels / step, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first * step; k < last * step; k += step)
+            if (const DepthSample sample =
+                    frame.vertices->at(static_cast<int>(k % width), static_cast<int>(k / width));
+                sample.valid)
+                depths.push_back(sample.depth);
+    });
+    if (depths.empty()) depths.push_back(scene.depth.far);
+    return depths;
+}
+
+double quantile(std::vector<double>& depths, double share) {
+    const auto at =
+        depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
+    std::nth_element(depths.begin(), at, depths.end());
+    return *at;
+}
+
+}  // namespace touchable

@@ -1,0 +1,139 @@
+#include "player/audio/rumble.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "engine/base/threads.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr double most_press = 0.35, usual_press = 1.5;            // of the heavy motor; N
+constexpr double usual_knock = 0.06, usual_loosened = 0.3;        // m/s, N
+constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N in a millisecond; W
+constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // of a tick
+constexpr double least_felt = 0.01;                               // a motor does not turn for less
+
+double value_of(float value, double most) {
+    return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
+}
+double share_of(double value, double usual) {
+    return value / (value + usual);
+}
+float motor(double value) {
+    return value < least_felt ? 0 : static_cast<float>(std::min(value, 1.0));
+}
+
+constexpr std::chrono::milliseconds between_looks(10);
+constexpr std::uint32_t whole = 65535;
+
+std::uint32_t packed(const Rumble& rumble) {
+    const auto part = [](float share) { return static_cast<std::uint32_t>(std::lround(share * whole)); };
+    return part(rumble.low) << 16U | part(rumble.high);
+}
+Rumble unpacked(std::uint32_t both) {
+    return {static_cast<float>(both >> 16U) / whole, static_cast<float>(both & 0xFFFFU) / whole};
+}
+
+}  // namespace
+
+Rumble ContactRumble::next(const HeardTick& tick) {
+    double newtons = 0, knock = 0, rough = 0;
+    for (const HeardFinger& finger : tick.fingers) {
+        const double pressed = finger.touching ? value_of(finger.share * finger.newtons, 50) : 0;
+        if (pressed == 0) continue;
+        newtons += pressed;
+        knock = std::max({knock, share_of(value_of(finger.met, 10), usual_knock),
+                          0.6 * share_of(value_of(finger.let_go, 50), usual_loosened)});
+        const double work = pressed * value_of(finger.slip, 5);
+        rough = std::max(rough, share_of(value_of(finger.change, 10), usual_roughness) *
+                                    std::sqrt(share_of(work, usual_work)));
+    }
+    if (newtons == 0) {
+        knock_ = rough_ = 0;
+        return {};
+    }
+    knock_ = std::max(knock, knock_ * (1 - knock_fades));
+    rough_ = std::max(rough, rough_ * (1 - rough_fades));
+    return {motor(std::max(most_press * share_of(newtons, usual_press), knock_)), motor(rough_)};
+}
+
+std::optional<Rumble> RumbleOrders::at(double now_s, const Rumble& rumble, std::int64_t ticks) {
+    if (ticks != ticks_) tick_s_ = now_s;
+    ticks_ = ticks;
+    const Rumble wanted = now_s - tick_s_ < tick_lasts_s ? rumble : Rumble();
+    const bool goes_on = wanted == told_ && (wanted == Rumble() || now_s - told_s_ < renewed_s);
+    if (goes_on) return std::nullopt;
+    told_ = wanted;
+    told_s_ = now_s;
+    return wanted;
+}
+
+struct GamepadRumble::Shared {
+    std::atomic<std::uint32_t> newest{0};
+    std::atomic<std::int64_t> ticks{0};
+    mutable std::mutex mutex;
+    std::condition_variable stop;
+    bool stopping = false;
+    std::string state = "rumble: looking for a gamepad";
+
+    void say(std::string words) {
+        const std::lock_guard lock(mutex);
+        state = std::move(words);
+    }
+    /// After a moment, whether to go on.
+    bool goes_on() {
+        std::unique_lock lock(mutex);
+        return !stop.wait_for(lock, between_looks, [this] { return stopping; });
+    }
+};
+
+GamepadRumble::GamepadRumble(const Open& open) : shared_(std::make_shared<Shared>()) {
+    const auto begun =
+        start_thread(thread_, "gamepad", "of the gamepad", [shared = shared_, open] { run(*shared, open); });
+    if (!begun.ok()) shared_->say("no rumble: " + begun.error().message);
+}
+
+GamepadRumble::~GamepadRumble() {
+    {
+        const std::lock_guard lock(shared_->mutex);
+        shared_->stopping = true;
+    }
+    shared_->stop.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void GamepadRumble::run(Shared& shared, const Open& open) {
+    const auto pad = open();
+    if (!pad.ok()) return shared.say("no rumble: " + pad.error().message);
+    const auto begun = std::chrono::steady_clock::now();
+    RumbleOrders orders;
+    std::string name;
+    do {
+        const std::string now = (*pad)->look();
+        if (now != std::exchange(name, now)) orders.forget();
+        shared.say(name.empty() ? "rumble: no gamepad that has it" : "rumble: " + name);
+        const std::int64_t ticks = shared.ticks.load(std::memory_order_acquire);
+        const Rumble felt = unpacked(shared.newest.load(std::memory_order_relaxed));
+        const double seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        if (const auto order = orders.at(seconds, felt, ticks))
+            (*pad)->rumble(*order, *order == Rumble() ? 0 : RumbleOrders::lasts_ms);
+    } while (shared.goes_on());
+}
+
+void GamepadRumble::take(const HeardTick& tick) {
+    shared_->newest.store(packed(felt_.next(tick)), std::memory_order_relaxed);
+    shared_->ticks.fetch_add(1, std::memory_order_release);
+}
+
+std::string GamepadRumble::state() const {
+    const std::lock_guard lock(shared_->mutex);
+    return shared_->state;
+}
+
+}  // namespace touchable

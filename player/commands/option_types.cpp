@@ -1,0 +1,162 @@
+#include "player/commands/option_types.hpp"
+
+#include <sys/stat.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <system_error>
+
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "player/run/terminal.hpp"
+
+namespace touchable {
+
+namespace {
+
+/// One comma, with digits on both sides.
+bool has_decimal_comma(std::string_view text) {
+    const auto is_digit = [&](std::size_t k) { return k < text.size() && text[k] >= '0' && text[k] <= '9'; };
+    const std::size_t comma = text.find(',');
+    return comma != std::string_view::npos && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1) &&
+           text.find(',', comma + 1) == std::string_view::npos;
+}
+
+/// Digits alone, at most as many as scenes have in a rate's terms.
+std::optional<std::int64_t> digits(std::string_view text) {
+    std::int64_t value = 0;
+    if (text.empty() || text.size() > 9) return std::nullopt;
+    for (const char c : text) {
+        if (c < '0' || c > '9') return std::nullopt;
+        value = 10 * value + (c - '0');
+    }
+    return value;
+}
+
+/// num / den of "num/den", and of a decimal fraction.
+std::optional<FrameRate> exact_fraction(std::string_view text) {
+    if (const std::size_t slash = text.find('/'); slash != std::string_view::npos) {
+        const auto num = digits(text.substr(0, slash)), den = digits(text.substr(slash + 1));
+        return num && den ? std::optional(FrameRate{*num, *den}) : std::nullopt;
+    }
+    const std::size_t point = std::min(text.find('.'), text.size());
+    const std::string_view behind = text.substr(std::min(point + 1, text.size()));
+    const auto all = digits(std::string(text.substr(0, point)).append(behind));
+    if (!all || point == 0 || (point < text.size() && behind.empty())) return std::nullopt;
+    std::int64_t den = 1;
+    for (std::size_t n = 0; n < behind.size(); ++n) den *= 10;
+    return FrameRate{*all, den};
+}
+
+namespace fs = std::filesystem;
+
+std::string identity_of(const struct stat& file) {
+    return std::to_string(file.st_dev) + ':' + std::to_string(file.st_ino);
+}
+
+/// The same for two names of one file, and for two names under which one file would be made.
+std::string file_behind(const fs::path& path) {
+    if (is_standard_output(path)) return "standard output";
+    struct stat file = {}, folder = {};
+    if (stat(path.c_str(), &file) == 0) return identity_of(file);
+    std::error_code failure;
+    fs::path whole = fs::weakly_canonical(fs::absolute(path, failure), failure);
+    if (failure) whole = path.lexically_normal();
+    if (stat(whole.parent_path().c_str(), &folder) != 0) return whole.string();
+    return identity_of(folder) + '/' + whole.filename().string();
+}
+
+/// Whether something has that name, be it a link to nowhere. What is no file, a folder or a device, is told
+/// on opening it.
+bool is_taken(const fs::path& path) {
+    std::error_code ignored;
+    const auto named = fs::symlink_status(path, ignored);
+    if (!fs::exists(named)) return false;
+    const auto led_to = fs::status(path, ignored);
+    return !fs::exists(led_to) || fs::is_regular_file(led_to);
+}
+
+Result<void> refuse(const NamedFile& output, const std::string& why) {
+    return usage_error(output.name + " " + output.path.string() + why);
+}
+
+}  // namespace
+
+Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text) {
+    constexpr std::int64_t fastest = 1000, slowest_seconds = 1000;
+    const auto rate = exact_fraction(text);
+    if (rate && rate->den > 0 && rate->num <= fastest * rate->den &&
+        rate->num * slowest_seconds >= rate->den) {
+        const std::int64_t common = std::gcd(rate->num, rate->den);
+        return FrameRate{rate->num / common, rate->den / common};
+    }
+    return usage_error(option + " '" + std::string(text) +
+                       "' will not do; right would be frames per second, 0.001 to 1000, such as 30, 29.97 "
+                       "or 30000/1001");
+}
+
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
+    double value = 0;
+    const std::string_view unsigned_text = text.starts_with('+') ? text.substr(1) : text;
+    const auto [end, failure] =
+        std::from_chars(unsigned_text.data(), unsigned_text.data() + unsigned_text.size(), value);
+    if (failure == std::errc() && end == text.data() + text.size() && std::isfinite(value) &&
+        value >= least && value <= most)
+        return value;
+    std::string message = (option.empty() ? "'" : option + " '").append(text);
+    message += "' will not do; right would be a number";
+    const bool has_least = least != std::numeric_limits<double>::lowest(),
+               has_most = most != std::numeric_limits<double>::max();
+    if (has_least && has_most)
+        message += formatted(", %g to %g", least, most);
+    else if (has_least)
+        message += formatted(", %g or more", least);
+    if (has_decimal_comma(text)) message += ", with a decimal point in place of the comma";
+    return usage_error(std::move(message));
+}
+
+Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most) {
+    const std::size_t cross = text.find('x');
+    if (cross != std::string_view::npos) {
+        const auto width = read_whole_number(option, text.substr(0, cross), least, most);
+        const auto height = read_whole_number(option, text.substr(cross + 1), least, most);
+        if (width.ok() && height.ok()) return PixelSize{*width, *height};
+    }
+    return usage_error(option + " '" + std::string(text) +
+                       "' is no size; right would be WIDTHxHEIGHT in pixels, each " + std::to_string(least) +
+                       " to " + std::to_string(most) + ", such as 720x480");
+}
+
+void add_overwrite_option(CLI::App& sub, Existing& existing) {
+    sub.add_flag_callback(
+        "--overwrite", [&existing] { existing = Existing::replace; },
+        "replace files that are there already, rather than refuse");
+}
+
+void add_inputs(std::vector<NamedFile>& inputs, const fs::path& clip, const ClipReader& reader) {
+    inputs.push_back({"the clip", clip});
+    for (const fs::path& file : reader.inputs()) inputs.push_back({"a file of the clip", file});
+}
+
+Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs) {
+    std::map<std::string, std::string> taken;
+    for (const NamedFile& input : inputs)
+        if (!input.path.empty()) taken.emplace(file_behind(input.path), input.name);
+    for (const NamedFile& output : outputs.files) {
+        const auto [at, free] = taken.emplace(file_behind(output.path), output.name);
+        if (!free && is_standard_output(output.path))
+            return usage_error(output.name + " - and " + at->second +
+                               " -: one of them can go to standard output; give the other a file's name");
+        if (!free)
+            return refuse(output,
+                          " is also " + at->second + ", which it would replace; give it a name of its own");
+        if (outputs.existing == Existing::keep && is_taken(output.path))
+            return refuse(output, " is there already; give another name, or --overwrite");
+    }
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,148 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// An option (or a word, where `name` has no dashes) that names a file or a folder: an empty name, which is
+/// most often a variable of the shell that was never set, is refused.
+template <class Path>
+CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file, const std::string& what) {
+    const CLI::Validator named([](std::string& text) { return text.empty() ? "names no file" : ""; }, "");
+    return sub.add_option(name, file, what)->check(named)->type_name("FILE");
+}
+
+/// A whole number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range. What
+/// is too large for its type is refused as well, not cut down to it.
+template <class Whole>
+Result<Whole> read_whole_number(const std::string& option, std::string_view text, Whole least, Whole most) {
+    Whole value = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+        return value;
+    std::string message = (option.empty() ? "'" : option + " '").append(text);
+    message += "' will not do; right would be a whole number";
+    if (least != std::numeric_limits<Whole>::min() || most != std::numeric_limits<Whole>::max())
+        message += ", " + std::to_string(least) + " to " + std::to_string(most);
+    return usage_error(std::move(message));
+}
+
+/// A finite number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range.
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most);
+
+/// Frames per second as typed after `option`, exactly: "25", "29.97" (2997/100), "30000/1001"; 0.001 to 1000.
+Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text);
+
+struct PixelSize {
+    int width = 0, height = 0;
+};
+/// "720x480" as typed after `option`, each side `least` to `most` pixels.
+Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most);
+
+/// An option that takes a finite number, `least` to `most`, or several where `number` is a list of them. (To
+/// CLI11's own CLI::Range NaN lies in every range.)
+template <class Option>
+CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& number,
+                               const std::string& what, double least = std::numeric_limits<double>::lowest(),
+                               double most = std::numeric_limits<double>::max()) {
+    const CLI::Validator finite(
+        [=](std::string& text) {
+            const auto read = read_number("", text, least, most);
+            return read.ok() ? std::string() : read.error().message;
+        },
+        "");
+    return sub.add_option(name, number, what)->check(finite);
+}
+
+/// An option that takes a whole number, `least` to `most`, in decimal as people write it: 010 is ten.
+template <class Option>
+CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& number, const std::string& what,
+                              int least = std::numeric_limits<int>::min(),
+                              int most = std::numeric_limits<int>::max()) {
+    const CLI::Validator decimal(
+        [=](std::string& text) {
+            const auto read = read_whole_number<int>("", text, least, most);
+            if (!read.ok()) return read.error().message;
+            text = std::to_string(*read);
+            return std::string();
+        },
+        "");
+    return sub.add_option(name, number, what)->transform(decimal)->type_name("N");
+}
+
+template <class Value>
+using Words = std::vector<std::pair<std::string, Value>>;
+
+/// An option whose value, an enumerator, is said by one of some words. `what` says which.
+template <class Value, class Option>
+CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Option& option, const std::string& what,
+                             const Words<Value>& words) {
+    const CLI::Validator to_number(
+        [words](std::string& text) {
+            std::string known;
+            for (const auto& [word, value] : words) {
+                if (word == text) {
+                    text = std::to_string(static_cast<int>(value));
+                    return std::string();
+                }
+                known += (known.empty() ? "" : ", ") + word;
+            }
+            return std::string("'").append(text).append("' is none of ").append(known);
+        },
+        "");
+    return sub.add_option(name, option, what)->transform(to_number)->type_name("WORD");
+}
+
+/// What --fragmented is for, where it is refused.
+inline constexpr const char* fragmented_names = "NAME.mp4; no other form is written in fragments";
+
+/// --fragmented, of the commands that write clips.
+inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& storage) {
+    return command.add_flag(
+        "--fragmented", storage.fragmented,
+        "of NAME.mp4: in pieces of half a second, as it is sent; a copy that is cut is readable up to there. "
+        "Without an MPEG-4 scene (docs/mpeg4.md)");
+}
+
+class ClipReader;
+
+/// A file as somebody named it: "--json" and its path, or "the clip" and its path.
+struct NamedFile {
+    std::string name;
+    std::filesystem::path path;
+};
+
+/// Files that a command is to write, and what stands in its way.
+struct Outputs {
+    std::vector<NamedFile> files;
+    Existing existing = Existing::keep;  ///< what becomes of earlier files of their names
+};
+
+/// Adds --overwrite.
+void add_overwrite_option(CLI::App& sub, Existing& existing);
+
+/// Adds every file that a clip is read from; `clip` as it was named.
+void add_inputs(std::vector<NamedFile>& inputs, const std::filesystem::path& clip, const ClipReader& reader);
+
+/// Refuses (ErrorKind::usage) an output that is also an input or another output, by whatever name, and
+/// whatever was asked for, and one that is there already unless it may be replaced. Standard output is no
+/// file, but there is only one.
+Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs);
+
+}  // namespace touchable

@@ -1,0 +1,282 @@
+#include "player/commands/run_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "device/device_catalog.hpp"
+#include "device/haptic_device.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/try.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
+#include "player/commands/option_types.hpp"
+#include "player/run/terminal.hpp"
+
+namespace touchable {
+
+void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
+    std::string what = "how frames become a surface, all with the same bits:";
+    for (const std::string& name : names) {
+        what += (&name == &names.front() ? " " : ", ") + name;
+        if (name == "lazy") what += " (only where touched)";
+        if (name == "reference") what += " (slow)";
+        if (name == "vulkan") what += " (on a GPU)";
+        if (name == "auto") what += " (what costs least here)";
+    }
+    sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
+    sub.add_option("--gpu", choice.gpu,
+                   "the GPU of --builder vulkan and --picture, which auto may take: auto, cpu (a Vulkan in "
+                   "software, as lavapipe), or index or part of the name of a device (touchable check)")
+        ->capture_default_str();
+}
+
+Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
+    const bool builds_on_gpu = choice.name == "vulkan" || choice.name == "auto";
+    if (choice.names_gpu() && !builds_on_gpu && !draws_on_gpu)
+        return usage_error(
+            "--gpu goes with --builder vulkan or auto, or a --picture that is not painted by the cpu");
+    return {};
+}
+
+namespace {
+
+constexpr const char* right_frame =
+    "16 numbers, row by row, of a rotation and a translation in metres that take points from "
+    "the "
+    "camera (x right, y down, z forward) to the world, or a file with them";
+
+/// Numbers of a text, with commas or spaces between; nothing where there is anything else.
+std::optional<std::vector<double>> numbers_of(std::string text) {
+    for (char& c : text)
+        if (c == ',' || c == ';' || c == '[' || c == ']') c = ' ';
+    std::istringstream in(text);
+    std::vector<double> numbers;
+    for (double number = 0; in >> number;) numbers.push_back(number);
+    in.clear();
+    std::string rest;
+    if (in >> rest) return std::nullopt;
+    return numbers;
+}
+
+bool is_rigid(const glm::dmat4& m) {
+    const glm::dmat3 turn(m);
+    const glm::dmat3 unit = glm::transpose(turn) * turn;
+    bool rigid = glm::determinant(turn) > 0;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            rigid = rigid && std::abs(unit[column][row] - (column == row ? 1.0 : 0.0)) < 1e-3;
+    return rigid && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 &&
+           glm::length(glm::dvec3(m[3])) < 1000;  // metres; not of what is no number
+}
+
+Result<glm::dmat4> read_frame(const std::string& words) {
+    constexpr std::size_t largest = 1 << 16;
+    const std::string named = "--world-from-camera '" + words + "'";
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(words, ignored);
+    TRY_ASSIGN(const auto text,
+               is_file ? read_given_file(words, named, right_frame, largest) : Result<std::string>(words));
+    const auto numbers = numbers_of(text);
+    if (!numbers || numbers->size() != 16) return usage_error(named + ": right would be " + right_frame);
+    glm::dmat4 frame;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
+    if (!is_rigid(frame))
+        return usage_error(
+            named +
+            ": is no rotation and translation (its rows are not unit vectors at right angles, or "
+            "the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
+            right_frame);
+    return frame;
+}
+
+bool is_simulated(const std::string& device) {
+    return device.substr(0, device.find(':')) == "simulated";
+}
+
+std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& words,
+                                              SessionOptions& session) {
+    return {sub.add_option(
+                "--world-from-camera", words.world_from_camera,
+                "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
+                "row by row, or a file with them"),
+            add_number_option(
+                sub, "--hand-scale", session.hand_scale,
+                "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
+                "is finer",
+                0.01, 100)
+                ->capture_default_str()};
+}
+
+/// All of them as one.
+Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
+    TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());
+    DrivenSettings driven;
+    driven.watchdog = watchdog;
+    driven.as_thread_begins = [] { become_fifo(); };
+    std::vector<std::unique_ptr<HapticDevice>> devices;
+    if (words.is_looked_for_always) driven.away_s = std::numeric_limits<double>::infinity();
+    for (const std::string& one : words.devices) {
+        TRY_ASSIGN(auto device, make_device(one, driven));
+        devices.push_back(std::move(device));
+    }
+    if (devices.size() == 1) return std::shared_ptr<HapticDevice>(std::move(devices.front()));
+    return std::shared_ptr<HapticDevice>(std::make_shared<DeviceGroup>(std::move(devices)));
+}
+
+std::string of_its_forces(const HapticDevice& device, const HandControl& control, bool has_terminal) {
+    if (device.capabilities().axes_driven == 0)
+        return "the " + device.name() +
+               " exerts no force, with --force-on or without: what is touched is computed and told, and not "
+               "felt";
+    if (control.force_is_asked()) return "forces are on; Ctrl-C ends";
+    std::string ways =
+        device.capabilities().buttons > 0 ? std::string("press ") + device.capabilities().first_button : "";
+    if (has_terminal) ways += ways.empty() ? "press Enter" : ", or Enter,";
+    if (ways.empty()) return "forces are off, and stay off: --force-on asks for them";
+    return "forces are off: " + ways + " to turn them on; Ctrl-C ends";
+}
+
+constexpr double longest_seconds = 1e6;
+
+std::int64_t nanoseconds(double seconds) {
+    return std::llround(seconds * 1e9);
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
+                                                  SessionOptions& session) {
+    std::vector<CLI::Option*> options{
+        sub.add_option(
+               "--device", words.devices,
+               "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several "
+               "are fingers of one hand. simulated is held by --hand, others by you")
+            ->allow_extra_args(false),
+        sub.add_flag(
+            "--force-on", words.force_on,
+            "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
+            "for them")};
+    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
+    return options;
+}
+
+std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWords& words,
+                                                    SessionOptions& session) {
+    std::vector<CLI::Option*> options{
+        sub.add_option(
+               "--device", words.devices,
+               "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
+               "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask for them")
+            ->allow_extra_args(false)};
+    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
+    return options;
+}
+
+Result<glm::dmat4> read_world_from_camera(const std::string& words) {
+    return read_frame(words);
+}
+
+Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
+    const auto& devices = words.devices;
+    const bool simulated = std::any_of(devices.begin(), devices.end(), is_simulated);
+    if (simulated && devices.size() > 1)
+        return usage_error("--device simulated is held by the hand alone, not beside another device");
+    if (simulated) session.device = devices.front();
+    if (devices.empty() || simulated) {
+        if (words.force_on || words.world_from_camera || session.hand_scale != 1)
+            return usage_error(
+                "--force-on, --world-from-camera and --hand-scale are for a --device that you hold");
+        return {};
+    }
+    if (!session.live) return usage_error("--device needs --live: a device is held in real time");
+    if (words.world_from_camera) {
+        if (session.hand_scale != 1)
+            return usage_error(
+                "--hand-scale with --world-from-camera: a metre of the world is a metre of the scene; leave "
+                "one out");
+        TRY_ASSIGN(auto frame, read_world_from_camera(*words.world_from_camera));
+        session.world_from_camera = frame;
+    }
+    TRY_ASSIGN(auto held, make_held(words));
+    session.held_device = std::move(held);
+    if (session.held_device->fingers() > HandControl::most_fingers)
+        return usage_error("--device: that are more than " + std::to_string(HandControl::most_fingers) +
+                           " fingers");
+    session.control = std::make_shared<HandControl>(session.held_device->fingers(), HandMapping{});
+    session.control->ask_force(words.force_on);
+    if (words.force_on) session.control->insist_on_force();
+    ignore_stop_keys();
+    return {};
+}
+
+std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words) {
+    std::vector<std::filesystem::path> files;
+    const auto add_if_there = [&files](const std::string& name) {
+        std::error_code ignored;
+        if (!name.empty() && std::filesystem::is_regular_file(name, ignored)) files.emplace_back(name);
+    };
+    for (const std::string& device : words.devices) {
+        std::string rest = device.substr(std::min(device.find(':') + 1, device.size()));
+        add_if_there(rest);
+        // "FILE:key=value", and values of keys.
+        add_if_there(rest.substr(0, rest.rfind(':')));
+        for (std::string item; !rest.empty(); rest = rest.substr(std::min(item.size() + 1, rest.size()))) {
+            item = rest.substr(0, rest.find(','));
+            add_if_there(item.substr(std::min(item.find('=') + 1, item.size())));
+        }
+    }
+    if (words.world_from_camera) add_if_there(*words.world_from_camera);
+    return files;
+}
+
+std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
+    const std::string forces = of_its_forces(device, control, has_terminal), prompt = device.prompt();
+    return prompt.empty() ? forces : forces + "; " + prompt;
+}
+
+std::string state_of(const HapticDevice& device, const HandControl& control) {
+    const std::string prompt = device.prompt();
+    std::string forces = control.force_is_asked() ? "forces on" : "forces off";
+    if (control.is_repositioned()) forces = "no force while the hand is repositioned";
+    if (device.capabilities().axes_driven == 0) forces = "no force from this device";
+    return prompt.empty() ? forces : forces + "; " + prompt;
+}
+
+std::vector<CLI::Option*> add_playback_options(CLI::App& sub, PlaybackTyped& typed) {
+    return {
+        add_number_option(sub, "--start", typed.start, "seconds: the moment of the clip to begin with", 0,
+                          longest_seconds),
+        add_number_option(sub, "--rate", typed.rate,
+                          "how fast the clip is played, 0.001 to 8; 0.5: in slow motion. Fingers and forces "
+                          "keep their own time",
+                          slowest_rate * 1e-3, fastest_rate * 1e-3),
+        add_number_option(sub, "--loop", typed.loop,
+                          "two times in seconds: play the clip between them, and again", 0, longest_seconds)
+            ->expected(2),
+        add_file_option(sub, "--play", typed.script,
+                        "a file of commands to the clip's clock at their times: play, pause, rate, seek, "
+                        "step, loop (docs/playback.md)")};
+}
+
+Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
+    std::vector<PlaybackCommand> commands;
+    if (typed.rate) commands.push_back({0, PlaybackVerb::rate, std::llround(*typed.rate * 1000), 0});
+    const double start = typed.start.value_or(typed.loop.empty() ? 0 : typed.loop[0]);
+    if (start > 0) commands.push_back({0, PlaybackVerb::seek, nanoseconds(start), 0});
+    if (!typed.loop.empty()) {
+        if (nanoseconds(typed.loop[1]) - nanoseconds(typed.loop[0]) < shortest_loop_ns)
+            return usage_error("--loop must end 0.1 s or more after it begins");
+        commands.push_back({0, PlaybackVerb::loop, nanoseconds(typed.loop[0]), nanoseconds(typed.loop[1])});
+    }
+    if (!typed.script) return commands;
+    TRY_ASSIGN(auto script, read_playback(*typed.script));
+    commands.insert(commands.end(), script.begin(), script.end());
+    return commands;
+}
+
+}  // namespace touchable

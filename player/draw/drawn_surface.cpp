@@ -1,0 +1,227 @@
+#include "player/draw/drawn_surface.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "shaders/blend_rule.h"
+#include "shaders/surface_light.h"
+
+namespace touchable {
+namespace {
+
+/// Sums of the normals of the triangles at each vertex, as long as those are large. Cut triangles have none.
+std::vector<glm::vec3> vertex_normals(const Camera& camera, const ViewSurface& surface) {
+    std::vector<glm::vec3> normals(surface.q.size(), glm::vec3(0.0F));
+    auto point = [&](int x, int y) {
+        return unproject(camera, x, y, 1.0 / static_cast<double>(surface.q[surface.index(x, y)]));
+    };
+    auto add = [&](std::array<glm::ivec2, 3> at) {
+        const std::size_t a = surface.index(at[0].x, at[0].y), b = surface.index(at[1].x, at[1].y),
+                          c = surface.index(at[2].x, at[2].y);
+        if (triangle_is_cut(surface.q[a], surface.q[b], surface.q[c])) return;
+        const glm::dvec3 origin = point(at[0].x, at[0].y);
+        const glm::vec3 normal =
+            glm::cross(point(at[1].x, at[1].y) - origin, point(at[2].x, at[2].y) - origin);
+        for (const std::size_t vertex : {a, b, c}) normals[vertex] += normal;
+    };
+    for (int y = 0; y + 1 < surface.height; ++y)
+        for (int x = 0; x + 1 < surface.width; ++x) {
+            add({{{x, y}, {x + 1, y + 1}, {x + 1, y}}});
+            add({{{x, y}, {x, y + 1}, {x + 1, y + 1}}});
+        }
+    return normals;
+}
+
+/// Replaces each of `count` values by the sum over those at most n away.
+template <class At>
+void box_sum(int count, int n, At at) {
+    std::vector<glm::vec3> values(static_cast<std::size_t>(count));
+    for (int k = 0; k < count; ++k) values[static_cast<std::size_t>(k)] = at(k);
+    for (int k = 0; k < count; ++k) {
+        glm::vec3 sum(0.0F);
+        for (int other = std::max(0, k - n); other <= std::min(count - 1, k + n); ++other)
+            sum += values[static_cast<std::size_t>(other)];
+        at(k) = sum;
+    }
+}
+
+/// Normals over 5x5 vertices: what a depth camera's steps make of light is no relief.
+void smooth(const ViewSurface& surface, std::vector<glm::vec3>& normals) {
+    constexpr int reach = 2;
+    for (int y = 0; y < surface.height; ++y)
+        box_sum(surface.width, reach, [&](int x) -> glm::vec3& { return normals[surface.index(x, y)]; });
+    for (int x = 0; x < surface.width; ++x)
+        box_sum(surface.height, reach, [&](int y) -> glm::vec3& { return normals[surface.index(x, y)]; });
+}
+
+PackedColour packed(const glm::vec3& colour) {
+    const glm::uvec3 byte(colour + 0.5F);
+    return pack_colour(byte.r, byte.g, byte.b);
+}
+
+}  // namespace
+
+float cut_ratio(int step) {
+    float ratio = CUT_RULE_RATIO;
+    for (; step > 1; step /= 2) ratio *= ratio;
+    return ratio;
+}
+
+ViewCamera decimated(ViewCamera camera, int step) {
+    camera.clip_from_lattice[0] *= step;
+    camera.clip_from_lattice[1] *= step;
+    return camera;
+}
+
+float blend_reach(const HeightField& field) {
+    const auto longest = static_cast<double>(BLEND_RULE_SECONDS);
+    const double seconds = std::min(field.frame_interval().value_or(longest), longest);
+    return static_cast<float>(static_cast<double>(BLEND_RULE_SPEED) * seconds /
+                              field.scene().metres_per_unit);
+}
+
+double height_per_code(const Scene& scene) {
+    return largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max;
+}
+
+bool are_mixed(const HeightField& field, const FieldVertex& prev, const FieldVertex& next) {
+    return prev.valid && next.valid &&
+           depths_mix(static_cast<float>(prev.depth), static_cast<float>(next.depth), blend_reach(field));
+}
+
+FieldVertex drawn_vertex(const HeightField& field, std::int64_t i, std::int64_t j) {
+    const auto [prev, next] = field.vertices_of_frames(i, j);
+    if (are_mixed(field, prev, next)) return {prev.depth + (next.depth - prev.depth) * field.blend(), true};
+    return field.blend() >= 0.5 ? next : prev;
+}
+
+float drawn_q(const HeightField& field, int x, int y) {
+    const Scene& scene = field.scene();
+    const FieldVertex vertex = drawn_vertex(field, x, y);
+    const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
+    return vertex.valid ? static_cast<float>(1.0 / depth) : 0.0F;
+}
+
+std::vector<float> q_of(const HeightField& field) {
+    std::vector<float> q;
+    q.reserve(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
+    for (int y = 0; y < field.height(); ++y)
+        for (int x = 0; x < field.width(); ++x) q.push_back(drawn_q(field, x, y));
+    return q;
+}
+
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+                              const PlaneView& colour) {
+    ViewSurface surface;
+    surface.width = field.width();
+    surface.height = field.height();
+    surface.q = std::move(q);
+    surface.tiles = std::move(tiles);
+    surface.colours = lit_colours(field.scene().camera, surface, colour);
+    return surface;
+}
+
+UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at) {
+    // Thousands of vertices tell as well as all, and the same ones every time: what stands still keeps its
+    // shade.
+    constexpr double enough = 8192;
+    const int step = 1 + static_cast<int>(std::sqrt(static_cast<double>(width) * height / enough));
+    std::vector<float> valid;
+    for (int y = 0; y < height; y += step)
+        for (int x = 0; x < width; x += step)
+            if (const float q = q_at(x, y); q > 0) valid.push_back(q);
+    if (valid.empty()) return {0, 1};
+    auto quantile = [&valid](std::size_t percent) {
+        const auto at = valid.begin() + static_cast<std::ptrdiff_t>((valid.size() - 1) * percent / 100);
+        std::nth_element(valid.begin(), at, valid.end());
+        return *at;
+    };
+    return {quantile(4), quantile(96)};
+}
+
+std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
+                                      const PlaneView& colour) {
+    std::vector<glm::vec3> normals = vertex_normals(camera, surface);
+    smooth(surface, normals);
+    const auto [farthest_q, nearest_q] =
+        usual_q(surface.width, surface.height, [&](int x, int y) { return surface.q[surface.index(x, y)]; });
+    const float q_range = std::max(nearest_q - farthest_q, 1e-30F);
+
+    std::vector<PackedColour> colours;
+    colours.reserve(surface.q.size());
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < surface.width; ++x) {
+            const std::size_t at = surface.index(x, y);
+            const double length = glm::length(glm::dvec3(normals[at]));
+            const glm::dvec3 normal = length > 0 ? glm::dvec3(normals[at]) / length : glm::dvec3(0, 0, 1);
+            const float light = light_on(glm::vec3(normal));
+            if (!colour.empty()) {
+                const std::uint8_t* rgb = colour.row(y) + std::ptrdiff_t{3} * x;
+                colours.push_back(packed(lit_colour(glm::vec3(rgb[0], rgb[1], rgb[2]), light)));
+                continue;
+            }
+            colours.push_back(packed(lit_clay((surface.q[at] - farthest_q) / q_range, light)));
+        }
+    return colours;
+}
+
+DrawnLattice::DrawnLattice(const HeightField& field, bool is_turned)
+    : width(field.width()),
+      height(field.height()),
+      field_(field),
+      is_turned_(is_turned),
+      vertices_(side * side),
+      edges_(is_turned ? side * side : 0) {}
+
+const DrawnLattice::Vertex& DrawnLattice::vertex(const glm::ivec2& at) const {
+    Vertex& kept = vertices_[slot(at.x, at.y)];
+    if (kept.x == at.x && kept.y == at.y) return kept;
+    const Scene& scene = field_.scene();
+    const FieldVertex found = drawn_vertex(field_, at.x, at.y);
+    const double q = 1 / planar_depth(scene.camera, scene.depth.semantics, at.x, at.y, found.depth);
+    kept = {at.x, at.y, q, found.valid ? static_cast<float>(q) : 0.0F};
+    return kept;
+}
+
+const DrawnLattice::Edge& DrawnLattice::edge(int x, int y) {
+    Edge& kept = edges_[slot(x, y)];
+    if (kept.x == x && kept.y == y) return kept;
+    const EdgeMove move = edge_move(*this, ivec2(x, y));
+    constexpr double step = 1.0 / EDGE_UNIT;
+    kept = {x, y, move.by != ivec2(0, 0) || move.q != vertex({x, y}).q,
+            glm::dvec3(x + step * move.by.x, y + step * move.by.y, move.q)};
+    return kept;
+}
+
+DrawnLattice::Triangle DrawnLattice::triangle(int i, int j, bool right) {
+    const std::array<ivec2, 3> at{{{i, j}, {i + 1, right ? j : j + 1}, {right ? i + 1 : i, j + 1}}};
+    Triangle out{};
+    std::array<float, 3> q;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vertex& here = vertex(at[k]);
+        q[k] = here.q;
+        out.corners[k] = {at[k].x, at[k].y, here.exact_q};
+    }
+    out.cut = is_turned_ ? triangle_is_cut(q[0], q[1], q[2]) : triangle_has_hole(q[0], q[1], q[2]);
+    if (!is_turned_ || out.cut) return out;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Edge& there = edge(at[k].x, at[k].y);
+        if (!there.is_moved) continue;
+        out.moved = true;
+        out.corners[k] = there.place;
+    }
+    return out;
+}
+
+bool DrawnLattice::is_near_edges(int i, int j) {
+    if (!is_turned_) return false;
+    for (int y = std::max(j - 1, 0); y <= std::min(j + 2, height - 1); ++y)
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 2, width - 1); ++x)
+            if (edge(x, y).is_moved) return true;
+    return false;
+}
+
+}  // namespace touchable

@@ -1,0 +1,226 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "engine/scene/frames.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "player/draw/pictures.hpp"
+#include "player/draw/view.hpp"
+#include "shaders/cut_rule.h"
+#include "shaders/edge_rule.h"
+#include "shaders/view_project.h"
+
+// A surface as every painter draws it: which vertices it has between two frames, what light they are in, and
+// which pixels a triangle covers. Here it stands plainly, vertex by vertex; cpu_painting.hpp and
+// gpu_painting.hpp have it by vectors and by kernels.
+
+namespace touchable {
+
+/// What a painter gives: z (see ViewCamera; 0: nothing drawn) and colour of every pixel, row-major.
+struct PicturePlanes {
+    int width = 0, height = 0;
+    std::vector<float> z;
+    std::vector<PackedColour> colours;  ///< undefined where nothing is drawn
+
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+};
+
+/// clip_from_lattice as the shared header wants it.
+inline ViewRows rows_of(const ViewCamera& camera) {
+    const glm::dmat4 rows = glm::transpose(camera.clip_from_lattice);
+    return {glm::vec4(rows[0]), glm::vec4(rows[1]), glm::vec4(rows[2]), glm::vec4(rows[3])};
+}
+
+/// Whether a view is from where the clip's camera was, in its direction: from there a vertex is seen in the
+/// same place whatever its depth.
+inline bool is_own_view(const ViewCamera& camera) {
+    const auto [x, y, z, w] = rows_of(camera);
+    const bool upright = x.y == 0 && x.w == 0 && y.x == 0 && y.w == 0 && x.x > 0 && y.y > 0;
+    return upright && z.x == 0 && z.y == 0 && z.z == 0 && w.x == 0 && w.y == 0 && w.z == 1 && w.w == 0;
+}
+
+/// In place of CUT_RULE_RATIO: neighbours that lie farther apart may differ more.
+float cut_ratio(int step);
+
+/// The same view of a lattice that has every `step`th vertex of another.
+ViewCamera decimated(ViewCamera camera, int step);
+
+/// How far a surface may have moved between a pair's frames so that it is drawn on its way, scene units: the
+/// `reach` of shaders/blend_rule.h.
+float blend_reach(const HeightField& field);
+
+/// How much depth a code of height takes off, scene units.
+double height_per_code(const Scene& scene);
+
+/// Whether what is drawn is the mix of a pixel's vertices in the pair's two frames: both have depth, and not
+/// so far apart that an edge has travelled over the pixel (shaders/blend_rule.h).
+bool are_mixed(const HeightField& field, const FieldVertex& prev, const FieldVertex& next);
+
+/// What is drawn at a pixel: that mix, as it is felt, or the vertex of the frame nearer in time.
+FieldVertex drawn_vertex(const HeightField& field, std::int64_t i, std::int64_t j);
+
+/// q of what is drawn at a pixel, to the nearest float, 0 where there is nothing; and of every pixel.
+float drawn_q(const HeightField& field, int x, int y);
+std::vector<float> q_of(const HeightField& field);
+
+/// The surface of a field with these q and tiles. Colours are those of `colour` (3 channels of the field's
+/// size), gently lit; where that is empty, light and depth alone.
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+                              const PlaneView& colour);
+
+/// q that 4 % and 96 % of the valid vertices do not exceed, by a sample of them.
+struct UsualQ {
+    float farthest, nearest;
+};
+UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at);
+
+/// A colour for every vertex of `surface` (its q is read, its colours are not): what `colour` has there, in a
+/// gentle light that shows relief; where `colour` is empty, clay in a full one, nearer warmer and farther
+/// cooler. The light comes from the upper left behind the clip's camera.
+std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
+                                      const PlaneView& colour);
+
+/// The lattice of a field as painters draw it, for callers that need few of its vertices: each is looked up
+/// when asked for, and kept for a while.
+class DrawnLattice {
+public:
+    /// `is_turned`: as every view but the clip's own has it. There shaders/edge_rule.h says where vertices at
+    /// edges are, and depth steps are cut; in the clip's own all are at their pixels, and holes alone are
+    /// cut.
+    DrawnLattice(const HeightField& field, bool is_turned);
+
+    struct Triangle {
+        std::array<glm::dvec3, 3> corners;  ///< (x, y, q) where they are drawn
+        bool cut;                           ///< it is not drawn (shaders/cut_rule.h)
+        bool moved;                         ///< a corner is not at its pixel
+    };
+    /// Of cell (i, j): the one to the right of the diagonal from its first corner, or the one below it.
+    Triangle triangle(int i, int j, bool right);
+    /// Whether what is drawn over a cell may be a triangle of another one.
+    bool is_near_edges(int i, int j);
+
+    // As shaders/edge_rule.h asks for a lattice.
+    const int width, height;
+    const float ratio = CUT_RULE_RATIO;
+    friend float edge_q(const DrawnLattice& lattice, const glm::ivec2& at) { return lattice.vertex(at).q; }
+
+private:
+    struct Vertex {
+        int x = -1, y = -1;
+        double exact_q = 0;
+        float q = 0;  ///< 0: invalid
+    };
+    struct Edge {
+        int x = -1, y = -1;
+        bool is_moved = false;
+        glm::dvec3 place{0.0};
+    };
+    static constexpr int side = 32;  ///< of the lattice's part that is kept: a way goes through it once
+    static std::size_t slot(int x, int y) {
+        return static_cast<std::size_t>(y % side) * side + static_cast<std::size_t>(x % side);
+    }
+    const Vertex& vertex(const glm::ivec2& at) const;
+    const Edge& edge(int x, int y);
+
+    const HeightField& field_;
+    const bool is_turned_;
+    mutable std::vector<Vertex> vertices_;
+    std::vector<Edge> edges_;
+};
+
+/// A corner in clip space (ViewCamera) and what goes with it: a colour, a normal, or the like.
+struct FillCorner {
+    glm::vec4 clip;
+    glm::vec3 value;
+};
+
+namespace fill {
+
+struct Point {
+    std::int64_t x, y;  // subpixels
+    float z;
+    float share;      // 1 / w
+    glm::vec3 value;  // times that
+};
+
+/// Twice the signed area of a, b, (x, y); positive where these go clockwise on the screen.
+inline std::int64_t edge(const Point& a, const Point& b, std::int64_t x, std::int64_t y) {
+    return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+}
+/// A pixel centre on an edge belongs to the triangle where that is its upper or left edge.
+inline std::int64_t least_inside(const Point& a, const Point& b) {
+    return b.y < a.y || (b.y == a.y && b.x > a.x) ? 0 : 1;
+}
+inline Point to_screen(const FillCorner& corner, int width, int height) {
+    const glm::vec4& c = corner.clip;
+    return {view_subpixels(c.x / c.w, static_cast<float>(width)),
+            view_subpixels(c.y / c.w, static_cast<float>(height)), c.z / c.w, 1.0F / c.w,
+            corner.value * (1.0F / c.w)};
+}
+/// Pixels whose centres lie within [least, greatest] subpixels, as [first, last] on a side of `size`.
+inline std::array<int, 2> pixels_between(std::int64_t least, std::int64_t greatest, int size) {
+    constexpr std::int64_t half = VIEW_SUBPIXELS / 2;
+    const std::int64_t first = (least - half + VIEW_SUBPIXELS - 1) >> 8, last = (greatest - half) >> 8;
+    return {static_cast<int>(std::clamp<std::int64_t>(first, 0, size)),
+            static_cast<int>(std::clamp<std::int64_t>(last, -1, size - 1))};
+}
+
+template <class Plot>
+void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plot) {
+    std::int64_t area = edge(a, b, c.x, c.y);
+    if (area == 0) return;
+    if (area < 0) {
+        std::swap(b, c);
+        area = -area;
+    }
+    const auto [x0, x1] = pixels_between(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), width);
+    const auto [y0, y1] = pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), height);
+    const float scale = 1.0F / static_cast<float>(area);
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const std::int64_t px = x * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2,
+                               py = y * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2;
+            const std::int64_t ab = edge(a, b, px, py), bc = edge(b, c, px, py), ca = edge(c, a, px, py);
+            if (ab < least_inside(a, b) || bc < least_inside(b, c) || ca < least_inside(c, a)) continue;
+            const float of_b = static_cast<float>(ca) * scale, of_c = static_cast<float>(ab) * scale;
+            const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
+            plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
+                 (a.value + of_b * (b.value - a.value) + of_c * (c.value - a.value)) / share);
+        }
+}
+
+}  // namespace fill
+
+/// Calls plot(x, y, z, value) for every pixel whose centre the triangle covers, seen from either side: exact
+/// in subpixels of 1/256, so that triangles that share an edge neither overlap nor leave a gap. What is
+/// before the near plane is cut off. z is linear on the screen, value on the triangle in space.
+template <class Plot>
+void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int height, Plot&& plot) {
+    std::array<fill::Point, 4> points;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const FillCorner &from = corners[k], &to = corners[(k + 1) % 3];
+        const float inside_from = from.clip.w - from.clip.z, inside_to = to.clip.w - to.clip.z;
+        if (inside_from >= 0) points[count++] = fill::to_screen(from, width, height);
+        if ((inside_from >= 0) == (inside_to >= 0)) continue;
+        const float share = inside_from / (inside_from - inside_to);
+        FillCorner crossing{from.clip + share * (to.clip - from.clip),
+                            from.value + share * (to.value - from.value)};
+        crossing.clip.z = crossing.clip.w;
+        points[count++] = fill::to_screen(crossing, width, height);
+    }
+    if (count >= 3) fill::triangle(points[0], points[1], points[2], width, height, plot);
+    if (count == 4) fill::triangle(points[0], points[2], points[3], width, height, plot);
+}
+
+}  // namespace touchable

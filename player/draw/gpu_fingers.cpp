@@ -1,0 +1,465 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <glm/matrix.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/base/try.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/light_picture.hpp"
+#include "shaders/cut_rule.h"
+#include "shaders/dents.h"
+#include "shaders/view_ball.frag.spv.h"
+#include "shaders/view_ball.vert.spv.h"
+#include "shaders/view_dent.frag.spv.h"
+#include "shaders/view_dent.vert.spv.h"
+#include "shaders/view_frustum.frag.spv.h"
+#include "shaders/view_frustum.vert.spv.h"
+#include "shaders/view_marks.h"
+#include "shaders/view_shadow.frag.spv.h"
+#include "shaders/view_shadow.vert.spv.h"
+#include "shaders/view_thread.frag.spv.h"
+#include "shaders/view_thread.vert.spv.h"
+
+// What a GPU draws over the picture of a surface: dents by shaders (DentDrawing) or, for devices that compute
+// on the CPU, by the CPU (DentPatches), and fingers (FingerDrawing). Records of both lie in buffers that are
+// written for each picture.
+
+namespace touchable {
+namespace {
+
+static_assert(sizeof(DentHeader) == 144 && sizeof(DentRecord) == 64);
+static_assert(sizeof(MarksPush) == 88 && sizeof(SolidRecord) == 64 && sizeof(ThreadRecord) == 32 &&
+              sizeof(ShadowRecord) == 96);
+
+DentRecord record_of(const SurfaceDent& dent, const ViewCamera& camera) {
+    return {glm::vec4(dent.centre, 1 / dent.reach), glm::vec4(dent.normal, 0), glm::vec4(dent.moved, 0),
+            clip_bounds(bounds_of_ball(camera, dent.centre, dent.reach), camera)};
+}
+
+/// The channels of two pixels beside each other, and of one.
+using Pair = std::uint16_t __attribute__((vector_size(16)));
+using Channels = std::uint16_t __attribute__((vector_size(8)));
+
+Pair pair_at(const PackedColour* at) {
+    using Bytes = std::uint8_t __attribute__((vector_size(8)));
+    Bytes bytes;
+    std::memcpy(&bytes, at, sizeof bytes);
+    return __builtin_convertvector(bytes, Pair);
+}
+
+/// Between two colours, `share` of 256.
+template <class Vector>
+Vector between(Vector a, Vector b, int share) {
+    const auto of_a = static_cast<std::uint16_t>(256 - share), of_b = static_cast<std::uint16_t>(share);
+    return (a * of_a + b * of_b + std::uint16_t{128}) >> 8;
+}
+
+/// A number that changes by as much from pixel to pixel: 65536ths of `unit`s.
+struct Steadily {
+    std::int32_t now = 0, change = 0;
+
+    Steadily(float first, float last, float per_step, float unit = 1)
+        : now(static_cast<std::int32_t>(65536 * unit * first)),
+          change(static_cast<std::int32_t>(65536 * unit * (last - first) * per_step)) {}
+    int whole() const { return now >> 16; }
+    void go_on() { now += change; }
+};
+
+/// `light`: 64ths, below 257 of them, as products have 16 bits (dent_light is below 3.2); `gloss`: of 255.
+PackedColour lit(Channels colour, int light, int gloss) {
+    Channels value = ((colour * static_cast<std::uint16_t>(light) + std::uint16_t{32}) >> 6) +
+                     static_cast<std::uint16_t>(gloss);
+    const Channels most = Channels{} + std::uint16_t{255};
+    value = value > most ? most : value;
+    using Bytes = std::uint8_t __attribute__((vector_size(4)));
+    return std::bit_cast<PackedColour>(__builtin_convertvector(value, Bytes)) | 0xff000000U;
+}
+
+/// The colour around a place, which is in 256ths of a pixel from the middle of the first one, and before the
+/// middle of the last one.
+Channels colour_around(const FlatPicture& flat, int x, int y) {
+    const PackedColour* const at = flat.colours.data() + std::ptrdiff_t{y >> 8} * flat.pitch + (x >> 8);
+    const auto column =
+        std::bit_cast<std::array<Channels, 2>>(between(pair_at(at), pair_at(at + flat.pitch), y & 255));
+    return between(column[0], column[1], x & 255);
+}
+
+constexpr std::uint32_t frustum_indices = 6 * MARKS_SIDES;
+
+/// Between a frustum's ends, two triangles a side.
+Result<GpuBuffer> make_frustum_pattern(const GpuDevice& device) {
+    TRY_ASSIGN(auto buffer,
+               GpuBuffer::create(device, "frustum pattern", frustum_indices * 2, GpuMemory::upload));
+    auto to = buffer.mapped<std::uint16_t>().begin();
+    for (std::uint32_t a = 0; a < MARKS_SIDES; ++a) {
+        const std::uint32_t b = a + 1, c = b + MARKS_RING_CORNERS, d = c - 1;
+        for (const std::uint32_t vertex : {a, b, c, a, c, d}) *to++ = static_cast<std::uint16_t>(vertex);
+    }
+    return buffer;
+}
+
+SolidRecord record_of(const Solid& solid) {
+    return {glm::vec4(solid.foot, solid.from.radius), glm::vec4(solid.along, solid.to.radius),
+            glm::vec4(solid.from.height, solid.to.height, solid.from.normal_along, solid.from.normal_away),
+            glm::vec4(solid.material.light, solid.material.opacity)};
+}
+
+ShadowRecord record_of(const BallShadow& shadow, const ViewCamera& camera) {
+    // Screen to clip space, to the world, to shares of the reach.
+    glm::dmat4 share_from_world(1.0);
+    for (int axis = 0; axis < 3; ++axis) share_from_world[axis][axis] = 1 / shadow.reach;
+    share_from_world[3] = glm::dvec4(-shadow.centre / shadow.reach, 1);
+    ShadowRecord record{};
+    record.share_from_pixel =
+        glm::mat4(share_from_world * glm::inverse(camera.clip_from_world) * clip_from_pixel(camera));
+    record.darkness.x = shadow.darkness;
+    record.bounds = clip_bounds(bounds_of_ball(camera, shadow.centre, shadow.reach), camera);
+    return record;
+}
+
+MarksPush push_of(const ViewCamera& camera, bool is_veil, bool is_behind) {
+    return {glm::mat4(camera.clip_from_world), glm::vec4(camera.eye, camera.focal), is_behind, is_veil};
+}
+
+}  // namespace
+
+Result<DentDrawing> DentDrawing::create(const std::shared_ptr<GpuDevice>& device) {
+    DentDrawing made(device);
+    GraphicsLook look;
+    look.vertex = view_dent_vert_spv;
+    look.fragment = view_dent_frag_spv;
+    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+                     VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+    look.depth = DrawDepth::ignored;
+    TRY_ASSIGN(made.program_, GraphicsProgram::create(*device, "dents", look));
+    return made;
+}
+
+Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
+    TRY_ASSIGN(auto buffer, uploads_.take("dents", sizeof(DentHeader) + dents_.size() * sizeof(DentRecord)));
+    const glm::dmat4 from_pixel = clip_from_pixel(camera);
+    std::byte* const to = buffer.mapped<std::byte>().data();
+    *reinterpret_cast<DentHeader*>(to) = {glm::mat4(glm::inverse(camera.clip_from_world) * from_pixel),
+                                          glm::mat4(glm::inverse(from_pixel) * camera.clip_from_world),
+                                          static_cast<std::uint32_t>(dents_.size()),
+                                          {}};
+    auto* record = reinterpret_cast<DentRecord*>(to + sizeof(DentHeader));
+    for (const SurfaceDent& dent : dents_) *record++ = record_of(dent, camera);
+    return buffer;
+}
+
+/// Of each dent what its pixels may show: they are no farther from what they show than it is dented.
+Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& camera, const GpuImage& colour) {
+    if (!flat_ || flat_.extent().width != colour.extent().width ||
+        flat_.extent().height != colour.extent().height) {
+        TRY_ASSIGN(flat_, GpuImage::create(*device_, "picture without dents", camera.width, camera.height,
+                                           VK_FORMAT_R8G8B8A8_UNORM));
+    }
+    std::vector<VkImageCopy> regions;
+    for (const SurfaceDent& dent : dents_) {
+        const double room = dent.reach + most_dented / dent_reach * dent.reach;
+        const auto bounds = bounds_of_ball(camera, dent.centre, room);
+        if (!bounds) continue;
+        const auto [x0, y0, x1, y1] = *bounds;
+        if (x1 <= x0 || y1 <= y0) continue;
+        VkImageCopy region{};
+        region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.srcOffset = region.dstOffset = {x0, y0, 0};
+        region.extent = {static_cast<std::uint32_t>(x1 - x0), static_cast<std::uint32_t>(y1 - y0), 1};
+        regions.push_back(region);
+    }
+    constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    record_transition(commands, colour, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    record_transition(commands, flat_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    if (!regions.empty())
+        vkCmdCopyImage(commands.handle(), colour.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                       flat_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                       static_cast<std::uint32_t>(regions.size()), regions.data());
+    record_transition(commands, colour, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, drawn);
+    record_transition(commands, flat_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                      VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
+    return {};
+}
+
+Result<void> DentDrawing::record(GpuCommands& commands, std::span<const FingerMark> fingers,
+                                 const MarkSizes& sizes, const ViewCamera& camera, const GpuImage& colour,
+                                 const GpuImage& z) {
+    shape_dents(fingers, sizes, dents_);
+    if (dents_.empty()) return {};
+    TRY_ASSIGN(const auto records, upload(camera));
+    TRY(copy_flat(commands, camera, colour));
+    record_transition(commands, z, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                      VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
+    begin_drawing(commands, {colour});
+    program_.bind(commands, {records, z, flat_});
+    vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(dents_.size()), 0, 0);
+    end_drawing(commands);
+    record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
+                      VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+    return {};
+}
+
+/// From pixels to places and back.
+struct DentPatches::Sight {
+    explicit Sight(const ViewCamera& camera)
+        : world_from_pixel(glm::inverse(camera.clip_from_world) * clip_from_pixel(camera)),
+          pixel_from_world(glm::inverse(clip_from_pixel(camera)) * camera.clip_from_world) {}
+    glm::dmat4 world_from_pixel, pixel_from_world;
+};
+
+void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds) {
+    constexpr int steps = 20;  // across a dent, of which a tenth of its reach is one
+    const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
+    step_ = std::max(2, std::max(width, height) / steps);
+    across_ = width / step_ + 2;
+    nodes_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(height / step_ + 2), {});
+    auto node = nodes_.begin();
+    for (int down = 0; down < height / step_ + 2; ++down)
+        for (int right = 0; right < across_; ++right, ++node) {
+            const int x = std::min(bounds.x0 + right * step_, flat.width - 1),
+                      y = std::min(bounds.y0 + down * step_, flat.height - 1);
+            const float z = flat.z[static_cast<std::size_t>(y * flat.pitch + x)];
+            if (!(z > 0)) continue;
+            const glm::dvec4 at =
+                sight.world_from_pixel * glm::dvec4(x + 0.5, y + 0.5, static_cast<double>(z), 1);
+            const glm::dvec3 place = glm::dvec3(at) / at.w;
+            const auto dent = dented(dents_, place);
+            if (!dent) continue;
+            const glm::dvec4 there = sight.pixel_from_world * glm::dvec4(place + glm::dvec3(dent->moved), 1);
+            if (!(there.z <= there.w)) continue;  // before the near plane
+            const DentLight light = dent_light(dent->normal_before, dent->normal);
+            const auto shift = [](double pixels) {
+                return static_cast<float>(std::clamp(pixels, -4096.0, 4096.0));
+            };
+            *node = {shift(x + 0.5 - there.x / there.w), shift(y + 0.5 - there.y / there.w), light.factor,
+                     255 * light.gloss};
+        }
+}
+
+void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const {
+    const int width = bounds.x1 - bounds.x0;
+    const float per_step = 1 / static_cast<float>(step_);
+    const int most_x = 256 * (flat.width - 1) - 1, most_y = 256 * (flat.height - 1) - 1;
+    const auto mix = [](const Node& a, const Node& b, float share) {
+        return Node{a.right + share * (b.right - a.right), a.down + share * (b.down - a.down),
+                    a.light + share * (b.light - a.light), a.gloss + share * (b.gloss - a.gloss)};
+    };
+    for (int y = bounds.y0; y < bounds.y1; ++y, to += width) {
+        const int row = (y - bounds.y0) / step_;
+        const float down = static_cast<float>((y - bounds.y0) % step_) * per_step;
+        const Node* const above = nodes_.data() + std::ptrdiff_t{row} * across_;
+        const std::ptrdiff_t start = std::ptrdiff_t{y} * flat.pitch;
+        std::copy_n(flat.colours.data() + start + bounds.x0, width, to);
+        Node left = mix(above[0], above[across_], down);
+        for (int first = 0, column = 1; first < width; first += step_, ++column) {
+            const Node right = mix(above[column], above[across_ + column], down);
+            const Node from = std::exchange(left, right);
+            const bool is_flat = from.light == 1 && right.light == 1 && from.right == 0 && right.right == 0 &&
+                                 from.down == 0 && right.down == 0;
+            if (is_flat) continue;
+            const auto begin = static_cast<float>(bounds.x0 + first);
+            Steadily across(begin + from.right, begin + static_cast<float>(step_) + right.right, per_step),
+                along(static_cast<float>(y) + from.down, static_cast<float>(y) + right.down, per_step),
+                light(from.light, right.light, per_step, 64), gloss(from.gloss, right.gloss, per_step);
+            for (int k = first; k < std::min(first + step_, width); ++k) {
+                int column_of = std::clamp(across.now >> 8, 0, most_x),
+                    row_of = std::clamp(along.now >> 8, 0, most_y);
+                const int more = light.whole(), shine = gloss.whole();
+                for (Steadily* each : {&across, &along, &light, &gloss}) each->go_on();
+                const int x = bounds.x0 + k;
+                const float z = flat.z[static_cast<std::size_t>(start + x)];
+                if (!(z > 0)) continue;
+                const std::ptrdiff_t source =
+                    std::ptrdiff_t{(row_of + 128) >> 8} * flat.pitch + ((column_of + 128) >> 8);
+                // What stands before the pixel's own surface is not on it.
+                if (flat.z[static_cast<std::size_t>(source)] > z * CUT_RULE_RATIO) {
+                    column_of = std::min(256 * x, most_x);
+                    row_of = std::min(256 * y, most_y);
+                }
+                to[k] = lit(colour_around(flat, column_of, row_of), more, shine);
+            }
+        }
+    }
+}
+
+Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMark> fingers,
+                                 const MarkSizes& sizes, const ViewCamera& camera, const FlatPicture& flat,
+                                 const GpuImage& target) {
+    shape_dents(fingers, sizes, dents_);
+    std::vector<VkBufferImageCopy> regions;
+    std::size_t pixels = 0;
+    for (const SurfaceDent& dent : dents_) {
+        const auto bounds = bounds_of_ball(camera, dent.centre, dent.reach);
+        if (!bounds || bounds->x1 <= bounds->x0 || bounds->y1 <= bounds->y0) continue;
+        VkBufferImageCopy region{};
+        region.bufferOffset = 4 * pixels;
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageOffset = {bounds->x0, bounds->y0, 0};
+        region.imageExtent = {static_cast<std::uint32_t>(bounds->x1 - bounds->x0),
+                              static_cast<std::uint32_t>(bounds->y1 - bounds->y0), 1};
+        pixels += std::size_t{region.imageExtent.width} * region.imageExtent.height;
+        regions.push_back(region);
+    }
+    if (regions.empty() || flat.width < 2 || flat.height < 2) return {};
+    TRY_ASSIGN(const auto buffer, uploads_.take("dents", 4 * pixels));
+    const Sight sight(camera);
+    for (const VkBufferImageCopy& region : regions) {
+        const PixelBounds bounds{region.imageOffset.x, region.imageOffset.y,
+                                 region.imageOffset.x + static_cast<int>(region.imageExtent.width),
+                                 region.imageOffset.y + static_cast<int>(region.imageExtent.height)};
+        find_nodes(sight, flat, bounds);
+        PackedColour* const to = buffer.mapped<PackedColour>().data() + region.bufferOffset / 4;
+        draw(flat, bounds, to);
+    }
+    constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    record_transition(commands, target, drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdCopyBufferToImage(commands.handle(), buffer.handle(), target.handle(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<std::uint32_t>(regions.size()),
+                           regions.data());
+    commands.keep(buffer.keep_alive());
+    record_transition(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
+    return {};
+}
+
+Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& device) {
+    FingerDrawing made(device);
+    struct Stages {
+        std::span<const std::uint32_t> vertex, fragment;
+    };
+    const Stages shadow{view_shadow_vert_spv, view_shadow_frag_spv},
+        thread{view_thread_vert_spv, view_thread_frag_spv}, ball{view_ball_vert_spv, view_ball_frag_spv},
+        frustum{view_frustum_vert_spv, view_frustum_frag_spv};
+    const struct {
+        const char* name;
+        GraphicsProgram& program;
+        const Stages& stages;
+        DrawDepth depth;
+    } programs[] = {{"shadows", made.shadow_, shadow, DrawDepth::ignored},
+                    {"threads", made.thread_, thread, DrawDepth::nearest},
+                    {"balls", made.solid_.ball, ball, DrawDepth::nearest},
+                    {"frusta", made.solid_.frustum, frustum, DrawDepth::nearest},
+                    {"bubbles", made.veil_.ball, ball, DrawDepth::in_front},
+                    {"rods", made.veil_.frustum, frustum, DrawDepth::in_front},
+                    {"hidden bubbles", made.hidden_veil_.ball, ball, DrawDepth::behind},
+                    {"hidden rods", made.hidden_veil_.frustum, frustum, DrawDepth::behind}};
+    for (const auto& [name, program, stages, depth] : programs) {
+        const bool is_shadow = &stages == &shadow;
+        GraphicsLook look;
+        look.vertex = stages.vertex;
+        look.fragment = stages.fragment;
+        look.push_bytes = sizeof(MarksPush);
+        look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        if (is_shadow) look.bindings.push_back(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE);
+        look.colour_format = VK_FORMAT_R8G8B8A8_SRGB;
+        look.depth = depth;
+        look.blend = is_shadow ? DrawBlend::multiplied : DrawBlend::over;
+        TRY_ASSIGN(program, GraphicsProgram::create(*device, name, look));
+    }
+    TRY_ASSIGN(made.pattern_, make_frustum_pattern(*device));
+    return made;
+}
+
+/// All records in one buffer: solids, then veils; threads, with a point more that is joined to none; shadows.
+Result<GpuBuffer> FingerDrawing::upload(const ViewCamera& camera, Parts& parts) {
+    std::size_t bytes = 0;
+    const auto add = [&](Part& part, std::size_t count, std::size_t size) {
+        constexpr std::size_t alignment = 256;  // of no device more
+        part = {(bytes + alignment - 1) / alignment * alignment, std::max<std::size_t>(count, 1) * size};
+        bytes = part.offset + part.bytes;
+    };
+    add(parts.solids, shapes_.solids.size() + shapes_.veils.size(), sizeof(SolidRecord));
+    add(parts.threads, shapes_.threads.size() + 1, sizeof(ThreadRecord));
+    add(parts.shadows, shapes_.shadows.size(), sizeof(ShadowRecord));
+    // Room for what a finger's trail may grow to, so that the next pictures need no more.
+    constexpr std::size_t step = 16384;
+    TRY_ASSIGN(auto buffer, uploads_.take("fingers", (bytes + step - 1) / step * step));
+    std::byte* to = buffer.mapped<std::byte>().data();
+    auto* solid = reinterpret_cast<SolidRecord*>(to + parts.solids.offset);
+    for (const auto* solids : {&shapes_.solids, &shapes_.veils})
+        for (const Solid& each : *solids) *solid++ = record_of(each);
+    auto* point = reinterpret_cast<ThreadRecord*>(to + parts.threads.offset);
+    for (const ThreadPoint& each : shapes_.threads)
+        *point++ = {glm::vec4(each.at, each.radius), glm::vec4(each.light, each.is_joined ? 1 : 0)};
+    *point = {};
+    auto* shadow = reinterpret_cast<ShadowRecord*>(to + parts.shadows.offset);
+    for (const BallShadow& each : shapes_.shadows) *shadow++ = record_of(each, camera);
+    return buffer;
+}
+
+void FingerDrawing::draw_shadows(GpuCommands& commands, const GpuBuffer& records, const Part& part,
+                                 const GpuImage& colour, const GpuImage& z) const {
+    record_transition(commands, z, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                      VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
+    begin_drawing(commands, {colour, nullptr, true});
+    shadow_.bind(commands, MarksPush{}, {{records, part.offset, part.bytes}, z});
+    vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(shapes_.shadows.size()), 0, 0);
+    end_drawing(commands);
+    record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
+                      VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+}
+
+void FingerDrawing::draw_solids(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& records,
+                                const Parts& parts) const {
+    const VkCommandBuffer drawing = commands.handle();
+    if (shapes_.threads.size() > 1) {
+        thread_.bind(commands, push_of(camera, false, false),
+                     {{records, parts.threads.offset, parts.threads.bytes}});
+        vkCmdDraw(drawing, 6, static_cast<std::uint32_t>(shapes_.threads.size() - 1), 0, 0);
+    }
+    vkCmdBindIndexBuffer(drawing, pattern_.handle(), 0, VK_INDEX_TYPE_UINT16);
+    commands.keep(pattern_.keep_alive());
+    const auto draw = [&](const GraphicsProgram& program, bool is_veil, bool is_behind, std::size_t first,
+                          std::size_t count, bool are_balls) {
+        if (count == 0) return;
+        program.bind(commands, push_of(camera, is_veil, is_behind),
+                     {{records, parts.solids.offset, parts.solids.bytes}});
+        const auto at = static_cast<std::uint32_t>(first), many = static_cast<std::uint32_t>(count);
+        if (are_balls)
+            vkCmdDraw(drawing, 6, many, 0, at);
+        else
+            vkCmdDrawIndexed(drawing, frustum_indices, many, 0, 0, at);
+    };
+    const auto balls_in = [](const std::vector<Solid>& solids) {
+        return static_cast<std::size_t>(
+            std::count_if(solids.begin(), solids.end(), [](const Solid& solid) { return solid.is_ball; }));
+    };
+    const std::size_t solids = shapes_.solids.size(), balls = balls_in(shapes_.solids);
+    draw(solid_.ball, false, false, 0, balls, true);
+    draw(solid_.frustum, false, false, balls, solids - balls, false);
+    const std::size_t bubbles = balls_in(shapes_.veils), rods = shapes_.veils.size() - bubbles;
+    draw(hidden_veil_.frustum, true, true, solids, rods, false);
+    draw(veil_.frustum, true, false, solids, rods, false);
+    draw(hidden_veil_.ball, true, true, solids + rods, bubbles, true);
+    draw(veil_.ball, true, false, solids + rods, bubbles, true);
+}
+
+Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const FingerMark> fingers,
+                                   const MarkSizes& sizes, const ViewCamera& camera, const GpuImage& colour,
+                                   const GpuImage& z) {
+    if (fingers.empty()) return {};
+    shape_fingers(fingers, sizes, camera.eye, shapes_);
+    // Balls before frusta, but for veils, where rods are first already.
+    std::stable_partition(shapes_.solids.begin(), shapes_.solids.end(),
+                          [](const Solid& solid) { return solid.is_ball; });
+    Parts parts;
+    TRY_ASSIGN(const auto records, upload(camera, parts));
+    // Colours as light: it is light that shadows and veils take away and mix.
+    record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    draw_shadows(commands, records, parts.shadows, colour, z);
+    record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    begin_drawing(commands, {colour, &z, true});
+    draw_solids(commands, camera, records, parts);
+    end_drawing(commands);
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,421 @@
+#include "player/draw/legends.hpp"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <iterator>
+#include <memory>
+
+#include "engine/base/words.hpp"
+#include "player/draw/finger_marks.hpp"
+
+// Colours of a scale, overlays by name, and panels of words and signs in a corner of a picture, all of one
+// style: a legend of fingers, a bar of a scale. Drawn by Cairo, in pixels of a picture of 720 lines.
+
+namespace touchable {
+namespace {
+
+namespace panel {
+
+constexpr double margin = 16, padding = 12, row_height = 24, text_size = 14;
+
+/// A picture's size in such pixels, and how many of its own each is.
+struct Frame {
+    double width, height, scale;
+};
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
+
+/// The colour of words and signs, 0 to 1.
+void ink(cairo_t* c, double opacity) {
+    cairo_set_source_rgba(c, 0.93, 0.94, 0.96, opacity);
+}
+
+/// A dark ground for words; x and y of its upper left.
+void ground(cairo_t* c, double x, double y, double width, double height) {
+    cairo_set_source_rgba(c, 0.05, 0.06, 0.08, 0.72);
+    cairo_rectangle(c, x, y, width, height);
+    cairo_fill(c);
+}
+
+double text_width(cairo_t* c, const std::string& text) {
+    cairo_text_extents_t extents;
+    cairo_text_extents(c, text.c_str(), &extents);
+    return extents.x_advance;
+}
+
+/// Draws into an image of RGB, 8 bits. Nothing into one below 480x270, where it would hide the scene.
+/// `name`: of what is drawn, for messages.
+Result<void> draw(Image& image, const std::string& name,
+                  const std::function<void(cairo_t*, const Frame&)>& drawing) {
+    if (image.width < 480 || image.height < 270) return {};
+    // Cairo's pixels are words of the host: red, green and blue from bit 16 down.
+    std::vector<std::uint32_t> words(image.samples.size() / 3);
+    for (std::size_t k = 0; k < words.size(); ++k)
+        words[k] = std::uint32_t{image.samples[3 * k]} << 16 | std::uint32_t{image.samples[3 * k + 1]} << 8 |
+                   image.samples[3 * k + 2];
+    auto* memory = static_cast<unsigned char*>(static_cast<void*>(words.data()));
+    const Surface surface(cairo_image_surface_create_for_data(memory, CAIRO_FORMAT_RGB24, image.width,
+                                                              image.height, 4 * image.width),
+                          cairo_surface_destroy);
+    const Context context(cairo_create(surface.get()), cairo_destroy);
+    // Grows with the picture; a small one has the smallest letters that can be read.
+    const double scale = std::max(std::min(image.height / 720.0, image.width / 900.0), 0.8);
+    cairo_scale(context.get(), scale, scale);
+    cairo_select_font_face(context.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(context.get(), text_size);
+    drawing(context.get(), {image.width / scale, image.height / scale, scale});
+    cairo_surface_flush(surface.get());
+    if (const cairo_status_t status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS)
+        return Error{ErrorKind::internal,
+                     "the " + name + " cannot be drawn: " + cairo_status_to_string(status)};
+    for (std::size_t k = 0; k < words.size(); ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            image.samples[3 * k + channel] = static_cast<std::uint8_t>(words[k] >> (16 - 8 * channel) & 255U);
+    return {};
+}
+
+}  // namespace panel
+
+// Of the legend.
+constexpr double icon_width = 92;
+constexpr double longest_arrow = icon_width - 16;
+constexpr double first_dot = 60, dot_distance = 32;
+constexpr int fingers_at_most = 10;  // that have a colour of their own
+
+void colour_ink(cairo_t* c, PackedColour colour) {
+    cairo_set_source_rgb(c, (colour & 255U) / 255.0, (colour >> 8 & 255U) / 255.0,
+                         (colour >> 16 & 255U) / 255.0);
+}
+
+void disc(cairo_t* c, double x, double y, double radius) {
+    cairo_new_path(c);
+    cairo_arc(c, x, y, radius, 0, 2 * 3.141592653589793);
+    cairo_fill(c);
+}
+
+void arrow(cairo_t* c, double x, double y, double length) {
+    const double head = std::min(11.0, 0.6 * length);
+    cairo_set_line_width(c, 4);
+    cairo_move_to(c, x, y);
+    cairo_line_to(c, x + length - head, y);
+    cairo_stroke(c);
+    cairo_move_to(c, x + length, y);
+    cairo_line_to(c, x + length - head, y - 5.5);
+    cairo_line_to(c, x + length - head, y + 5.5);
+    cairo_fill(c);
+}
+
+void thread(cairo_t* c, double x, double y) {
+    cairo_move_to(c, x, y + 2.5);
+    cairo_curve_to(c, x + 0.4 * icon_width, y - 9, x + 0.5 * icon_width, y + 8, x + longest_arrow, y - 1.5);
+    cairo_line_to(c, x + longest_arrow, y + 1.5);
+    cairo_curve_to(c, x + 0.5 * icon_width, y + 11, x + 0.4 * icon_width, y - 6, x, y + 2.5);
+    cairo_fill(c);
+}
+
+void finger_dots(cairo_t* c, double x, double y, int fingers) {
+    cairo_move_to(c, x, y + 5);
+    cairo_show_text(c, "finger");
+    for (int k = 0; k < fingers; ++k) {
+        colour_ink(c, finger_colour(static_cast<std::size_t>(k)));
+        disc(c, x + first_dot + dot_distance * k, y, 6);
+        panel::ink(c, 1);
+        const std::string number = std::to_string(k);
+        cairo_move_to(c, x + first_dot + 10 + dot_distance * k, y + 5);
+        cairo_show_text(c, number.c_str());
+    }
+}
+
+void draw_panel(cairo_t* c, const Legend& legend, double bottom) {
+    const int fingers = static_cast<int>(std::min<std::size_t>(legend.fingers, fingers_at_most));
+    const double newtons = scale_newtons(legend.pixels_per_newton, longest_arrow);
+    const std::string force = formatted("force on the finger; this long: %g N", newtons);
+    const char* texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)",
+                           force.c_str(), "its way while it touched, 0.5 s at most"};
+    double widest = first_dot + dot_distance * fingers - icon_width;
+    for (const char* text : texts) widest = std::max(widest, panel::text_width(c, text));
+    const double height = 5 * panel::row_height + 2 * panel::padding, top = bottom - panel::margin - height;
+    panel::ground(c, panel::margin, top, 2 * panel::padding + icon_width + widest, height);
+    const double x = panel::margin + panel::padding, text_x = x + icon_width;
+    auto row = [&](int number) { return top + panel::padding + panel::row_height * (number + 0.5); };
+    panel::ink(c, 1);
+    for (int k = 0; k < 4; ++k) {
+        cairo_move_to(c, text_x, row(k) + 5);
+        cairo_show_text(c, texts[k]);
+    }
+    const double middle = x + 0.5 * longest_arrow;
+    disc(c, middle, row(0), 8);
+    panel::ink(c, 0.45);
+    disc(c, middle, row(1), 8);
+    panel::ink(c, 1);
+    arrow(c, x, row(2), newtons * legend.pixels_per_newton);
+    thread(c, x, row(3));
+    finger_dots(c, x, row(4), fingers);
+}
+
+// Of a scale.
+constexpr double bar_width = 280, bar_height = 14, swatch = 14, between_marks = 12, mark_height = 5;
+
+/// With as many decimals as a distance from one mark to the next needs.
+std::string number(double value, double step) {
+    const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 9);
+    return formatted("%.*f", decimals, value == 0 ? 0.0 : value);
+}
+
+std::vector<ScaleMark> marks_at(const ValueRange& range, double step) {
+    std::vector<ScaleMark> marks;
+    const double slack = 1e-9 * (range.greatest - range.least);
+    for (double k = std::ceil((range.least - slack) / step); k * step <= range.greatest + slack; ++k)
+        marks.push_back({k * step, number(k * step, step)});
+    return marks;
+}
+
+/// Where a panel goes: the lower right; the upper one where the legend would be in its way.
+struct Corner {
+    double left, top;
+};
+Corner corner_for(double width, double height, const panel::Frame& frame) {
+    constexpr double beside_the_legend = 820;
+    const double left = frame.width - panel::margin - width;
+    if (frame.width < beside_the_legend) return {left, panel::margin};
+    return {left, frame.height - panel::margin - height};
+}
+
+void draw_words(cairo_t* c, double x, double y, const std::string& words) {
+    panel::ink(c, 1);
+    cairo_move_to(c, x, y);
+    cairo_show_text(c, words.c_str());
+}
+
+void draw_classes(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+    double widest = panel::text_width(c, scale.name);
+    for (const auto& one : scale.classes)
+        widest = std::max(widest, swatch + 10 + panel::text_width(c, one.words));
+    const double rows = 1.0 + static_cast<double>(scale.classes.size());
+    const double width = widest + 2 * panel::padding, height = rows * panel::row_height + 2 * panel::padding;
+    const auto [left, top] = corner_for(width, height, frame);
+    panel::ground(c, left, top, width, height);
+    const double x = left + panel::padding;
+    double y = top + panel::padding + 0.5 * panel::row_height;
+    draw_words(c, x, y + 5, scale.name);
+    for (const auto& one : scale.classes) {
+        y += panel::row_height;
+        colour_ink(c, one.colour);
+        cairo_rectangle(c, x, y - swatch / 2, swatch, swatch);
+        cairo_fill(c);
+        draw_words(c, x + swatch + 10, y + 5, one.words);
+    }
+}
+
+void draw_ramp(cairo_t* c, double x, double y, bool backward) {
+    constexpr int steps = 256;
+    cairo_set_antialias(c, CAIRO_ANTIALIAS_NONE);  // or seams show between them
+    for (int k = 0; k < steps; ++k) {
+        const double share = static_cast<double>(k) / (steps - 1);
+        colour_ink(c, ramp_colour(backward ? 1 - share : share));
+        cairo_rectangle(c, x + bar_width * k / steps, y, bar_width - bar_width * k / steps, bar_height);
+        cairo_fill(c);
+    }
+    cairo_set_antialias(c, CAIRO_ANTIALIAS_DEFAULT);
+}
+
+/// The same everywhere: one colour, and why.
+void draw_even(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+    OverlayScale one;
+    one.name = scale.name;
+    one.classes = {{ramp_colour(0.5), scale.everywhere()}};
+    draw_classes(c, one, frame);
+}
+
+/// Words below the bar, in pixels from its left end.
+struct PlacedMark {
+    double at;
+    std::string text;
+};
+
+/// Round values where they lie evenly; otherwise the scale's levels, which lie at equal distances.
+std::vector<PlacedMark> placed_marks(cairo_t* c, const OverlayScale& scale) {
+    std::vector<PlacedMark> placed;
+    for (const double level : scale.levels) {
+        const auto steps = static_cast<double>(scale.levels.size() - 1);
+        placed.push_back({bar_width * static_cast<double>(placed.size()) / steps, formatted("%.3g", level)});
+    }
+    if (!placed.empty()) return placed;
+    const auto place_of = [&](double value) {
+        return bar_width * (value - scale.range.least) / (scale.range.greatest - scale.range.least);
+    };
+    const auto fits = [&](const std::vector<ScaleMark>& marks) {
+        double end = -1e9;
+        for (const ScaleMark& mark : marks) {
+            const double half = panel::text_width(c, mark.text) / 2;
+            if (place_of(mark.value) - half < end + between_marks) return false;
+            end = place_of(mark.value) + half;
+        }
+        return true;
+    };
+    for (const ScaleMark& mark : scale_marks(scale.range, fits))
+        placed.push_back({place_of(mark.value), mark.text});
+    return placed;
+}
+
+void draw_bar(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+    const auto marks = placed_marks(c, scale);
+    // Words of the first and the last mark may stand out beyond the bar.
+    const double over = std::max(panel::text_width(c, marks.front().text) / 2 - marks.front().at,
+                                 panel::text_width(c, marks.back().text) / 2 + marks.back().at - bar_width);
+    const double side = panel::padding + std::max(0.0, over);
+    const double width = bar_width + 2 * side,
+                 height = 2 * panel::row_height + bar_height + mark_height + 2 * panel::padding;
+    const auto [left, top] = corner_for(width, height, frame);
+    panel::ground(c, left, top, width, height);
+    const double x = left + side, y = top + panel::padding + panel::row_height;
+    draw_words(c, x, y - 8, scale.title());
+    draw_ramp(c, x, y, scale.least_is_light);
+    cairo_set_line_width(c, 1.5);
+    for (const PlacedMark& mark : marks) {
+        const double at = x + mark.at;
+        panel::ink(c, 1);
+        cairo_move_to(c, at, y + bar_height);
+        cairo_line_to(c, at, y + bar_height + mark_height);
+        cairo_stroke(c);
+        draw_words(c, at - panel::text_width(c, mark.text) / 2, y + bar_height + mark_height + 16, mark.text);
+    }
+}
+
+constexpr struct {
+    Overlay overlay;
+    const char* name;
+} overlay_names[] = {{Overlay::colour, "colour"},
+                     {Overlay::depth, "depth"},
+                     {Overlay::depth_linear, "depth-linear"},
+                     {Overlay::stiffness, "stiffness"},
+                     {Overlay::static_friction, "friction"},
+                     {Overlay::dynamic_friction, "dynamic-friction"},
+                     {Overlay::height, "height"},
+                     {Overlay::normals, "normals"},
+                     {Overlay::tiles, "tiles"},
+                     {Overlay::validity, "validity"}};
+
+/// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
+glm::dvec3 linear_rgb(double lightness, double a, double b) {
+    const auto cube = [](double x) { return x * x * x; };
+    const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b),
+                 m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b),
+                 s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
+    return {4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+            -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+            -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
+}
+
+std::uint32_t byte_of_light(double light_share) {
+    const double x = std::clamp(light_share, 0.0, 1.0);
+    const double srgb = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+    return static_cast<std::uint32_t>(255 * srgb + 0.5);
+}
+
+}  // namespace
+
+std::string name_of(Overlay overlay) {
+    for (const auto& named : overlay_names)
+        if (named.overlay == overlay) return named.name;
+    return "";
+}
+
+Result<Overlay> overlay_after(Overlay now, const std::string& name) {
+    std::string known;
+    for (std::size_t k = 0; k < std::size(overlay_names); ++k) {
+        if (name.empty() && overlay_names[k].overlay == now)
+            return overlay_names[(k + 1) % std::size(overlay_names)].overlay;
+        if (name == overlay_names[k].name) return overlay_names[k].overlay;
+        known += (known.empty() ? "" : ", ") + std::string(overlay_names[k].name);
+    }
+    return usage_error("there is no overlay '" + name + "'; there are " + known);
+}
+
+double OverlayScale::share_of(double value) const {
+    if (!(range.greatest > range.least)) return 0.5;
+    const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
+    return least_is_light ? 1 - share : share;
+}
+
+std::string OverlayScale::title() const {
+    return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
+}
+
+std::string OverlayScale::everywhere() const {
+    if (!classes.empty() || range.greatest > range.least) return "";
+    const auto words = [this](double value) {
+        return formatted("%.4g", value) + (unit.empty() ? "" : " " + unit);
+    };
+    return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
+           (at_holes ? "; " + words(*at_holes) + " at holes" : "");
+}
+
+const std::array<PackedColour, 256>& colour_ramp() {
+    static const std::array<PackedColour, 256> ramp = [] {
+        // In OKLab: lightness of the ends, and a curve of second order through colour, whose middle control
+        // point is green. All of it is within what screens show.
+        constexpr double dark = 0.28, light = 0.95;
+        constexpr glm::dvec2 blue(0.03, -0.13), green(-0.13, 0), yellow(-0.035, 0.12);
+        std::array<PackedColour, 256> made;
+        for (std::size_t k = 0; k < made.size(); ++k) {
+            const double share = static_cast<double>(k) / 255, rest = 1 - share;
+            const glm::dvec2 ab = rest * rest * blue + 2 * share * rest * green + share * share * yellow;
+            const glm::dvec3 rgb = linear_rgb(glm::mix(dark, light, share), ab.x, ab.y);
+            made[k] = pack_colour(byte_of_light(rgb.r), byte_of_light(rgb.g), byte_of_light(rgb.b));
+        }
+        return made;
+    }();
+    return ramp;
+}
+
+PackedColour ramp_colour(double share) {
+    return colour_ramp()[static_cast<std::size_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5)];
+}
+
+double scale_newtons(double pixels_per_newton, double pixels) {
+    const double most = pixels / pixels_per_newton;
+    const double power = std::pow(10.0, std::floor(std::log10(most)));
+    for (const double step : {5.0, 2.0})
+        if (step * power <= most) return step * power;
+    return power;
+}
+
+Result<void> draw_legend(const Legend& legend, Image& image) {
+    if (!(legend.pixels_per_newton > 0)) return {};
+    return panel::draw(image, "legend", [&](cairo_t* c, const panel::Frame& frame) {
+        draw_panel(c, {legend.fingers, legend.pixels_per_newton / frame.scale}, frame.height);
+    });
+}
+
+std::vector<ScaleMark> scale_marks(const ValueRange& range,
+                                   const std::function<bool(const std::vector<ScaleMark>&)>& fits) {
+    const double size = range.greatest - range.least;
+    // From too close together to too far apart.
+    double power = std::pow(10.0, std::floor(std::log10(size)) - 1);
+    for (int tries = 0; tries < 3; ++tries, power *= 10)
+        for (const double step : {1.0, 2.0, 5.0}) {
+            auto marks = marks_at(range, step * power);
+            if (marks.size() >= 2 && fits(marks)) return marks;
+        }
+    const double step = power / 100, middle = 0.5 * (range.least + range.greatest);
+    const double value = std::floor(middle / step + 0.5) * step;
+    return {{value, number(value, step)}};
+}
+
+Result<void> draw_scale_bar(const OverlayScale& scale, Image& image) {
+    return panel::draw(image, "scale", [&](cairo_t* c, const panel::Frame& frame) {
+        if (!scale.classes.empty()) return draw_classes(c, scale, frame);
+        if (!(scale.range.greatest > scale.range.least)) return draw_even(c, scale, frame);
+        draw_bar(c, scale, frame);
+    });
+}
+
+}  // namespace touchable

@@ -1,0 +1,543 @@
+#include "player/draw/view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <set>
+#include <string_view>
+
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "shaders/cut_rule.h"
+
+// The camera of a viewpoint, and what a line of sight meets. A line of sight is straight in the lattice too,
+// in (x, y, q), so it is followed from one line of the lattice to the next.
+
+namespace touchable {
+namespace {
+
+constexpr double degree = pi / 180.0;
+
+/// Share of the distance to what is looked at that lies before the near plane. As small as that of the clip's
+/// own view, or what is near would be cut off as soon as that is turned; nearness of z is as precise at any.
+constexpr double near_share = 1e-3;
+
+/// Rows to the columns that GLM wants.
+glm::dmat4 from_rows(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& z, const glm::dvec4& w) {
+    return glm::transpose(glm::dmat4(x, y, z, w));
+}
+
+/// (x, y, 1, q) -> homogeneous world point ((x - cx)/fx, -(y - cy)/fy, -1, q).
+glm::dmat4 world_from_lattice(const Camera& camera) {
+    return from_rows({1.0 / camera.fx, 0, -camera.cx / camera.fx, 0},
+                     {0, -1.0 / camera.fy, camera.cy / camera.fy, 0}, {0, 0, -1, 0}, {0, 0, 0, 1});
+}
+
+/// Lens of the focal lengths and centre given, all in pixels of the picture.
+glm::dmat4 lens(glm::dvec2 focal, glm::dvec2 centre, int width, int height, double near) {
+    const glm::dvec2 half(width / 2.0, height / 2.0);
+    return from_rows({focal.x / half.x, 0, 1.0 - centre.x / half.x, 0},
+                     {0, -focal.y / half.y, 1.0 - centre.y / half.y, 0}, {0, 0, 0, near}, {0, 0, -1, 0});
+}
+
+double fit(const Scene& scene, int width, int height) {
+    return std::min(static_cast<double>(width) / scene.width, static_cast<double>(height) / scene.height);
+}
+
+/// Where the clip's camera has its axis in the clip's own view, pixels.
+glm::dvec2 axis_of(const Scene& scene, int width, int height) {
+    const double scale = fit(scene, width, height);
+    const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
+    return margin + scale * glm::dvec2(scene.camera.cx + 0.5, scene.camera.cy + 0.5);
+}
+
+/// An eye, before which the world's points are `eye_from_world`'s, and its lens.
+struct Sight {
+    glm::dmat4 eye_from_world{1.0};
+    glm::dvec3 eye{0.0};
+    glm::dvec2 focal, centre;  // pixels
+    double near;               // scene units
+};
+
+ViewCamera view_of(const Sight& sight, const Scene& scene, int width, int height) {
+    ViewCamera view;
+    view.clip_from_world = lens(sight.focal, sight.centre, width, height, sight.near) * sight.eye_from_world;
+    view.clip_from_lattice = view.clip_from_world * world_from_lattice(scene.camera);
+    view.eye = sight.eye;
+    view.width = width;
+    view.height = height;
+    view.near = sight.near;
+    view.focal = std::max(sight.focal.x, sight.focal.y);
+    return view;
+}
+
+/// Of an orbit's eye: unit vectors to the right, up, and back to the eye from what it looks at.
+struct Axes {
+    glm::dvec3 right, up, back;
+};
+
+Axes orbit_axes(const Viewpoint& viewpoint) {
+    const double az = viewpoint.azimuth * degree, el = viewpoint.elevation * degree;
+    const glm::dvec3 back(sine(az) * cosine(el), sine(el), cosine(az) * cosine(el));
+    const glm::dvec3 right(cosine(az), 0, -sine(az));
+    return {right, glm::cross(back, right), back};
+}
+
+/// Pixels.
+glm::dvec2 orbit_focal(const Viewpoint& viewpoint, const Scene& scene, int width, int height) {
+    if (!viewpoint.fov) return glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
+    const double half = *viewpoint.fov * 0.5 * degree;
+    return glm::dvec2(height / 2.0 * cosine(half) / sine(half));
+}
+
+ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                      int height) {
+    const auto [right, up, back] = orbit_axes(viewpoint);
+    const double distance = -centre.z / viewpoint.zoom.value_or(1.0);
+    const glm::dvec3 eye = centre + distance * back;
+    const glm::dmat4 eye_from_world = from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)},
+                                                {back, -glm::dot(back, eye)}, {0, 0, 0, 1});
+    const glm::dvec2 focal = orbit_focal(viewpoint, scene, width, height);
+    const glm::dvec2 middle =
+        viewpoint.keeps_axis ? axis_of(scene, width, height) : glm::dvec2(width / 2.0, height / 2.0);
+    return view_of({eye_from_world, eye, focal, middle, near_share * distance}, scene, width, height);
+}
+
+/// What is wrong with "key=value" of an orbit; nothing where it is right. `read`: the keys before it.
+std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint,
+                                      std::set<std::string_view>& read) {
+    double zoom = 0, fov = 0;
+    const struct {
+        std::string_view key;
+        double least, most;
+        double* value;
+    } keys[] = {{"az", -180, 180, &viewpoint.azimuth},
+                {"el", -89, 89, &viewpoint.elevation},
+                {"zoom", 0.1, 20, &zoom},
+                {"fov", 5, 120, &fov}};
+    const std::size_t equals = word.find('=');
+    for (const auto& key : keys) {
+        if (equals == std::string_view::npos || word.substr(0, equals) != key.key) continue;
+        if (!read.insert(key.key).second) return std::string(key.key) + " is given twice; give it once";
+        const std::string_view digits = word.substr(equals + 1);
+        const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), *key.value);
+        if (failure == std::errc() && end == digits.data() + digits.size() && *key.value >= key.least &&
+            *key.value <= key.most) {
+            if (key.value == &fov) viewpoint.fov = fov;
+            if (key.value == &zoom) viewpoint.zoom = zoom;
+            return std::nullopt;
+        }
+        return std::string(key.key) + formatted(" must be a number from %g to %g", key.least, key.most);
+    }
+    return std::string("'").append(word).append("' is none of az=, el=, zoom=, fov=");
+}
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// A line of sight as the lattice sees it: (x, y, q), straight there too. Between the planes before and
+/// behind all surfaces, and within the picture.
+struct LatticeWay {
+    glm::dvec3 begin, end;
+    glm::dvec3 at(double s) const { return begin + s * (end - begin); }
+};
+
+/// The part of [t0, t1] where `from` + t `change` is not negative, of both: empty where t0 > t1.
+void keep_positive(double from, double change, double& t0, double& t1) {
+    if (change > 0)
+        t0 = std::max(t0, -from / change);
+    else if (change < 0)
+        t1 = std::min(t1, -from / change);
+    else if (from < 0)
+        t1 = -1;
+}
+
+/// Depths as they are coded are up to so many times as long as planar ones, within a part of the picture.
+double longest_ray(const HeightField& field, double left, double top, double right, double bottom) {
+    if (field.scene().depth.semantics == DepthSemantics::planar) return 1;
+    const Camera& camera = field.scene().camera;
+    return std::max({camera.ray_length(left, top), camera.ray_length(right, top),
+                     camera.ray_length(left, bottom), camera.ray_length(right, bottom)});
+}
+double longest_ray(const HeightField& field) {
+    return longest_ray(field, 0, 0, field.width() - 1, field.height() - 1);
+}
+
+/// How near what is drawn over a cell may be.
+class NearestDrawn {
+public:
+    explicit NearestDrawn(const HeightField& field) : field_(field) {}
+    /// No q is greater there: of the tiles around the cell's own too, whose edges may reach it, and as far as
+    /// an edge goes on (shaders/edge_rule.h).
+    double greatest_q(int i, int j) {
+        const TileGrid tiles = field_.tiles();
+        const int x = tiles.column_of_cell(i), y = tiles.row_of_cell(j);
+        if (x == x_ && y == y_) return q_;
+        x_ = x;
+        y_ = y;
+        double nearest = never;
+        for (int row = std::max(y - 1, 0); row <= std::min(y + 1, tiles.tiles_y - 1); ++row)
+            for (int column = std::max(x - 1, 0); column <= std::min(x + 1, tiles.tiles_x - 1); ++column)
+                nearest = std::min(nearest, field_.nearest_depth(column, row));
+        constexpr int side = TileGrid::cells;
+        const double longest =
+            longest_ray(field_, side * (x - 1), side * (y - 1), side * (x + 2), side * (y + 2));
+        q_ = nearest > 0 ? static_cast<double>(CUT_RULE_RATIO) * longest / nearest : never;
+        return q_;
+    }
+
+private:
+    const HeightField& field_;
+    int x_ = -1, y_ = -1;  // the tile that q_ is of
+    double q_ = never;
+};
+
+std::optional<LatticeWay> way_of(const ViewRay& ray, double near, double farthest, const HeightField& field) {
+    const Camera& camera = field.scene().camera;
+    const double width = field.width() - 1, height = field.height() - 1;
+    // Planar depth k, and x and y times that, along the ray: linear in t.
+    const auto lattice = [&](const glm::dvec3& p) {
+        return glm::dvec3(camera.fx * p.x - camera.cx * p.z, -camera.fy * p.y - camera.cy * p.z, -p.z);
+    };
+    const glm::dvec3 from = lattice(ray.eye), change = lattice(ray.direction);
+    const double least = 0.5 * field.nearest_depth_anywhere() / longest_ray(field),
+                 most = 1.001 * field.scene().depth.far;
+    double t0 = near, t1 = farthest;
+    keep_positive(from.z - least, change.z, t0, t1);
+    keep_positive(most - from.z, -change.z, t0, t1);
+    keep_positive(from.x, change.x, t0, t1);
+    keep_positive(width * from.z - from.x, width * change.z - change.x, t0, t1);
+    keep_positive(from.y, change.y, t0, t1);
+    keep_positive(height * from.z - from.y, height * change.z - change.y, t0, t1);
+    if (!(t0 <= t1) || !std::isfinite(t1)) return std::nullopt;
+    const auto seen = [&](double t) {
+        const glm::dvec3 p = from + t * change;
+        // Clipped where the picture ends, but for a rounding.
+        return glm::dvec3(std::clamp(p.x / p.z, 0.0, width), std::clamp(p.y / p.z, 0.0, height), 1 / p.z);
+    };
+    return LatticeWay{seen(t0), seen(t1)};
+}
+
+/// Where a way crosses the lines of one family (x, y, or x - y whole), in order.
+class Crossings {
+public:
+    Crossings(double begin, double end)
+        : begin_(begin), change_(end - begin), line_(change_ > 0 ? std::floor(begin) : std::ceil(begin)) {
+        advance();
+    }
+    double next() const { return next_; }
+    void advance() {
+        line_ += change_ > 0 ? 1 : -1;
+        next_ = change_ == 0 ? never : (line_ - begin_) / change_;
+    }
+
+private:
+    double begin_, change_, line_, next_ = never;
+};
+
+/// The triangle that a place of the picture is in.
+struct Triangle {
+    std::array<glm::dvec3, 3> corners;  // (x, y, q)
+
+    double q_at(double x, double y) const {
+        const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
+        const double area = a.x * b.y - a.y * b.x, px = x - corners[0].x, py = y - corners[0].y;
+        return corners[0].z + ((px * b.y - py * b.x) * a.z + (a.x * py - a.y * px) * b.z) / area;
+    }
+};
+
+/// The cell that a place of the picture is in.
+std::array<int, 2> cell_at(int width, int height, double x, double y) {
+    return {static_cast<int>(std::clamp(std::floor(x), 0.0, width - 2.0)),
+            static_cast<int>(std::clamp(std::floor(y), 0.0, height - 2.0))};
+}
+
+/// Of what is felt.
+Triangle triangle_at(const HeightField& field, double x, double y) {
+    const auto [i, j] = cell_at(field.width(), field.height(), x, y);
+    const bool lower = x - i >= y - j;
+    const std::array<std::array<int, 2>, 3> at{
+        {{i, j}, {i + 1, lower ? j : j + 1}, {lower ? i + 1 : i, j + 1}}};
+    const Scene& scene = field.scene();
+    Triangle out{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double depth = field.vertex(at[k][0], at[k][1]).depth;
+        out.corners[k] = {at[k][0], at[k][1],
+                          1 / planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], depth)};
+    }
+    return out;
+}
+
+/// Where the way goes through a triangle between s0 and s1, within which it has only this one under it.
+/// `front`: it comes from before it.
+struct Meeting {
+    double s;
+    bool front;
+};
+std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, double s0, double s1) {
+    const auto before = [&](double s) {
+        const glm::dvec3 at = way.at(s);
+        return at.z - triangle.q_at(at.x, at.y);
+    };
+    const double first = before(s0), last = before(s1);
+    if (first == last || (first >= 0) == (last >= 0)) return std::nullopt;
+    return Meeting{s0 + (s1 - s0) * (first / (first - last)), first >= 0};
+}
+
+/// Calls `take(place, s0, s1)` for every triangle under the way, in order, until it gives false; the place is
+/// in it.
+template <class Take>
+void for_each_place(const LatticeWay& way, const Take& take) {
+    Crossings columns(way.begin.x, way.end.x), rows(way.begin.y, way.end.y),
+        diagonals(way.begin.x - way.begin.y, way.end.x - way.end.y);
+    for (double s = 0; s < 1;) {
+        const double next = std::min({1.0, columns.next(), rows.next(), diagonals.next()});
+        for (Crossings* family : {&columns, &rows, &diagonals})
+            if (family->next() <= next) family->advance();
+        const double end = std::max(s, next);
+        if (!take(way.at(0.5 * (s + end)), s, end)) return;
+        s = end;
+    }
+}
+
+SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meeting& met, bool drawn,
+                   const ViewRay& ray) {
+    const glm::dvec3 at = way.at(met.s);
+    return {unproject(field.scene().camera, at.x, at.y, 1 / at.z),
+            at.x,
+            at.y,
+            1 / at.z,
+            ray.direction,
+            met.front,
+            drawn};
+}
+
+/// Where the way goes through a triangle that does not lie where its pixels do, from s0 to s1.
+std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattice::Triangle& triangle,
+                                        double s0, double s1) {
+    const glm::dvec3 &a = triangle.corners[0], b = triangle.corners[1] - a, c = triangle.corners[2] - a;
+    const double area = b.x * c.y - b.y * c.x;
+    if (!(area > 0)) return std::nullopt;
+    // (share of b, share of c, before it by so much) of a place, which is linear along the way.
+    const auto seen = [&](double s) {
+        const glm::dvec3 p = way.at(s) - a;
+        const double of_b = (p.x * c.y - p.y * c.x) / area, of_c = (b.x * p.y - b.y * p.x) / area;
+        return glm::dvec3(of_b, of_c, p.z - of_b * b.z - of_c * c.z);
+    };
+    const glm::dvec3 first = seen(s0), last = seen(s1);
+    if (first.z == last.z || (first.z >= 0) == (last.z >= 0)) return std::nullopt;
+    const double share = first.z / (first.z - last.z);
+    const double of_b = first.x + share * (last.x - first.x), of_c = first.y + share * (last.y - first.y);
+    if (of_b < 0 || of_c < 0 || of_b + of_c > 1) return std::nullopt;
+    return Meeting{s0 + (s1 - s0) * share, first.z >= 0};
+}
+
+/// The first of those, of the cell under a place and those around it.
+std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattice, const glm::dvec3& at,
+                                     double s0, double s1) {
+    const auto [i, j] = cell_at(lattice.width, lattice.height, at.x, at.y);
+    if (!lattice.is_near_edges(i, j)) return std::nullopt;
+    std::optional<Meeting> first;
+    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, lattice.height - 2); ++y)
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, lattice.width - 2); ++x)
+            for (const bool right : {true, false}) {
+                const DrawnLattice::Triangle triangle = lattice.triangle(x, y, right);
+                if (!triangle.moved) continue;
+                const auto met = meeting_anywhere(way, triangle, s0, s1);
+                if (met && (!first || met->s < first->s)) first = met;
+            }
+    return first;
+}
+
+/// Height that is taken off the depth that is drawn at a pixel, which has one.
+double height_at(const HeightField& field, const FramePair& pair, int x, int y) {
+    const double per_code = height_per_code(field.scene());
+    const auto of = [&](const SurfaceFrame& frame) {
+        return frame.heights.empty() ? 0.0 : per_code * frame.heights[frame.index(x, y)];
+    };
+    const SurfaceFrame &prev = *pair.prev.frame, &next = *pair.next.frame;
+    if (!(field.blend() > 0)) return of(prev);
+    const auto [before, after] = field.vertices_of_frames(x, y);
+    if (!are_mixed(field, before, after)) return of(field.blend() >= 0.5 ? next : prev);
+    return of(prev) + (of(next) - of(prev)) * field.blend();
+}
+
+}  // namespace
+
+Result<Viewpoint> parse_viewpoint(const std::string& words) {
+    Viewpoint viewpoint;
+    if (words == "own") {
+        viewpoint.own = true;
+        return viewpoint;
+    }
+    std::string_view rest = words;
+    if (!rest.starts_with("orbit") || (rest.size() > 5 && rest[5] != ':'))
+        return usage_error(
+            "view '" + words + "' is not known; there are own, and orbit such as " + usual_viewpoint,
+            {{Setting::view}});
+    rest.remove_prefix(std::min<std::size_t>(rest.size(), 6));
+    std::set<std::string_view> read;
+    while (!rest.empty()) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        if (const auto fault = read_orbit(rest.substr(0, comma), viewpoint, read))
+            return usage_error("view " + words + ": " + *fault, {{Setting::view}});
+        rest.remove_prefix(std::min(rest.size(), comma + 1));
+    }
+    return viewpoint;
+}
+
+std::optional<glm::dvec3> ViewCamera::project(const glm::dvec3& world) const {
+    const glm::dvec4 clip = clip_from_world * glm::dvec4(world, 1.0);
+    if (!(clip.z <= clip.w)) return std::nullopt;
+    return glm::dvec3((clip.x / clip.w + 1.0) * width / 2.0, (clip.y / clip.w + 1.0) * height / 2.0,
+                      clip.z / clip.w);
+}
+
+glm::dvec3 ViewCamera::unproject(double x, double y, double z) const {
+    const glm::dvec4 ndc(2.0 * x / width - 1.0, 2.0 * y / height - 1.0, z, 1.0);
+    const glm::dvec4 world = glm::inverse(clip_from_world) * ndc;
+    return glm::dvec3(world) / world.w;
+}
+
+ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
+    const Camera& camera = scene.camera;
+    const double scale = fit(scene, width, height);
+    return view_of({glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy),
+                    axis_of(scene, width, height), nearest},
+                   scene, width, height);
+}
+
+double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,
+                  std::span<const glm::dvec3> points, int width, int height) {
+    constexpr double margin = 0.93;     // of the picture
+    constexpr double outliers = 0.002;  // of the points
+    if (points.empty()) return 1;
+    const auto [right, up, back] = orbit_axes(viewpoint);
+    const glm::dvec2 reach =
+        orbit_focal(viewpoint, scene, width, height) / (margin * 0.5 * glm::dvec2(width, height));
+    // From how far away each point is in the picture: focal |right| / (distance - back) is at most half of
+    // it.
+    std::vector<double> distances;
+    distances.reserve(points.size());
+    for (const glm::dvec3& point : points) {
+        const glm::dvec3 from = point - centre;
+        distances.push_back(glm::dot(from, back) + std::max(reach.x * std::abs(glm::dot(from, right)),
+                                                            reach.y * std::abs(glm::dot(from, up))));
+    }
+    const auto at =
+        distances.end() - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(distances.size()));
+    std::nth_element(distances.begin(), at, distances.end());
+    return std::clamp(-centre.z / std::max(*at, -centre.z), 0.1, 1.0);
+}
+
+ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                     int height) {
+    // Nothing that a clip holds is nearer than a thousandth of its middle.
+    if (viewpoint.own) return own_view(scene, width, height, -centre.z * 1e-3);
+    return orbit_view(viewpoint, scene, centre, width, height);
+}
+
+Subject subject_of(const HeightField& field) {
+    Subject subject{{0, 0, -field.scene().depth.far}, {}};
+    // A hundred thousand pixels tell the middle as well as millions.
+    const int step = 1 + std::max(field.width(), field.height()) / 512;
+    const Scene& scene = field.scene();
+    for (int y = 0; y < field.height(); y += step)
+        for (int x = 0; x < field.width(); x += step) {
+            const FieldVertex vertex = drawn_vertex(field, x, y);
+            if (!vertex.valid || vertex.depth >= 0.999 * scene.depth.far) continue;
+            const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
+            subject.points.push_back(unproject(scene.camera, x, y, depth));
+        }
+    if (subject.points.empty()) return subject;
+    std::vector<double> values(subject.points.size());
+    for (int axis = 0; axis < 3; ++axis) {
+        std::transform(subject.points.begin(), subject.points.end(), values.begin(),
+                       [axis](const glm::dvec3& point) { return point[axis]; });
+        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+        std::nth_element(values.begin(), at, values.end());
+        subject.middle[axis] = *at;
+    }
+    return subject;
+}
+
+ViewRay ray_of(const ViewCamera& camera, double x, double y) {
+    return {camera.eye, glm::normalize(camera.unproject(x, y, 0.5) - camera.eye)};
+}
+
+std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
+                                double farthest) {
+    if (field.width() < 2 || field.height() < 2) return std::nullopt;
+    const ViewRay ray = ray_of(camera, x, y);
+    // The near plane is across the middle of sight; unproject(.., 1) lies on it.
+    const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
+    const auto way = way_of(ray, near, farthest, field);
+    if (!way) return std::nullopt;
+    DrawnLattice lattice(field, !is_own_view(camera));
+    NearestDrawn nearest(field);
+    std::optional<SurfacePick> found;  // first a wall, if there is one
+    for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
+        if (!(end > s)) return true;
+        const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
+        // Most of a way is before everything.
+        if (std::min(way->at(s).z, way->at(end).z) > nearest.greatest_q(i, j)) return true;
+        const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
+        auto met = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
+        bool drawn = !triangle.cut;
+        if (const auto edge = meeting_edges(*way, lattice, at, s, end);
+            edge && (!met || !drawn || edge->s < met->s)) {
+            met = edge;
+            drawn = true;
+        }
+        if (met && (!found || drawn)) found = picked(field, *way, *met, drawn, ray);
+        return !found || !found->drawn;
+    });
+    return found;
+}
+
+std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::dvec3& from,
+                                           const glm::dvec3& to) {
+    if (field.width() < 2 || field.height() < 2) return std::nullopt;
+    const Camera& camera = field.scene().camera;
+    const auto begin = project(camera, from), end = project(camera, to);
+    if (!begin || !end) return std::nullopt;
+    LatticeWay way{{begin->x, begin->y, 1 / begin->planar_depth}, {end->x, end->y, 1 / end->planar_depth}};
+    const glm::dvec3 change = way.end - way.begin;
+    double s0 = 0, s1 = 1;
+    keep_positive(way.begin.x, change.x, s0, s1);
+    keep_positive(field.width() - 1 - way.begin.x, -change.x, s0, s1);
+    keep_positive(way.begin.y, change.y, s0, s1);
+    keep_positive(field.height() - 1 - way.begin.y, -change.y, s0, s1);
+    if (!(s0 <= s1)) return std::nullopt;
+    way = {way.at(s0), way.at(s1)};
+    SurfaceOnWay found{-never, never};
+    const auto look = [&](const Triangle& triangle, double s) {
+        const glm::dvec3 at = way.at(s);
+        const double surface = 1 / triangle.q_at(at.x, at.y);
+        found.behind = std::max(found.behind, 1 / at.z - surface);
+        found.nearest = std::min(found.nearest, surface);
+    };
+    for_each_place(way, [&](const glm::dvec3& place, double from_s, double to_s) {
+        const Triangle triangle = triangle_at(field, place.x, place.y);
+        look(triangle, from_s);
+        look(triangle, to_s);
+        return true;
+    });
+    return found;
+}
+
+PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y) {
+    const FieldVertex vertex = drawn_vertex(field, x, y);
+    const double millimetres = field.scene().metres_per_unit * 1000;
+    const double height = vertex.valid ? height_at(field, pair, x, y) : 0;
+    const double z = planar_depth(field.scene().camera, field.scene().depth.semantics, x, y, vertex.depth);
+    return {vertex.valid, vertex.depth,         vertex.depth * millimetres,  z,
+            height,       height * millimetres, field.properties(x, y, 0, 0)};
+}
+
+}  // namespace touchable

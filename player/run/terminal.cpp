@@ -1,0 +1,242 @@
+#include "player/run/terminal.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <glm/geometric.hpp>
+#include <iostream>
+#include <system_error>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+
+namespace {
+
+std::atomic<std::int64_t> first_ns{0};  // when the first one came
+static_assert(std::atomic<std::int64_t>::is_always_lock_free,
+              "a signal handler may touch nothing that locks");
+
+std::int64_t now_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// A person who asks again does so later. What comes at once is the same wish: a terminal and whoever watches
+/// the program may both send it, and ending now would leave half-written what is just being cleared away.
+void take_signal(int signal) {
+    const int error_before = errno;
+    const std::int64_t now = now_ns();
+    std::int64_t first = 0;
+    if (first_ns.compare_exchange_strong(first, now)) {
+        request_stop();
+    } else if (now - first >= std::int64_t{1'000'000} * same_wish.count()) {
+        std::signal(signal, SIG_DFL);
+        raise(signal);
+    }
+    errno = error_before;
+}
+
+/// A signal that whoever started the program ignores stays ignored: nohup, a shell's background.
+void catch_signal(int signal) {
+    struct sigaction inherited = {};
+    sigaction(signal, nullptr, &inherited);
+    if (inherited.sa_handler == SIG_IGN) return;
+    struct sigaction action = {};
+    action.sa_handler = take_signal;
+    action.sa_flags = SA_RESTART;
+    sigaction(signal, &action, nullptr);
+}
+
+// A pipe that is ready takes so much at once, and nobody waits (PIPE_BUF).
+constexpr std::size_t at_once = 4096;
+// How often one who waits looks whether the person asked to stop.
+constexpr int look_ms = 50;
+
+bool reader_is_gone() {
+    pollfd output{STDOUT_FILENO, POLLOUT, 0};
+    return poll(&output, 1, 0) == 1 && (output.revents & (POLLERR | POLLHUP)) != 0;
+}
+
+}  // namespace
+
+void catch_interrupts() {
+    catch_signal(SIGINT);
+    catch_signal(SIGTERM);
+    catch_signal(SIGHUP);           // the terminal is gone
+    std::signal(SIGXFSZ, SIG_IGN);  // a file at its allowed size is an error of that write, told as any other
+}
+
+bool interrupted() {
+    return stop_requested();
+}
+
+void ignore_stop_keys() {
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
+}
+
+bool is_standard_output(const std::filesystem::path& name) {
+    return name == "-";
+}
+
+Result<void> flush_standard_output() {
+    std::cout.flush();
+    if (std::cout || reader_is_gone()) return {};
+    return input_error("standard output cannot be written");
+}
+
+Result<void> StandardOutput::write(std::string_view piece) {
+    if (gone_ || piece.empty()) return {};
+    waiting_ += piece;
+    all_ += piece.size();
+    if (pace_ == Pace::own) return rest().size() < at_once ? Result<void>() : give_all();
+    ends_.push_back(all_);
+    while (!rest().empty()) {
+        TRY_ASSIGN(const auto taken, give(0));
+        if (taken == Taken::nothing_yet) break;
+    }
+    while (!ends_.empty() && ends_.front() <= written_) ends_.pop_front();
+    return ends_.size() > most_waiting ? lagging() : Result<void>();
+}
+
+Error StandardOutput::lagging() {
+    lags_ = true;
+    return input_error("its disk, or whoever reads it, was too slow for 1000 ticks a second: " +
+                       std::to_string(ends_.size()) + " ticks are missing, so it is not complete");
+}
+
+/// What goes at once, where the reader takes anything within so long.
+Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
+    pollfd output{STDOUT_FILENO, POLLOUT, 0};
+    if (poll(&output, 1, patience_ms) <= 0) return Taken::nothing_yet;
+    const std::string_view bytes = rest().substr(0, at_once);
+    const ssize_t count = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) return Taken::nothing_yet;
+    if (count < 0 && errno != EPIPE)
+        return input_error("standard output cannot be written: " + std::generic_category().message(errno));
+    gone_ = count < 0;  // it has heard what it wanted to hear
+    const std::size_t given = gone_ ? rest().size() : static_cast<std::size_t>(count);
+    given_ += given;
+    written_ += given;
+    if (given_ == waiting_.size() || given_ > 16 * at_once) {
+        waiting_.erase(0, given_);
+        given_ = 0;
+    }
+    return Taken::some;
+}
+
+Result<void> StandardOutput::give_all() {
+    using Clock = std::chrono::steady_clock;
+    // What a live run has when somebody ends it is still given.
+    const bool was_interrupted = pace_ == Pace::wall_clock && interrupted();
+    std::size_t taken_before = written_;
+    Clock::time_point since = Clock::now();
+    while (!rest().empty()) {
+        TRY_ASSIGN(const auto taken, give(look_ms));
+        const bool waits = pace_ == Pace::wall_clock || taken == Taken::nothing_yet;
+        if (waits && !was_interrupted && interrupted()) return interrupted_error();
+        if (pace_ == Pace::own || rest().empty()) continue;
+        if (written_ - taken_before >= least_taken) {
+            taken_before = written_;
+            since = Clock::now();
+        }
+        if (Clock::now() - since < patience_) continue;
+        lags_ = true;
+        return input_error("whoever reads it takes hardly more, so it is not complete");
+    }
+    return {};
+}
+
+Result<void> StandardOutput::finish() {
+    if (auto said = flush_standard_output(); !said.ok()) return said;
+    return give_all();
+}
+
+StatusLine::StatusLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
+
+StatusLine::~StatusLine() {
+    if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+bool StatusLine::is_due() const {
+    return terminal_ &&
+           (!drawn_ || std::chrono::steady_clock::now() - last_ >= std::chrono::milliseconds(100));
+}
+
+void StatusLine::show(const std::string& text) {
+    last_ = std::chrono::steady_clock::now();
+    drawn_ = true;
+    std::fprintf(stderr, "\r%s\033[K", text.c_str());
+}
+
+Progress::Progress(std::string what, std::int64_t total, InALog in_a_log)
+    : what_(std::move(what)), total_(total), in_a_log_(in_a_log) {}
+
+void Progress::at(std::int64_t done) {
+    if (!line_.is_on_terminal() && in_a_log_ == InALog::nothing) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (line_.is_on_terminal() ? !line_.is_due() : now - logged_ < std::chrono::seconds(10)) return;
+    const std::chrono::duration<double> elapsed = now - start_;
+    const std::string words = what_ + ' ' + std::to_string(done) +
+                              (total_ > 0 ? " of " + std::to_string(total_) : std::string()) +
+                              pace_in_words(done, total_, elapsed.count());
+    if (line_.is_on_terminal()) return line_.show(words);
+    logged_ = now;
+    std::fprintf(stderr, "touchable: %s\n", words.c_str());
+}
+
+Result<void> TickProgress::take(const TouchTick& tick) {
+    progress_.at(tick.tick);
+    return {};
+}
+
+std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds) {
+    if (done <= 0 || seconds < 1) return "";
+    const double per_second = static_cast<double>(done) / seconds;
+    const std::string in_words = formatted(per_second < 10 ? ", %.1f/s" : ", %.0f/s", per_second);
+    if (total <= done) return in_words;
+    const std::int64_t left = std::llround(std::ceil(static_cast<double>(total - done) / per_second));
+    if (left < 100) return in_words + ", " + std::to_string(left) + " s left";
+    if (left < 6000) return in_words + ", " + std::to_string((left + 59) / 60) + " min left";
+    return in_words + ", " + std::to_string((left + 3599) / 3600) + " h left";
+}
+
+Result<void> LiveLine::take(const TouchTick& tick) {
+    ++ticks_;
+    next_ = tick.tick + 1;
+    newtons_ = 0;
+    is_stale_ = false;
+    is_kept_back_ = control_ && control_->waits_to_be_free();
+    for (std::size_t finger = 0; finger < tick.forces.size(); ++finger) {
+        const GuardedForce& guarded = tick.forces[finger];
+        is_stale_ = is_stale_ || (guarded.reasons & guard_stale) != 0;
+        newtons_ = std::max(newtons_, glm::length(tick.sent(finger)));
+        is_kept_back_ = is_kept_back_ ||
+                        (control_ && control_->force_is_asked() && (guarded.reasons & guard_waiting) != 0);
+    }
+    return {};
+}
+
+void LiveLine::show(const LiveStatus& status) {
+    if (!line_.is_due()) return;
+    const char* const what = !status.is_camera  ? "frames late"
+                             : status.has_ended ? "frames felt, and no more come"
+                                                : "frames felt";
+    std::string words = formatted("live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
+                                  static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
+                                  static_cast<long long>(status.frames), what, newtons_);
+    if (device_) words += "; " + device_();
+    if (is_stale_) words += "; no new frame comes: the surface is not felt until one does";
+    if (is_kept_back_) words += "; lift the finger off the surface: then it is felt";
+    line_.show(words);
+}
+
+}  // namespace touchable

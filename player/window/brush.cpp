@@ -1,0 +1,295 @@
+#include "player/window/brush.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "engine/base/files.hpp"
+#include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
+#include "player/window/user_files.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr BrushTool all_tools[] = {BrushTool::touch, BrushTool::paint, BrushTool::join, BrushTool::cut};
+constexpr const char* tool_names[] = {"touch", "paint", "join", "cut"};  // in the order of BrushTool
+
+using Rgb = std::array<std::uint8_t, 3>;
+constexpr std::pair<std::string_view, Rgb> colours_of_materials[] = {
+    {"wood", {186, 128, 66}},       {"metal", {132, 152, 186}},  {"glass", {112, 222, 226}},
+    {"ceramic", {238, 232, 226}},   {"plastic", {238, 84, 130}}, {"paper", {250, 244, 160}},
+    {"cardboard", {206, 176, 130}}, {"cloth", {128, 108, 214}},  {"felt", {40, 130, 112}},
+    {"leather", {118, 58, 32}},     {"rubber", {66, 66, 78}},    {"foam", {255, 204, 84}},
+    {"cork", {232, 140, 46}},       {"skin", {250, 184, 164}},   {"stone", {140, 140, 128}},
+    {"brick", {198, 62, 44}},       {"carpet", {166, 52, 156}},  {"fur", {222, 198, 232}},
+    {"grass", {96, 186, 52}},       {"water", {38, 110, 232}}};
+
+using HistoryFile = nlohmann::ordered_json;
+
+constexpr std::size_t largest_history = std::size_t{64} << 20;
+
+std::string hash_of_text(const std::string& text) {
+    ByteHash hash;
+    hash.add(text.data(), text.size());
+    return hash.hex();
+}
+
+/// A folder's name may end in a slash.
+std::filesystem::path without_slash(const std::filesystem::path& file) {
+    return file.has_filename() ? file : file.parent_path();
+}
+
+bool is_there(const std::filesystem::path& file) {
+    std::error_code failed;
+    return std::filesystem::exists(file, failed) || failed;
+}
+
+/// Nothing: there is no such file.
+Result<std::optional<std::string>> read_saved(const std::filesystem::path& file) {
+    if (!is_there(file)) return std::optional<std::string>();
+    TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a file of segments (JSON, docs/content.md)",
+                                          largest_segment_names));
+    return std::optional(std::move(text));
+}
+
+/// A file beside the history, which exists while a window uses the history.
+class HistoryLock {
+public:
+    /// Whether no other window holds it. A lock file that cannot be made counts as free: then no history can
+    /// be written either.
+    static bool take(const std::filesystem::path& history, std::shared_ptr<void>& held) {
+        auto lock = std::make_shared<HistoryLock>();
+        lock->file_ = history;
+        lock->file_ += ".lock";
+        std::error_code ignored;
+        std::filesystem::create_directories(history.parent_path(), ignored);
+        for (int tries = 0; tries < 100; ++tries) {
+            lock->descriptor_ = ::open(lock->file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600);
+            if (lock->descriptor_ < 0) return true;
+            const bool is_locked = ::flock(lock->descriptor_, LOCK_EX | LOCK_NB) == 0;
+            const bool is_of_another = !is_locked && errno == EWOULDBLOCK;
+            struct stat now {};
+            lock->is_held_ = is_locked && ::fstat(lock->descriptor_, &now) == 0 && now.st_nlink > 0;
+            if (lock->is_held_) held = lock;
+            if (lock->is_held_ || !is_locked) return !is_of_another;
+            ::close(std::exchange(lock->descriptor_, -1));  // another window removed it meanwhile
+        }
+        return true;
+    }
+    HistoryLock() = default;
+    HistoryLock(const HistoryLock&) = delete;
+    HistoryLock& operator=(const HistoryLock&) = delete;
+    ~HistoryLock() {
+        if (is_held_) ::unlink(file_.c_str());
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+
+private:
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+    bool is_held_ = false;
+};
+
+}  // namespace
+
+const char* name_of(BrushTool tool) {
+    return tool_names[static_cast<std::size_t>(tool)];
+}
+
+std::span<const BrushTool> brush_tools() {
+    return all_tools;
+}
+
+std::optional<BrushTool> brush_tool_of(std::string_view name) {
+    for (const BrushTool tool : all_tools)
+        if (name == name_of(tool)) return tool;
+    return std::nullopt;
+}
+
+void HeldBrush::take(BrushTool tool) {
+    let_go();
+    tool_ = tool;
+    if (tool != BrushTool::touch) last_ = tool;
+}
+
+void HeldBrush::let_go() {
+    is_drawing_ = false;
+    places_.clear();
+    line_.clear();
+}
+
+std::optional<WindowCommand> HeldBrush::press(const Place& place) {
+    if (tool_ == BrushTool::cut) {
+        let_go();
+        is_drawing_ = true;
+        move(place);
+        return std::nullopt;
+    }
+    if (!place.pixel) {
+        let_go();
+        return std::nullopt;
+    }
+    if (tool_ == BrushTool::paint) return WindowCommand{.verb = WindowVerb::paint, .places = {*place.pixel}};
+    if (tool_ != BrushTool::join) return std::nullopt;
+    if (!places_.empty()) {
+        WindowCommand join{.verb = WindowVerb::join, .places = {places_[0], *place.pixel}};
+        let_go();
+        return join;
+    }
+    line_ = {place.at, place.at};
+    places_ = {*place.pixel};
+    return std::nullopt;
+}
+
+void HeldBrush::move(const Place& place) {
+    if (tool_ == BrushTool::join && !line_.empty()) line_.back() = place.at;
+    if (!is_drawing_ || !place.pixel || places_.size() == most_points) return;
+    PixelOfFrame pixel = *place.pixel;
+    if (!places_.empty()) pixel.frame = places_[0].frame;  // while it is drawn the clip waits
+    if (!places_.empty() && pixel == places_.back()) return;
+    places_.push_back(pixel);
+    line_.push_back(place.at);
+}
+
+std::optional<WindowCommand> HeldBrush::release() {
+    if (!is_drawing_) return std::nullopt;
+    WindowCommand cut{.verb = WindowVerb::cut, .places = std::move(places_)};
+    let_go();
+    return cut.places.size() > 1 ? std::optional(std::move(cut)) : std::nullopt;
+}
+std::array<std::uint8_t, 3> material_colour(std::string_view name) {
+    for (const auto& [material, colour] : colours_of_materials)
+        if (name == material) return colour;
+    return {170, 170, 170};
+}
+
+std::filesystem::path BrushFiles::saved() const {
+    if (segments) return *segments;
+    std::filesystem::path file = without_slash(clip);
+    file += ".materials.json";
+    return file;
+}
+
+std::filesystem::path BrushFiles::history() const {
+    if (history_folder.empty()) return {};
+    std::error_code failed;
+    auto whole = std::filesystem::weakly_canonical(without_slash(clip), failed);
+    if (failed) whole = std::filesystem::absolute(clip, failed);
+    std::string key = whole.string();
+    if (!opened_as.empty()) key += '\n' + opened_as;
+    return history_folder / ("brush-" + hash_of_text(key) + ".json");
+}
+
+void KeptBrush::say(const std::string& words) {
+    words_ += (words_.empty() ? "" : "; ") + words;
+}
+
+/// Takes the saved names of segments in place of guesses.
+Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
+    if (!text) return {};
+    TRY_ASSIGN(const auto names, parse_segment_names(*text, files_.saved().string()));
+    TRY_ASSIGN(auto begun, MaterialBrush::begin(*brush_.painted()->segments, names));
+    brush_ = std::move(begun);
+    saved_ = {hash_of_text(*text)};
+    return {};
+}
+
+/// Fails if it is no history, or one of other materials than are saved now; then nothing is changed.
+Result<void> KeptBrush::take_history(const std::string& text, const std::optional<std::string>& saved) {
+    const std::string where = files_.history().string();
+    std::vector<std::string> hashes;
+    std::string changes;
+    try {
+        const HistoryFile json = HistoryFile::parse(text);
+        json.at("saved").get_to(hashes);
+        json.at("changes").get_to(changes);
+    } catch (const HistoryFile::exception&) {
+        return input_error(where + ": is no history of a brush");
+    }
+    if (saved && std::find(hashes.begin(), hashes.end(), hash_of_text(*saved)) == hashes.end())
+        return input_error(where + ": is of other materials than " + files_.saved().string() + " has now");
+    TRY(brush_.repeat(changes, where));
+    saved_ = std::move(hashes);
+    return {};
+}
+
+std::filesystem::path KeptBrush::history_file() const {
+    return keeps_history_ ? files_.history() : std::filesystem::path();
+}
+
+void KeptBrush::go_without_history(const std::string& why) {
+    keeps_history_ = false;
+    say(why + "; what is done now is not kept beyond this window, unless it is saved");
+}
+
+void KeptBrush::set_history_aside(const Error& why) {
+    const auto aside = set_aside(files_.history());
+    if (aside) return say(why.message + "; set aside as " + aside->filename().string());
+    go_without_history(why.message + "; it stays there, for " + aside.error().message);
+}
+
+/// Whether the brush goes on with a history.
+Result<bool> KeptBrush::find_history(const std::optional<std::string>& saved) {
+    const std::filesystem::path file = files_.history();
+    if (file.empty()) return false;
+    if (!HistoryLock::take(file, held_)) {
+        go_without_history("another window has a brush on this clip");
+        return false;
+    }
+    if (!is_there(file)) return false;
+    const auto text =
+        read_given_file(file, file.string(), "what a brush did in an earlier window", largest_history);
+    if (!text) {
+        if (text.error().kind == ErrorKind::interrupted) return text.error();
+        go_without_history(text.error().message);
+        return false;
+    }
+    const auto taken = take_history(*text, saved);
+    if (!taken) {
+        if (taken.error().kind == ErrorKind::interrupted) return taken.error();
+        set_history_aside(taken.error());
+        return false;
+    }
+    if (const std::size_t count = brush_.done(); count > 0)
+        say((count == 1 ? "1 change" : std::to_string(count) + " changes") + " of last time " +
+            (count == 1 ? "is" : "are") + " here again; undo goes back over " + (count == 1 ? "it" : "them"));
+    return true;
+}
+
+Result<KeptBrush> KeptBrush::begin(SegmentStore segments, BrushFiles files) {
+    TRY_ASSIGN(const auto saved, read_saved(files.saved()));
+    TRY_ASSIGN(auto guessed, MaterialBrush::begin(std::move(segments)));
+    KeptBrush brush(std::move(guessed), std::move(files));
+    TRY_ASSIGN(const auto found, brush.find_history(saved));
+    if (found) return brush;
+    TRY(brush.take_saved(saved));
+    if (saved) brush.say("segments are as " + brush.files_.saved().filename().string() + " has them");
+    return brush;
+}
+
+bool KeptBrush::is_saved() const {
+    if (brush_.done() == 0 && !saved_.empty()) return true;
+    const std::string hash = hash_of_text(segment_names_to_json(brush_.names()));
+    return std::find(saved_.begin(), saved_.end(), hash) != saved_.end();
+}
+
+std::string KeptBrush::save() {
+    std::string text = segment_names_to_json(brush_.names());
+    const std::string hash = hash_of_text(text);
+    if (std::find(saved_.begin(), saved_.end(), hash) == saved_.end()) saved_.push_back(hash);
+    return text;
+}
+
+std::string KeptBrush::history() const {
+    const HistoryFile json{{"clip", files_.clip.string()}, {"saved", saved_}, {"changes", brush_.history()}};
+    return json.dump(2, ' ', false, HistoryFile::error_handler_t::replace) + "\n";
+}
+
+}  // namespace touchable

@@ -1,7 +1,0 @@
-#include "player/window/screen_saver.hpp"
-
-namespace touchable {
-
-void keep_screen_awake(void*) {}
-
-}  // namespace touchable

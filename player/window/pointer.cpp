@@ -1,0 +1,488 @@
+#include "player/window/pointer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <utility>
+
+#include "device/hand.hpp"
+
+namespace touchable {
+namespace {
+
+/// The same pixels, and so many rows more below them.
+ViewCamera with_rows_below(ViewCamera camera, int rows) {
+    const double share = static_cast<double>(camera.height) / (camera.height + rows);
+    for (glm::dmat4* const matrix : {&camera.clip_from_world, &camera.clip_from_lattice})
+        for (int column = 0; column < 4; ++column) {
+            glm::dvec4& to = (*matrix)[column];
+            to.y = share * to.y - (1 - share) * to.w;
+        }
+    camera.height += rows;
+    return camera;
+}
+
+/// How far several fingers are from the pointer, as a share of the picture's height.
+constexpr double finger_spread = 0.08;
+// Device metres. A finger does not go over an obstacle lower than step_m; nothing is in the way of one that
+// is clear_m clear of the surface. One that lags its target by more than caught_m counts as stuck. Two stuck
+// points closer than again_m are the same obstacle.
+constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0.001;
+// Lift the finger lift_m above the obstacle, plus lift_share of the remaining distance, so that it arrives in
+// time.
+constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
+// A finger starts so far before the surface, and is there soon.
+constexpr double arrives_m = 0.008;
+
+constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
+constexpr double nearer_per_notch = 1.15;
+constexpr std::chrono::milliseconds double_click(400);
+
+void turn_by(const glm::dvec2& moved, WindowView& view, int height) {
+    const glm::dvec2 degrees = moved * (WindowView::degrees_per_height / std::max(height, 1));
+    view.turn(-degrees.x, degrees.y);
+}
+
+constexpr std::size_t most_touches = 32;
+constexpr double least_radius_share = 0.01;  // of the picture's height: nearer fingers zoom nothing
+constexpr double most_nearer = 2;            // with one event
+
+InputEvent pointer_event(InputEvent::Kind kind, const glm::dvec2& at) {
+    using Kind = InputEvent::Kind;
+    const bool is_button = kind == Kind::pressed || kind == Kind::released;
+    return {.kind = kind, .x = at.x, .y = at.y, .word = is_button ? "left" : ""};
+}
+
+}  // namespace
+
+// On the clip camera's axis, so that the first turn does not jump.
+WindowView::WindowView(const Scene& scene, const glm::dvec3& middle) : scene_(scene), home_(0, 0, middle.z) {
+    go_home();
+}
+
+ViewCamera WindowView::camera(int width, int height) const {
+    Viewpoint viewpoint = orbit_;
+    viewpoint.own = own_;
+    const int below = std::clamp(static_cast<int>(std::lround(below_ * height)), 0, std::max(height - 1, 0));
+    const ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height - below);
+    return below > 0 ? with_rows_below(camera, below) : camera;
+}
+
+double WindowView::pixels_per_vertex(int width, int height) const {
+    const double whole =
+        std::min(static_cast<double>(width) / scene_.width, (1 - below_) * height / scene_.height);
+    return own_ ? whole : whole * orbit_.zoom.value_or(1);
+}
+
+void WindowView::turn(double azimuth, double elevation) {
+    own_ = false;
+    orbit_.azimuth = std::remainder(orbit_.azimuth + azimuth, 360.0);
+    orbit_.elevation = std::clamp(orbit_.elevation + elevation, -89.0, 89.0);
+}
+
+void WindowView::pan(double x, double y, int width, int height) {
+    own_ = false;
+    const ViewCamera camera = this->camera(std::max(width, 1), std::max(height, 1));
+    const auto middle = camera.project(centre_);
+    if (!middle) return;
+    const glm::dvec3 moved = centre_ + camera.unproject(middle->x - x, middle->y - y, middle->z) -
+                             camera.unproject(middle->x, middle->y, middle->z);
+    set_centre(moved);
+}
+
+void WindowView::near_by(double factor) {
+    own_ = false;
+    orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * factor, 0.1, 20.0);
+}
+
+void WindowView::look_at(const glm::dvec3& place) {
+    own_ = false;
+    set_centre(place);
+}
+
+/// The eye stays as far away as it was; zoom counts from the clip's camera.
+void WindowView::set_centre(const glm::dvec3& place) {
+    if (!(place.z < 0)) return;
+    orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * place.z / centre_.z, 0.1, 20.0);
+    centre_ = place;
+}
+
+void WindowView::look_as(const WindowView& other) {
+    go_home();
+    own_ = other.own_;
+    orbit_ = other.orbit_;
+}
+
+void WindowView::go_home() {
+    own_ = true;
+    orbit_ = Viewpoint{};
+    orbit_.zoom = 1;
+    orbit_.keeps_axis = true;
+    centre_ = home_;
+}
+
+void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {
+    pointer_ = at;
+    if (at || is_touched()) return;
+    device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
+}
+
+int PointerFingers::shown() const {
+    if (is_touched()) return distance_ ? touched() : 0;
+    return pointer_ && distance_ ? count_ : 0;
+}
+
+std::optional<glm::dvec2> PointerFingers::looked_at() const {
+    for (const auto& touch : touches_)
+        if (touch) return touch;
+    return pointer_;
+}
+
+std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
+    const auto free = std::find(touches_.begin(), touches_.end(), std::nullopt);
+    if (free == touches_.end()) return std::nullopt;
+    *free = at;
+    was_pressed_ = true;
+    const auto finger = static_cast<std::size_t>(free - touches_.begin());
+    goes_over_[finger] = false;
+    return finger;
+}
+
+bool PointerFingers::has_free() const {
+    return std::find(touches_.begin(), touches_.end(), std::nullopt) != touches_.end();
+}
+
+void PointerFingers::lift(std::size_t finger) {
+    touches_[finger].reset();
+    device_.withdraw(finger);
+}
+
+/// Up to the last that is down.
+int PointerFingers::touched() const {
+    for (int k = most; k > 0; --k)
+        if (touches_[static_cast<std::size_t>(k - 1)]) return k;
+    return 0;
+}
+
+void PointerFingers::deepen(double metres) {
+    rest_m_ = std::clamp(rest_m_ + metres, highest_m, deepest_m);
+}
+
+double PointerFingers::depth_m() const {
+    return held_ || is_touched() ? std::max(press_m, rest_m_) : rest_m_;
+}
+
+std::optional<PointerFingers::Meant> PointerFingers::meant_at(std::size_t finger, const glm::dvec2& at,
+                                                              const HeightField& field,
+                                                              const ViewCamera& camera, const Contact* felt) {
+    const glm::dvec3 direction = ray_of(camera, at.x, at.y).direction;
+    const auto met = pick(field, camera, at.x, at.y);
+    const bool is_there = met && met->drawn && met->from_front;
+    if (is_there) distance_ = glm::length(met->point - camera.eye);
+    if (!distance_) return std::nullopt;
+    const double deep_m = is_there ? depth_m() : std::min(depth_m(), hover_m);
+    const std::optional<glm::dvec3> ground = is_there ? std::optional(met->point) : std::nullopt;
+    if (felt)
+        if (const auto over = way_over(finger, field, camera.eye + direction * *distance_, deep_m, *felt))
+            return Meant{*over, ground};
+    return Meant{camera.eye + direction * (*distance_ + deep_m / workspace_.metres_per_scene_unit), ground};
+}
+
+/// Where the finger has to go instead of straight to the `ground` that is meant; nothing: straight.
+std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const HeightField& field,
+                                                   const glm::dvec3& ground, double deep_m,
+                                                   const Contact& felt) {
+    const Camera& camera = field.scene().camera;
+    const double metres = workspace_.metres_per_scene_unit;
+    const auto from = project(camera, felt.proxy), to = project(camera, ground);
+    const auto surface = surface_on_way(field, felt.proxy, ground);
+    bool& goes_over = goes_over_[finger];
+    if (!from || !to || !surface) {
+        goes_over = false;
+        return std::nullopt;
+    }
+    const auto at = [&](const ImagePoint& pixel, double beyond_nearest_m) {
+        const double depth = surface->nearest + beyond_nearest_m / metres;
+        return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
+    };
+    const double behind_m = surface->behind * metres,
+                 below_m = (from->planar_depth - surface->nearest) * metres;
+    const bool is_blocked = behind_m > step_m, is_below = below_m > step_m, went_over = goes_over;
+    if (went_over)
+        goes_over = felt.touching || behind_m > clear_m || below_m > -clear_m;
+    else if (is_caught(felt, deep_m))
+        goes_over = true;
+    else  // where it did not stay it would slip again and again
+        goes_over = is_blocked && is_below && glm::distance(ground, lifted_to_[finger]) * metres > again_m;
+    if (goes_over && !went_over) lifted_to_[finger] = ground;
+    if (goes_over) return below_m > -clear_m ? at(*from, lift_m - below_m * lift_share) : at(*to, hover_m);
+    // From something near: not through it, but on to its edge.
+    if (is_blocked && !is_below) return at(*to, deep_m);
+    return std::nullopt;
+}
+
+/// It stays farther from where it presses to than that, friction and slopes explain.
+bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
+    if (!felt.touching) return false;
+    const glm::dvec3 pull = (felt.goal - felt.proxy) * workspace_.metres_per_scene_unit;
+    const glm::dvec3 ray = glm::normalize(felt.proxy);
+    const double pressed_m = std::max(deep_m, 0.0) + step_m, along_m = glm::dot(pull, ray),
+                 aside_m = glm::length(pull - ray * along_m);
+    return along_m > pressed_m + caught_m || aside_m > pressed_m * felt.properties.static_friction + caught_m;
+}
+
+void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
+                            std::span<const Contact> felt) {
+    const bool by_touch = is_touched();
+    for (std::size_t k = 0; k < touches_.size(); ++k) {
+        std::optional<glm::dvec2> at = touches_[k];
+        if (!by_touch && pointer_ && k < static_cast<std::size_t>(count_)) {
+            const glm::dvec2 offset =
+                finger_offset(static_cast<int>(k), count_, finger_spread * camera.height);
+            at = *pointer_ + glm::dvec2(offset.x, -offset.y);
+        }
+        if (at)
+            lead(k, *at, field, camera, k < felt.size() ? &felt[k] : nullptr);
+        else
+            device_.withdraw(k);
+    }
+}
+
+/// A finger that comes begins a little before the surface, on the way there from the clip's camera, where
+/// nothing can be in between: a pointer has no hand that such a jump could hurt.
+void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const HeightField& field,
+                          const ViewCamera& camera, const Contact* felt) {
+    const auto meant = meant_at(finger, at, field, camera, felt);
+    if (!meant) return;
+    glm::dvec3 from(std::numeric_limits<double>::quiet_NaN());
+    if (meant->ground) {
+        const double nearer = arrives_m / workspace_.metres_per_scene_unit;
+        from = workspace_.to_device(*meant->ground * std::max(1 - nearer / glm::length(*meant->ground), 0.0));
+    }
+    device_.intend(finger, workspace_.to_device(meant->place), from, workspace_.to_device(camera.eye));
+}
+
+void PointerInput::take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width,
+                        int height) {
+    using Kind = InputEvent::Kind;
+    switch (event.kind) {
+        case Kind::moved:
+            drag(move_to({event.x, event.y}, fingers), fingers, view, width, height);
+            break;
+        case Kind::pressed:
+            press(event);
+            if (held_ == "left") fingers.press(true);
+            break;
+        case Kind::released:
+            if (event.word == "left") fingers.press(false);
+            held_.clear();
+            break;
+        case Kind::wheel:
+            if (event.control)
+                view.near_by(std::pow(nearer_per_notch, event.y));
+            else
+                fingers.deepen(event.y * metres_per_notch);
+            break;
+        case Kind::left_window:
+            leave(fingers);
+            break;
+        default:
+            break;
+    }
+}
+
+void PointerInput::take_for_view(const InputEvent& event, PointerFingers& fingers, WindowView& view,
+                                 int width, int height) {
+    using Kind = InputEvent::Kind;
+    if (event.kind == Kind::moved) {
+        const glm::dvec2 moved = move_to({event.x, event.y}, fingers);
+        if (held_ == "right" || (!held_.empty() && shift_))
+            view.pan(moved.x, moved.y, width, height);
+        else if (!held_.empty())
+            turn_by(moved, view, height);
+    }
+    if (event.kind == Kind::pressed) press(event);
+    if (event.kind == Kind::released) held_.clear();
+    if (event.kind == Kind::wheel) view.near_by(std::pow(nearer_per_notch, event.y));
+    if (event.kind == Kind::left_window) leave(fingers);
+}
+
+/// By how much the pointer moves.
+glm::dvec2 PointerInput::move_to(const glm::dvec2& place, PointerFingers& fingers) {
+    const glm::dvec2 moved = place - at_;
+    at_ = place;
+    fingers.set_pointer(place);
+    return moved;
+}
+
+void PointerInput::press(const InputEvent& event) {
+    // Not every mouse has a middle button.
+    held_ = event.word == "left" && event.control ? "middle" : event.word;
+    shift_ = event.shift;
+    if (held_ != "middle") return;
+    const auto now = Clock::now();
+    if (last_middle_ && now - *last_middle_ < double_click) double_click_ = at_;
+    last_middle_ = now;
+}
+
+void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width,
+                        int height) {
+    if (held_ == "right") fingers.deepen(moved.y * metres_per_pixel);
+    if (held_ != "middle") return;
+    if (shift_)
+        view.pan(moved.x, moved.y, width, height);
+    else
+        turn_by(moved, view, height);
+}
+
+void PointerInput::move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers) {
+    if (!fingers.pointer()) at_ = glm::dvec2(width, height) / 2.0;
+    at_ = glm::clamp(at_ + pixels, glm::dvec2(0.0), glm::dvec2(width, height));
+    fingers.set_pointer(at_);
+}
+
+void PointerInput::leave(PointerFingers& fingers) {
+    fingers.press(false);
+    fingers.set_pointer(std::nullopt);
+    held_.clear();
+}
+
+std::optional<glm::dvec2> PointerInput::take_double_click() {
+    return std::exchange(double_click_, std::nullopt);
+}
+
+std::vector<InputEvent> TouchInput::take(const InputEvent& event, Ground ground, const Led& led, int width,
+                                         int height) {
+    using Kind = InputEvent::Kind;
+    if (width < 1 || height < 1 || !std::isfinite(event.x) || !std::isfinite(event.y)) return {};
+    Touch* const touch = find(event.touch);
+    if (event.kind == Kind::touch_began)
+        return touch ? std::vector<InputEvent>() : begin(event, ground, led.fingers, height);
+    if (!touch) return {};  // it was cancelled
+    if (event.kind == Kind::touch_ended) {
+        const Touch ended = *touch;
+        std::erase_if(touches_, [&](const Touch& other) { return other.id == ended.id; });
+        return end(ended, led.fingers);
+    }
+    move(*touch, event, led, height);
+    if (touch->role != Role::pointer) return {};
+    return {pointer_event(Kind::moved, touch->at)};
+}
+
+std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground, PointerFingers* fingers,
+                                          int height) {
+    if (touches_.size() >= most_touches) return {};
+    const glm::dvec2 at(event.x, event.y);
+    Touch touch{event.touch, role_on(ground, fingers), at, at, event.seconds};
+    if (touch.role == Role::pointer) {
+        touches_.push_back(touch);
+        return {pointer_event(InputEvent::Kind::moved, at), pointer_event(InputEvent::Kind::pressed, at)};
+    }
+    // Until it is moved again: X may have told of its pointer before it told of the finger.
+    if (fingers) fingers->set_pointer(std::nullopt);
+    if (is_pair(touch, height))
+        pair_since_s_ = event.seconds;
+    else
+        pair_since_s_.reset();
+    if (touch.role == Role::finger) touch.finger = *fingers->put_down(at);
+    touches_.push_back(touch);
+    return {};
+}
+
+TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers* fingers) const {
+    if (!fingers || ground == Ground::pointers) return count(Role::pointer) == 0 ? Role::pointer : Role::none;
+    if (gesture_ || ground == Ground::nothing) return Role::view;
+    return fingers->has_free() ? Role::finger : Role::none;
+}
+
+/// Whether it and the only other one are put down together.
+bool TouchInput::is_pair(const Touch& second, int height) const {
+    if (gesture_ || count(Role::finger) + count(Role::view) != 1) return false;
+    const auto first = std::find_if(touches_.begin(), touches_.end(), over_picture);
+    return second.began_s - first->began_s <= together_s &&
+           glm::distance(first->at, first->began) <= moved_share * height;
+}
+
+void TouchInput::move(Touch& touch, const InputEvent& event, const Led& led, int height) {
+    if (pair_since_s_ && event.seconds - *pair_since_s_ > rest_s) pair_since_s_.reset();
+    const glm::dvec2 to(event.x, event.y);
+    if (pair_since_s_ && over_picture(touch) && glm::distance(to, touch.began) > moved_share * height)
+        begin_gesture(led.fingers);
+    const Spread before = spread();
+    touch.at = to;
+    if (touch.role == Role::finger) led.fingers->move(touch.finger, to);
+    if (touch.role != Role::view) return;
+    const Spread now = spread();
+    turn_by(now.middle - before.middle, *led.view, height);
+    const double least = least_radius_share * height;
+    if (now.touches > 1 && before.radius > least && now.radius > least)
+        led.view->near_by(std::clamp(now.radius / before.radius, 1 / most_nearer, most_nearer));
+}
+
+/// The pair lets go of what it touched until now.
+void TouchInput::begin_gesture(PointerFingers* fingers) {
+    pair_since_s_.reset();
+    gesture_ = true;
+    for (Touch& touch : touches_) {
+        if (touch.role == Role::finger) fingers->lift(touch.finger);
+        if (over_picture(touch)) touch.role = Role::view;
+    }
+}
+
+std::vector<InputEvent> TouchInput::end(const Touch& touch, PointerFingers* fingers) {
+    if (touch.role == Role::pointer)
+        return {pointer_event(InputEvent::Kind::released, touch.at),
+                pointer_event(InputEvent::Kind::left_window, touch.at)};
+    pair_since_s_.reset();
+    if (touch.role == Role::finger) fingers->lift(touch.finger);
+    if (count(Role::view) == 0) gesture_ = false;
+    return {};
+}
+
+std::vector<InputEvent> TouchInput::cancel(PointerFingers* fingers) {
+    std::vector<InputEvent> events;
+    for (const Touch& touch : touches_) {
+        if (touch.role == Role::finger) fingers->lift(touch.finger);
+        // Away before it is let go, so that it clicks nothing.
+        if (touch.role == Role::pointer)
+            events = {pointer_event(InputEvent::Kind::left_window, touch.at),
+                      pointer_event(InputEvent::Kind::released, touch.at)};
+    }
+    *this = TouchInput();
+    return events;
+}
+
+bool TouchInput::any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const {
+    return std::any_of(touches_.begin(), touches_.end(),
+                       [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
+}
+
+TouchInput::Spread TouchInput::spread() const {
+    Spread spread;
+    for (const Touch& touch : touches_) {
+        if (touch.role != Role::view) continue;
+        spread.middle += touch.at;
+        ++spread.touches;
+    }
+    if (spread.touches == 0) return spread;
+    spread.middle /= spread.touches;
+    for (const Touch& touch : touches_)
+        if (touch.role == Role::view)
+            spread.radius += glm::distance(touch.at, spread.middle) / spread.touches;
+    return spread;
+}
+
+int TouchInput::count(Role role) const {
+    return static_cast<int>(std::count_if(touches_.begin(), touches_.end(),
+                                          [role](const Touch& touch) { return touch.role == role; }));
+}
+
+TouchInput::Touch* TouchInput::find(std::int64_t id) {
+    const auto found =
+        std::find_if(touches_.begin(), touches_.end(), [id](const Touch& touch) { return touch.id == id; });
+    return found == touches_.end() ? nullptr : &*found;
+}
+
+}  // namespace touchable

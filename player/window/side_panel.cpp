@@ -1,0 +1,458 @@
+// The panel on the right: what the finger and the clip do, materials, settings of what is felt, and how it
+// goes.
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/authoring/segments.hpp"
+#include "engine/base/words.hpp"
+#include "player/window/brush.hpp"
+#include "player/window/measure.hpp"
+#include "player/window/panel_parts.hpp"
+#include "player/window/window_panel.hpp"
+
+namespace touchable {
+namespace {
+
+/// The clip's name, as far as there is room, and what forgets all settings.
+void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float reset_width = 56 * scale, room = ImGui::GetContentRegionAvail().x - reset_width;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::PushClipRect(at, ImVec2(at.x + room - style.ItemSpacing.x, at.y + ImGui::GetFrameHeight()), true);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(facts.clip.c_str());
+    ImGui::PopClipRect();
+    ImGui::SameLine(style.WindowPadding.x + room);
+    if (ImGui::Button("reset", ImVec2(-1, 0))) asked.push_back({WindowVerb::reset});
+}
+
+void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    draw_label("fingers", scale);
+    const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
+    const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
+    if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
+    explain_row("How many fingers there are round the pointer.");
+    draw_label("depth, mm", scale);
+    auto depth = static_cast<float>(facts.pressed_mm);
+    const std::string depth_words = pressed_in_words(facts.pressed_mm);
+    if (draw_slider("##depth", depth, -6, 12, depth_words, scale))
+        asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
+    explain_row(
+        "How deep a finger is meant to be in the surface, or how far above it, millimetres of the hand. So "
+        "does the wheel.");
+}
+
+void draw_hand(const HandFacts& hand, float scale) {
+    draw_label("device", scale);
+    ImGui::TextUnformatted(hand.device.c_str());
+    explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
+    draw_label("forces", scale);
+    ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
+                           : hand.state.mood == HandState::Mood::off ? "off"
+                                                                     : "off: it is away");
+    explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
+    draw_label("position", scale);
+    if (std::isfinite(hand.age_s))
+        ImGui::Text("%.1f ms old", 1000 * hand.age_s);
+    else
+        ImGui::TextUnformatted("none");
+    explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
+    draw_label("scale", scale);
+    ImGui::Text("1 m is %.3g m", hand.scene_per_metre);
+    explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
+}
+
+/// For whoever has neither a middle button nor keys.
+void draw_view(float scale, std::vector<WindowCommand>& asked) {
+    draw_label("view", scale);
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
+    ImGui::PushButtonRepeat(true);
+    if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##right", ImGuiDir_Right)) asked.push_back({WindowVerb::turn, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##up", ImGuiDir_Up)) asked.push_back({WindowVerb::tilt, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
+    ImGui::PopButtonRepeat();
+    explain_row(
+        "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
+}
+
+void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    draw_label("measure", scale);
+    const int clicked = draw_words("measure", {"off", "on"}, facts.is_held ? 1 : 0, true);
+    if (clicked == 0) asked.push_back({.verb = WindowVerb::measure, .word = "off"});
+    if (clicked == 1 && !facts.is_held) asked.push_back({.verb = WindowVerb::measure});
+    explain_row(
+        "How far two places of the surface are apart in the scene: click both, or drag from one to the "
+        "other. T does the same, and leaves the line when it puts the tool away; off takes it away.");
+}
+
+/// What the finger and the clip do now.
+void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    if (facts.hand)
+        draw_hand(*facts.hand, scale);
+    else
+        draw_pointer(facts, scale, asked);
+    draw_label("speed", scale);
+    auto speed = static_cast<float>(facts.speed);
+    if (draw_slider("##rate", speed, 0.1F, 4, formatted("%.2f\xC3\x97", facts.speed), scale,
+                    ImGuiSliderFlags_Logarithmic))
+        asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
+    explain_row("How fast the clip plays. Fingers keep their own time.");
+    draw_label("volume", scale);
+    auto volume = static_cast<float>(facts.volume);
+    if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
+        asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
+    explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
+    draw_label("colours", scale);
+    if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
+        asked.push_back({WindowVerb::overlay});
+    explain_row("What the surface is coloured by. A click, or O: the next.");
+    draw_label("dents", scale);
+    const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
+    if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
+    explain_row(
+        "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "
+        "force.");
+    draw_view(scale, asked);
+    draw_measure(facts.measure, scale, asked);
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
+        asked.push_back({WindowVerb::force});
+    ImGui::SameLine();
+    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
+}
+
+/// A chip of the colour and the name. Whether it was clicked.
+bool draw_material(const PaletteMaterial& material, bool is_in_hand, float wide, float scale) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float tall = ImGui::GetFrameHeight(), chip = tall - 8 * scale;
+    const std::string id = "##" + std::string(material.name);
+    ImGui::PushStyleColor(ImGuiCol_Button,
+                          ImGui::GetStyle().Colors[is_in_hand ? ImGuiCol_ButtonActive : ImGuiCol_FrameBg]);
+    const bool clicked = ImGui::Button(id.c_str(), ImVec2(wide, 0));
+    ImGui::PopStyleColor();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImVec2 least(at.x + 4 * scale, at.y + 4 * scale), most(least.x + chip, least.y + chip);
+    const auto rgb = material_colour(material.name);
+    list.AddRectFilled(least, most, IM_COL32(rgb[0], rgb[1], rgb[2], 255), 2 * scale);
+    if (is_in_hand)
+        list.AddRect(at, ImVec2(at.x + wide, at.y + tall), ImGui::GetColorU32(ImGuiCol_SliderGrab), 3 * scale,
+                     0, 1.5F * scale);
+    list.AddText(ImVec2(most.x + 5 * scale, at.y + ImGui::GetStyle().FramePadding.y),
+                 ImGui::GetColorU32(ImGuiCol_Text), std::string(material.name).c_str());
+    return clicked;
+}
+
+void draw_palette(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
+                longest = ImGui::CalcTextSize("cardboard").x + ImGui::GetFrameHeight() + 2 * scale;
+    const int columns = room < 3 * longest + 2 * gap ? 2 : 3;
+    const auto count = static_cast<float>(columns);
+    const float wide = std::floor((room - gap * (count - 1)) / count);
+    int column = 0;
+    for (const PaletteMaterial& material : palette()) {
+        if (column > 0) ImGui::SameLine(0, gap);
+        if (draw_material(material, facts.material == material.name, wide, scale))
+            asked.push_back({.verb = WindowVerb::material, .word = std::string(material.name)});
+        column = (column + 1) % columns;
+    }
+}
+
+void draw_brush_button(const char* words, bool may, float wide, WindowVerb verb,
+                       std::vector<WindowCommand>& asked) {
+    ImGui::BeginDisabled(!may);
+    if (ImGui::Button(words, ImVec2(wide, 0))) asked.push_back({.verb = verb});
+    ImGui::EndDisabled();
+}
+
+void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    draw_label("left button", scale);
+    std::vector<const char*> names;
+    for (const BrushTool tool : brush_tools()) names.push_back(name_of(tool));
+    const auto held = std::ranges::find(brush_tools(), facts.tool) - brush_tools().begin();
+    const int tool = draw_words("tool", names, static_cast<int>(held), true);
+    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = names[static_cast<std::size_t>(tool)]});
+    explain_row(
+        "What the left button does: touches; paints the segment that is clicked; makes one of two that are "
+        "clicked; or cuts one by a stroke that is dragged over it.");
+    draw_palette(facts, scale, asked);
+    if (facts.is_there) {
+        draw_label("all others", scale);
+        // What they are, if that is one material, or what they can be.
+        const std::string& one = facts.otherwise.empty() ? facts.material : facts.otherwise;
+        const int others =
+            draw_words("others", {"guessed", one.c_str()}, facts.otherwise.empty() ? 0 : 1, true);
+        if (others >= 0)
+            asked.push_back({.verb = WindowVerb::otherwise, .word = others == 0 ? "" : facts.material});
+        explain_row("What nobody painted: a guess for each segment, or the material in hand for all.");
+        draw_label("felt", scale);
+        const int felt = draw_words("felt", {"before", "as painted"}, facts.materials_are_on ? 1 : 0, true);
+        if (felt >= 0)
+            asked.push_back({.verb = WindowVerb::feel, .word = felt == 1 ? "materials on" : "materials off"});
+        explain_row("As the clip is by itself, or as it is painted. The key B changes between both.");
+    }
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
+                wide = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
+    draw_brush_button("undo", facts.can_undo, wide, WindowVerb::undo, asked);
+    ImGui::SameLine(0, gap);
+    draw_brush_button("redo", facts.can_redo, wide, WindowVerb::redo, asked);
+    ImGui::SameLine(0, gap);
+    draw_brush_button("save", facts.is_there, wide, WindowVerb::save_materials, asked);
+    if (facts.is_there) draw_remark(std::to_string(facts.segments) + " segments in the clip");
+}
+
+std::string value_in(const std::map<std::string, std::string>& values, const char* name,
+                     const char* otherwise = "") {
+    const auto value = values.find(name);
+    return value == values.end() ? otherwise : value->second;
+}
+
+void ask_for(const SessionSetting& setting, const std::string& value, std::vector<WindowCommand>& asked) {
+    asked.push_back({WindowVerb::feel, 0, setting.name + (" " + value)});
+}
+
+/// What was chosen by hand, otherwise what is in effect.
+void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
+                 std::vector<WindowCommand>& asked) {
+    const bool by_hand = facts.by_hand.contains(setting.name);
+    const std::string value =
+        value_in(by_hand ? facts.by_hand : facts.in_effect, setting.name, setting.words.front());
+    int chosen = -1;
+    std::vector<const char*> words;
+    for (const std::string word : setting.words) {
+        if (value == word) chosen = static_cast<int>(words.size());
+        words.push_back(word == "0" ? "off" : setting.words[words.size()]);
+    }
+    const int clicked = draw_words(setting.name, words, chosen, by_hand);
+    if (clicked >= 0) ask_for(setting, setting.words[static_cast<std::size_t>(clicked)], asked);
+}
+
+/// Each filter with its reason, a line each: what stands between parentheses is no end of one.
+void draw_reasons(const std::string& words) {
+    int depth = 0;
+    std::string line;
+    const auto say = [](std::string remark) {
+        constexpr std::string_view stated = "(stated)";
+        if (const std::size_t at = remark.find(stated); at != std::string::npos)
+            remark.replace(at, stated.size(), "(asked for)");
+        draw_remark(remark);
+    };
+    for (std::size_t k = 0; k < words.size(); ++k) {
+        depth += words[k] == '(' ? 1 : (words[k] == ')' ? -1 : 0);
+        line += words[k];
+        const bool ends = k + 1 == words.size() || (depth == 0 && words[k + 1] == ' ' &&
+                                                    (words[k] == ',' || words[k] == ';' || words[k] == ':'));
+        if (!ends) continue;
+        if (k + 1 < words.size()) line.pop_back();
+        say(line);
+        line.clear();
+        ++k;  // the space
+    }
+}
+
+bool is_of_filters(const SessionSetting& setting) {
+    return setting.filter || std::string_view(setting.name) == "filters";
+}
+
+std::string shown_number(const SessionSetting& setting, float value) {
+    return formatted(setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
+                     static_cast<double>(value));
+}
+
+struct DrawnCurve {
+    const Curve& curve;
+    ImU32 colour;
+};
+
+/// Lines over each other from 0 to `most`, or a bar for each value; the newest value in words on the right.
+void draw_curves(const char* label, std::initializer_list<DrawnCurve> curves, float most, bool bars,
+                 const char* words, float scale) {
+    const float tall = 30 * scale, down = (tall - ImGui::GetFrameHeight()) / 2;
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + down);
+    draw_label(label, scale);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() - down);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float wide = value_column(scale);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), ImGui::GetColorU32(ImGuiCol_FrameBg), 4 * scale);
+    std::array<ImVec2, Curve::most> points;
+    for (const DrawnCurve& drawn : curves) {
+        for (std::size_t k = 0; k < Curve::most; ++k) {
+            const float share = std::clamp(drawn.curve[k] / most, 0.0F, 1.0F);
+            points[k] = ImVec2(at.x + wide * (static_cast<float>(k) + 0.5F) / Curve::most,
+                               at.y + tall - 1 - share * (tall - 3));
+        }
+        if (!bars) {
+            list.AddPolyline(points.data(), static_cast<int>(points.size()), drawn.colour, 0, 1.5F * scale);
+            continue;
+        }
+        for (std::size_t k = 0; k < Curve::most; ++k)
+            if (drawn.curve[k] > 0)
+                list.AddLine(ImVec2(points[k].x, at.y + tall - 1), points[k], drawn.colour, 2 * scale);
+    }
+    ImGui::Dummy(ImVec2(wide, tall));
+    draw_value(words, at.x + wide, at.y + (tall - ImGui::GetFontSize()) / 2);
+}
+
+}  // namespace
+
+void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    const bool roomy = is_roomy(width), tall = height > 600 * scale_;
+    const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
+    ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
+    ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
+    // The picture behind it is what the settings are about.
+    if (!roomy) ImGui::SetNextWindowBgAlpha(0.7F);
+    // What does not fit is scrolled to.
+    ImGui::Begin("panel", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+    note_box();
+    ImGui::SetWindowFontScale(scale / scale_);
+    const ImGuiStyle& style = ImGui::GetStyle();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
+    draw_title(facts, scale, asked);
+    draw_finger(facts, scale, asked);
+    // Whoever takes a tool wants to see what else there is.
+    const bool is_held = facts.brush.tool != BrushTool::touch;
+    if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
+    if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
+    if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
+    if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
+    if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);
+    if (draw_fold("How it goes", tall)) {
+        curves_.draw(facts.limit_newtons, scale);
+        for (const std::string& line : facts.figures) draw_remark(line);
+    }
+    ImGui::PopStyleVar(2);
+    ImGui::End();
+}
+
+float WindowPanel::side_width(float width) const {
+    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+}
+
+void SettingsPanel::draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
+    draw_label("settings", scale_);
+    if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
+        asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
+    explain_row(
+        "Two sets of settings, to feel the difference. The key B switches; B begins without filters, or "
+        "where materials are painted, without those.");
+    for (const SessionSetting& setting : session_settings())
+        if (!is_of_filters(setting) && !setting.of_relief && !setting.of_brush &&
+            (facts.has_device || !setting.of_device))
+            draw_row(setting, facts, asked);
+}
+
+void SettingsPanel::draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
+    for (const SessionSetting& setting : session_settings())
+        if (is_of_filters(setting)) draw_row(setting, facts, asked);
+    draw_reasons(facts.filters);
+}
+
+void SettingsPanel::draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
+    for (const SessionSetting& setting : session_settings())
+        if (setting.of_relief) draw_row(setting, facts, asked);
+    if (!facts.relief.empty()) draw_remark(facts.relief);
+}
+
+void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts& facts,
+                             std::vector<WindowCommand>& asked) {
+    std::string label = std::string_view(setting.name) == "filters" ? "all at once" : setting.name;
+    std::replace(label.begin(), label.end(), '-', ' ');
+    draw_label(label, scale_);
+    if (setting.words.empty())
+        draw_number(setting, facts, asked);
+    else
+        draw_choice(setting, facts, asked);
+    explain_row(setting.what);
+}
+
+/// Takes effect when the slider is let go.
+void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFacts& facts,
+                                std::vector<WindowCommand>& asked) {
+    const auto in_effect = number_of(value_in(facts.in_effect, setting.name)).value_or(setting.least);
+    const std::string id = std::string("##") + setting.name;
+    auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
+    const std::string number = shown_number(setting, value);
+    const bool may_be_off = setting.filter || std::string_view(setting.name) == "relief";
+    const std::string words = may_be_off && number == "0" ? "off" : number + " " + setting.unit;
+    draw_slider(id.c_str(), value, static_cast<float>(setting.least), static_cast<float>(setting.most), words,
+                scale_, setting.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
+    if (ImGui::IsItemActive()) {
+        held_ = setting.name;
+        dragged_ = value;
+    } else if (held_ == setting.name) {
+        held_.clear();
+    }
+    if (ImGui::IsItemDeactivatedAfterEdit()) ask_for(setting, shown_number(setting, dragged_), asked);
+}
+
+void CurvesPanel::remember(const PanelFacts& facts, double picture_ms, double tick_us) {
+    for (std::size_t k = 0; k < forces_.size(); ++k)
+        forces_[k].add(k < facts.forces.size() ? facts.forces[k] : 0);
+    picture_ms_.add(picture_ms);
+    tick_us_.add(tick_us);
+    // Another session counts from 0 again.
+    late_ticks_.add(static_cast<double>(std::max<std::int64_t>(facts.late_ticks - all_late_, 0)));
+    dropped_frames_.add(static_cast<double>(std::max<std::int64_t>(facts.dropped_frames - all_dropped_, 0)));
+    all_late_ = facts.late_ticks;
+    all_dropped_ = facts.dropped_frames;
+}
+
+void CurvesPanel::draw(double most_newtons, float scale) {
+    const ImU32 usual = ImGui::GetColorU32(ImGuiCol_PlotLines);
+    const ImU32 bad = IM_COL32(240, 150, 90, 255);
+    float newtons = 0;
+    for (const Curve& curve : forces_) newtons = std::max(newtons, curve.newest());
+    draw_curves("force",
+                {{forces_[4], readable_finger_colour(4)},
+                 {forces_[3], readable_finger_colour(3)},
+                 {forces_[2], readable_finger_colour(2)},
+                 {forces_[1], readable_finger_colour(1)},
+                 {forces_[0], readable_finger_colour(0)}},
+                static_cast<float>(most_newtons), false,
+                formatted("%.1f N", static_cast<double>(newtons)).c_str(), scale);
+    explain_row("Newtons on each finger, in its colour.");
+    draw_curves("picture", {{picture_ms_, usual}}, std::max(50.0F, picture_ms_.greatest()), false,
+                formatted("%.0f ms", static_cast<double>(picture_ms_.newest())).c_str(), scale);
+    explain_row("How long a picture takes to draw. At 33 ms there are 30 a second.");
+    draw_curves("tick", {{tick_us_, usual}}, std::max(50.0F, tick_us_.greatest()), false,
+                formatted("%.0f \xC2\xB5s", static_cast<double>(tick_us_.newest())).c_str(), scale);
+    explain_row(
+        "How long a force takes to compute. There are 1000 a second: below 1000 \xC2\xB5s all is well.");
+    draw_curves("late ticks", {{late_ticks_, bad}}, std::max(2.0F, late_ticks_.greatest()), true,
+                formatted("%lld", static_cast<long long>(all_late_)).c_str(), scale);
+    explain_row("Forces that came a millisecond or more too late.");
+    draw_curves("left out", {{dropped_frames_, bad}}, std::max(2.0F, dropped_frames_.greatest()), true,
+                formatted("%lld", static_cast<long long>(all_dropped_)).c_str(), scale);
+    explain_row("Frames of the clip that this machine had no time for.");
+}
+
+float Curve::greatest() const {
+    return *std::max_element(values_.begin(), values_.end());
+}
+
+}  // namespace touchable

@@ -1,0 +1,247 @@
+#include "player/window/user_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "engine/base/files.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "player/window/pointer.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Endings of videos and recordings. A picture is a frame of a clip far more often than a clip.
+constexpr std::array clip_endings{".mkv", ".mp4", ".mov", ".webm", ".m4v", ".avi", ".bag", ".mcap", ".db3"};
+
+bool looks_like_clip(const fs::directory_entry& entry) {
+    std::error_code failed;
+    if (entry.is_directory(failed)) return fs::exists(entry.path() / "scene.json", failed);
+    std::string ending = entry.path().extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return std::find(clip_endings.begin(), clip_endings.end(), ending) != clip_endings.end();
+}
+
+bool by_name(const fs::path& a, const fs::path& b) {
+    const std::string x = a.filename().string(), y = b.filename().string();
+    const int order = strverscmp(x.c_str(), y.c_str());
+    return order != 0 ? order < 0 : x < y;
+}
+
+constexpr std::size_t most_settings_bytes = 1 << 20;
+
+Json to_json(const SessionSettings& settings) {
+    Json json = Json::object();
+    for (const auto& [name, value] : settings.values())
+        if (!session_setting(name)->of_brush)
+            json[name] = number_of(value) ? Json::parse(value) : Json(value);
+    return json;
+}
+
+Json to_json(const KeptSettings& kept) {
+    Json json{{"panel", kept.panel}, {"dent", kept.dent}, {"fingers", kept.fingers}, {"volume", kept.volume}};
+    if (kept.width > 0) json["window"] = {kept.width, kept.height};
+    json["a"] = to_json(kept.a);
+    if (kept.b) json["b"] = to_json(*kept.b);
+    return json;
+}
+
+std::optional<int> whole_in(const Json& json, int least, int most) {
+    if (!json.is_number_integer()) return std::nullopt;
+    const auto value = json.get<std::int64_t>();
+    if (value < least || value > most) return std::nullopt;
+    return static_cast<int>(value);
+}
+
+/// Reads what can be used of the set of that name, and says what is wrong with the rest.
+std::string read_settings(const std::string& set_name, const Json& json, SessionSettings& settings) {
+    if (!json.is_object()) return "'" + set_name + "' must be an object";
+    std::string wrong;
+    const auto complain = [&](const std::string& what) {
+        wrong += (wrong.empty() ? "" : "; ") + ("'" + set_name + "': ") + what;
+    };
+    // "filters" is before those that differ from it.
+    for (const SessionSetting& setting : session_settings()) {
+        const auto member = json.find(setting.name);
+        if (setting.of_brush || member == json.end()) continue;
+        std::string value = member->is_string() ? member->get<std::string>() : "";
+        if (member->is_number()) value = member->dump();
+        if (const auto set = settings.set(setting.name, value); !set) complain(set.error().message);
+    }
+    for (const auto& [name, value] : json.items())
+        if (const auto* const known = session_setting(name); !known || known->of_brush)
+            complain("'" + printable(name) + "' is unknown");
+    return wrong;
+}
+
+/// Members of every file of settings that a window wrote.
+constexpr const char* always_written[] = {"panel", "fingers", "a"};
+
+/// Reads a member, or says what is wrong with it; empty: nothing.
+std::string read_member(const std::string& name, const Json& value, KeptSettings& kept) {
+    const std::string quoted = "'" + printable(name) + "' ";
+    if (name == "panel" || name == "dent") {
+        if (!value.is_boolean()) return quoted + "must be true or false";
+        (name == "panel" ? kept.panel : kept.dent) = value.get<bool>();
+        return "";
+    }
+    if (name == "fingers") {
+        const auto fingers = whole_in(value, 1, PointerFingers::most);
+        if (!fingers) return quoted + "must be 1 to 5";
+        kept.fingers = *fingers;
+        return "";
+    }
+    if (name == "volume") {
+        const auto volume = whole_in(value, 0, 100);
+        if (!volume) return quoted + "must be 0 to 100";
+        kept.volume = *volume;
+        return "";
+    }
+    if (name == "overlay") return "";  // earlier versions kept it
+    if (name == "window") {
+        const bool two = value.is_array() && value.size() == 2;
+        const auto width =
+            two ? whole_in(value[0], SettingsFile::least_width, SettingsFile::most_pixels) : std::nullopt;
+        const auto height =
+            two ? whole_in(value[1], SettingsFile::least_height, SettingsFile::most_pixels) : std::nullopt;
+        if (!width || !height)
+            return quoted + "must be width and height in pixels, [320, 200] to [8192, 8192]";
+        kept.width = *width;
+        kept.height = *height;
+        return "";
+    }
+    if (name == "a") return read_settings(name, value, kept.a);
+    if (name == "b") return read_settings(name, value, kept.b.emplace());
+    return quoted + "is unknown";
+}
+
+/// The file that a link leads to, so that the link stays one.
+fs::path followed(const fs::path& file) {
+    std::error_code failed;
+    if (!fs::is_symlink(file, failed)) return file;
+    const auto target = fs::canonical(file, failed);
+    return failed ? file : target;
+}
+
+}  // namespace
+
+std::vector<fs::path> clips_of(const fs::path& named) {
+    std::error_code failed;
+    if (!fs::is_directory(named, failed)) return {named};
+    std::vector<fs::path> clips;
+    for (fs::directory_iterator entry(named, failed), end; !failed && entry != end; entry.increment(failed))
+        if (entry->path().filename().string().front() != '.' && looks_like_clip(*entry))
+            clips.push_back(entry->path());
+    // A folder of pictures may have a film beside them.
+    if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {}).ok())
+        return {named};
+    std::sort(clips.begin(), clips.end(), by_name);
+    return clips;
+}
+
+const ClipChoice* Playlist::next() {
+    if (place_ + 1 >= clips_.size() && !(wraps_ && clips_.size() > 1)) return nullptr;
+    place_ = (place_ + 1) % clips_.size();
+    return &clips_[place_];
+}
+
+const ClipChoice* Playlist::previous() {
+    if (place_ == 0 && !(wraps_ && clips_.size() > 1)) return nullptr;
+    place_ = (place_ + clips_.size() - 1) % clips_.size();
+    return &clips_[place_];
+}
+
+Result<fs::path> own_folder(const char* variable, const char* in_home) {
+    const auto folder = [](const char* of) {
+        const char* const value = std::getenv(of);
+        return fs::path(value ? value : "");
+    };
+    // A path that is not absolute counts as not set.
+    if (const auto stated = folder(variable); stated.is_absolute()) return stated / "touchable";
+    if (const auto home = folder("HOME"); home.is_absolute()) return home / in_home / "touchable";
+    return usage_error(std::string("neither HOME nor ") + variable + " says where to keep them");
+}
+
+Result<fs::path> own_settings_file() {
+    TRY_ASSIGN(const auto folder, own_folder("XDG_CONFIG_HOME", ".config"));
+    return folder / "play.json";
+}
+
+SettingsFile::SettingsFile(fs::path file) : file_(std::move(file)) {
+    std::error_code failed;
+    if (!fs::exists(file_, failed) && !failed) return;
+    const auto text = read_given_file(file_, file_.string(), "a file of settings", most_settings_bytes);
+    if (text) {
+        take(*text);
+        return;
+    }
+    is_foreign_ = true;
+    message_ = text.error().message + "; it is left alone";
+}
+
+void SettingsFile::take(const std::string& text) {
+    const Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object()) {
+        const auto aside = set_aside(file_);
+        is_foreign_ = !aside;
+        const std::string where = aside ? "set aside as " + aside->filename().string()
+                                        : "it stays there, and nothing is kept: " + aside.error().message;
+        message_ = file_.string() + ": is no JSON object; " + where;
+        return;
+    }
+    // Another program's file, named by mistake, may share a name or two with ours.
+    const bool was_written_here =
+        std::ranges::all_of(always_written, [&](const char* name) { return json.contains(name); });
+    std::string wrong_members;
+    for (const auto& [name, value] : json.items())
+        if (const std::string wrong = read_member(name, value, read_); !wrong.empty())
+            wrong_members += (wrong_members.empty() ? "" : "; ") + wrong;
+    if (wrong_members.empty()) return;
+    is_foreign_ = !was_written_here;
+    message_ = is_foreign_
+                   ? file_.string() +
+                         ": is no file of settings, or another program's: " + printable(wrong_members, 200) +
+                         "; it is left alone, and nothing is kept in it"
+                   : file_.filename().string() + ": " + wrong_members + "; ignored";
+}
+
+Result<void> SettingsFile::write(const KeptSettings& settings) const {
+    if (file_.empty() || is_foreign_ || (settings == read_ && message_.empty())) return {};
+    std::error_code failed;
+    const auto target = followed(file_);
+    if (target.has_parent_path()) fs::create_directories(target.parent_path(), failed);
+    if (failed) return input_error(target.parent_path().string() + ": cannot be made: " + failed.message());
+    NewFile file(target);
+    TRY(file.check());
+    std::ofstream out(file.path(), std::ios::binary);
+    out << to_json(settings).dump(2) << '\n';
+    out.close();
+    if (!out) return input_error(target.string() + ": cannot be written");
+    return file.commit();
+}
+
+Result<fs::path> set_aside(const fs::path& file) {
+    constexpr int most_set_aside = 100;
+    int failed = EEXIST;
+    for (int k = 1; k <= most_set_aside && failed == EEXIST; ++k) {
+        fs::path aside = file;
+        aside += k == 1 ? ".broken" : ".broken" + std::to_string(k);
+        failed = move_to_free_name(file, aside);
+        if (failed == 0) return aside;
+    }
+    return input_error("it cannot be set aside (" + std::generic_category().message(failed) + ")");
+}
+
+}  // namespace touchable

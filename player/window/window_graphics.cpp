@@ -1,0 +1,436 @@
+// What draws the window's pictures: on a GPU, with Dear ImGui's Vulkan backend; or in the CPU's memory. And
+// the screen of a window that nobody sees.
+
+#include <backends/imgui_impl_vulkan.h>
+#include <imgui.h>
+#include <vulkan/vulkan.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/picture/image.hpp"
+#include "player/draw/gpu_image.hpp"
+#include "player/draw/pictures.hpp"
+#include "player/window/clip_picture.hpp"
+
+namespace touchable {
+namespace {
+
+/// Draws what ImGui has laid out, over a canvas (VK_FORMAT_R8G8B8A8_UNORM). One at a time, with an ImGuiLayer
+/// that outlives it. What a GPU that hangs may still use of it stays in memory.
+class ImGuiVulkan {
+public:
+    static Result<std::unique_ptr<ImGuiVulkan>> create(std::shared_ptr<GpuDevice> device);
+    ~ImGuiVulkan();
+    ImGuiVulkan(const ImGuiVulkan&) = delete;
+    ImGuiVulkan& operator=(const ImGuiVulkan&) = delete;
+
+    /// Records it over `canvas`, which is in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL before and in
+    /// VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL after.
+    Result<void> draw(GpuCommands& commands, const GpuImage& canvas);
+
+private:
+    explicit ImGuiVulkan(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+    void leave();
+    Result<void> make_pass();
+    Result<void> start();
+    Result<void> upload_fonts();
+    Result<VkFramebuffer> framebuffer_of(const GpuImage& canvas);
+
+    std::shared_ptr<GpuDevice> device_;
+    bool is_started_ = false;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkRenderPass pass_ = VK_NULL_HANDLE;
+    VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
+    std::shared_ptr<const void> canvas_;  // what the framebuffer is of
+};
+
+Result<std::unique_ptr<ImGuiVulkan>> ImGuiVulkan::create(std::shared_ptr<GpuDevice> device) {
+    std::unique_ptr<ImGuiVulkan> made(new ImGuiVulkan(std::move(device)));
+    TRY(made->make_pass());
+    TRY(made->start());
+    return made;
+}
+
+ImGuiVulkan::~ImGuiVulkan() {
+    if (!device_->comes_to_rest()) {
+        leave();
+        return;
+    }
+    const VkDevice device = device_->vulkan()->device;
+    if (is_started_) ImGui_ImplVulkan_Shutdown();
+    if (framebuffer_) vkDestroyFramebuffer(device, framebuffer_, nullptr);
+    if (pass_) vkDestroyRenderPass(device, pass_, nullptr);
+    if (pool_) vkDestroyDescriptorPool(device, pool_, nullptr);
+}
+
+/// To a GPU that hangs; ImGui knows nothing of it from now on.
+void ImGuiVulkan::leave() {
+    leave_for_good(device_->vulkan());
+    if (!is_started_) return;
+    ImGuiIO& io = ImGui::GetIO();
+    leave_for_good({io.BackendRendererUserData, [](const void*) {}});
+    io.BackendRendererUserData = nullptr;
+    io.BackendRendererName = nullptr;
+    io.BackendFlags &= ~ImGuiBackendFlags_RendererHasVtxOffset;
+}
+
+Result<void> ImGuiVulkan::make_pass() {
+    VulkanDevice& gpu = *device_->vulkan();
+    VkAttachmentDescription attachment{};
+    attachment.format = VK_FORMAT_R8G8B8A8_UNORM;
+    attachment.samples = VK_SAMPLE_COUNT_1_BIT;
+    attachment.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    attachment.initialLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    attachment.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+    VkSubpassDescription subpass{};
+    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    subpass.colorAttachmentCount = 1;
+    subpass.pColorAttachments = &reference;
+    // After what was drawn below, before what copies the canvas.
+    const VkSubpassDependency dependencies[] = {
+        {VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+         VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+         VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT, 0},
+        {0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+         VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT,
+         0}};
+    VkRenderPassCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
+    info.attachmentCount = 1;
+    info.pAttachments = &attachment;
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+    info.dependencyCount = 2;
+    info.pDependencies = dependencies;
+    VkResult result = vkCreateRenderPass(gpu.device, &info, nullptr, &pass_);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateRenderPass", result);
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
+    VkDescriptorPoolCreateInfo pool{};
+    pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+    pool.maxSets = 4;
+    pool.poolSizeCount = 1;
+    pool.pPoolSizes = &size;
+    result = vkCreateDescriptorPool(gpu.device, &pool, nullptr, &pool_);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorPool", result);
+    return {};
+}
+
+Result<void> ImGuiVulkan::start() {
+    VulkanDevice& gpu = *device_->vulkan();
+    ImGui_ImplVulkan_InitInfo info{};
+    info.Instance = gpu.instance->handle();
+    info.PhysicalDevice = gpu.physical;
+    info.Device = gpu.device;
+    info.QueueFamily = gpu.queue_family;
+    info.Queue = gpu.queue;
+    info.DescriptorPool = pool_;
+    info.MinImageCount = 2;
+    info.ImageCount = 2;
+    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+    is_started_ = ImGui_ImplVulkan_Init(&info, pass_);
+    if (!is_started_) return Error{ErrorKind::gpu, "the panel cannot be drawn on " + gpu.facts.name};
+    return upload_fonts();
+}
+
+// ImGui 1.90 submits the upload itself, and waits for it.
+#if IMGUI_VERSION_NUM >= 19000
+Result<void> ImGuiVulkan::upload_fonts() {
+    VulkanDevice& gpu = *device_->vulkan();
+    const std::lock_guard lock(gpu.queue_mutex);
+    if (ImGui_ImplVulkan_CreateFontsTexture()) return {};
+    return Error{ErrorKind::gpu, "the panel's letters cannot be uploaded to " + gpu.facts.name};
+}
+#else
+Result<void> ImGuiVulkan::upload_fonts() {
+    TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "fonts", GpuTiming::none));
+    ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
+    TRY_ASSIGN(const auto submission, std::move(commands).submit());
+    TRY(submission.wait_for_picture());
+    ImGui_ImplVulkan_DestroyFontUploadObjects();
+    return {};
+}
+#endif
+
+Result<VkFramebuffer> ImGuiVulkan::framebuffer_of(const GpuImage& canvas) {
+    if (framebuffer_ && canvas_ == canvas.keep_alive()) return framebuffer_;
+    VulkanDevice& gpu = *device_->vulkan();
+    if (framebuffer_) vkDestroyFramebuffer(gpu.device, framebuffer_, nullptr);
+    framebuffer_ = VK_NULL_HANDLE;
+    const VkImageView view = canvas.view();
+    VkFramebufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
+    info.renderPass = pass_;
+    info.attachmentCount = 1;
+    info.pAttachments = &view;
+    info.width = canvas.extent().width;
+    info.height = canvas.extent().height;
+    info.layers = 1;
+    const VkResult result = vkCreateFramebuffer(gpu.device, &info, nullptr, &framebuffer_);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateFramebuffer", result);
+    canvas_ = canvas.keep_alive();
+    return framebuffer_;
+}
+
+Result<void> ImGuiVulkan::draw(GpuCommands& commands, const GpuImage& canvas) {
+    TRY_ASSIGN(const auto framebuffer, framebuffer_of(canvas));
+    VkRenderPassBeginInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO;
+    info.renderPass = pass_;
+    info.framebuffer = framebuffer;
+    info.renderArea.extent = canvas.extent();
+    vkCmdBeginRenderPass(commands.handle(), &info, VK_SUBPASS_CONTENTS_INLINE);
+    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands.handle());
+    vkCmdEndRenderPass(commands.handle());
+    commands.keep(canvas.keep_alive());
+    return {};
+}
+
+/// What `canvas` shows, which is in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, as a picture in the CPU's memory.
+Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canvas) {
+    const VkExtent2D extent = canvas.extent();
+    const std::size_t pixels = std::size_t{extent.width} * extent.height;
+    TRY_ASSIGN(auto buffer, GpuBuffer::create(*device, "picture read back", pixels * 4, GpuMemory::readback));
+    TRY_ASSIGN(auto commands, GpuCommands::begin(device, "read back", GpuTiming::none));
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageExtent = {extent.width, extent.height, 1};
+    vkCmdCopyImageToBuffer(commands.handle(), canvas.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           buffer.handle(), 1, &region);
+    commands.keep(canvas.keep_alive());
+    commands.keep(buffer.keep_alive());
+    TRY(std::move(commands).run());
+    Image image{static_cast<int>(extent.width), static_cast<int>(extent.height), 1, 3, {}};
+    image.samples.resize(pixels * 3);
+    const auto bytes = buffer.mapped<std::uint8_t>();
+    for (std::size_t k = 0; k < pixels; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            image.samples[3 * k + channel] = bytes[4 * k + channel];
+    return image;
+}
+
+bool is_of_size(const GpuImage& image, int width, int height) {
+    return image.extent().width == static_cast<std::uint32_t>(width) &&
+           image.extent().height == static_cast<std::uint32_t>(height);
+}
+
+VkOffset3D corner_of(const GpuImage& image) {
+    return {static_cast<std::int32_t>(image.extent().width), static_cast<std::int32_t>(image.extent().height),
+            1};
+}
+
+/// From one that was drawn to another that is to be drawn over.
+void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
+    constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    record_transition(commands, from, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = corner_of(from);
+    region.dstOffsets[1] = corner_of(to);
+    vkCmdBlitImage(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_LINEAR);
+    record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
+}
+
+/// Draws on a canvas that stays on the GPU.
+class GpuGraphics final : public WindowGraphics {
+public:
+    GpuGraphics(std::shared_ptr<GpuDevice> device, Screen& screen)
+        : device_(std::move(device)), screen_(screen), uploads_(device_) {}
+
+    Result<void> open(std::string_view painter) {
+        if (painter == "cpu") {
+            by_cpu_.emplace();
+        } else {
+            TRY_ASSIGN(auto drawing, SurfaceDrawing::create(device_, painter));
+            drawing_ = std::move(drawing);
+        }
+        return take_letters();
+    }
+
+    std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
+    std::string gpu() const override { return device_->facts().name; }
+    bool is_lost() const override { return device_->lost(); }
+    bool can_stretch() const override { return true; }
+    bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
+
+    Result<void> take_letters() override {
+        imgui_.reset();  // there is one at a time
+        TRY_ASSIGN(auto imgui, ImGuiVulkan::create(device_));
+        imgui_ = std::move(imgui);
+        return {};
+    }
+
+    Result<void> begin() override {
+        TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "window", GpuTiming::none));
+        commands_.emplace(std::move(commands));
+        return {};
+    }
+
+    Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting, int step) override {
+        if (!drawing_) {
+            by_cpu_->show(field, pair, colour, lighting);
+            return {};
+        }
+        if (drawing_->thins_vertices()) return drawing_->show_by_cpu(field, pair, colour, lighting, step);
+        TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface", GpuTiming::none));
+        TRY(drawing_->show(commands, field, pair, colour, lighting, step));
+        return std::move(commands).run();
+    }
+
+    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                      int width, int height) override {
+        TRY(reserve(canvas_, "canvas", width, height));
+        if (is_of_size(canvas_, camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
+        TRY(reserve(small_, "small picture", camera.width, camera.height));
+        TRY(draw_on(small_, camera, fingers, sizes));
+        record_stretch(*commands_, small_, canvas_);
+        return {};
+    }
+
+    Result<void> finish() override {
+        TRY(imgui_->draw(*commands_, canvas_));
+        GpuCommands commands = std::move(*commands_);
+        commands_.reset();
+        return screen_.present(std::move(commands), canvas_);
+    }
+
+    Result<Image> picture() const override {
+        if (!canvas_) return usage_error("there is no picture yet that could be kept");
+        return read_back(device_, canvas_);
+    }
+
+private:
+    Result<void> reserve(GpuImage& image, const char* name, int width, int height) const {
+        if (image && is_of_size(image, width, height)) return {};
+        TRY_ASSIGN(auto made, GpuImage::create(*device_, name, width, height, VK_FORMAT_R8G8B8A8_UNORM));
+        image = std::move(made);
+        return {};
+    }
+
+    Result<void> draw_on(const GpuImage& image, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                         const MarkSizes& sizes) {
+        if (drawing_) return drawing_->draw(*commands_, camera, fingers, sizes, image);
+        TRY_ASSIGN(const auto drawn, by_cpu_->draw(camera, fingers, sizes));
+        return upload(*drawn, image);
+    }
+
+    /// The CPU's picture.
+    Result<void> upload(const Image& picture, const GpuImage& image) {
+        const std::size_t pixels = picture.samples.size() / 3;
+        TRY_ASSIGN(const auto buffer, uploads_.take("picture", 4 * pixels));
+        const auto to = buffer.mapped<PackedColour>();
+        const std::uint8_t* rgb = picture.samples.data();
+        for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);
+        record_transition(*commands_, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {image.extent().width, image.extent().height, 1};
+        vkCmdCopyBufferToImage(commands_->handle(), buffer.handle(), image.handle(),
+                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+        commands_->keep(buffer.keep_alive());
+        record_transition(*commands_, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        return {};
+    }
+
+    std::shared_ptr<GpuDevice> device_;
+    Screen& screen_;
+    std::unique_ptr<SurfaceDrawing> drawing_;
+    std::optional<CpuDrawing> by_cpu_;  // in place of it
+    UploadPool uploads_;
+    std::unique_ptr<ImGuiVulkan> imgui_;
+    GpuImage canvas_, small_;              // small: what is stretched over it, if anything is
+    std::optional<GpuCommands> commands_;  // of the picture that was begun
+};
+
+/// Surface and fingers in the CPU's memory, without Vulkan and without the panel.
+class CpuGraphics final : public WindowGraphics {
+public:
+    std::string_view painter() const override { return "cpu"; }
+    std::string gpu() const override { return {}; }
+    bool is_lost() const override { return false; }
+    bool can_stretch() const override { return false; }
+    bool thins_vertices() const override { return false; }
+
+    Result<void> take_letters() override { return {}; }
+    Result<void> begin() override { return {}; }
+    Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting, int) override {
+        drawing_.show(field, pair, colour, lighting);
+        return {};
+    }
+    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                      int /*width*/, int /*height*/) override {
+        TRY_ASSIGN(const auto drawn, drawing_.draw(camera, fingers, sizes));
+        picture_ = drawn;
+        return {};
+    }
+    Result<void> finish() override { return {}; }
+    Result<Image> picture() const override {
+        if (!picture_) return usage_error("there is no picture yet that could be kept");
+        return *picture_;
+    }
+
+private:
+    CpuDrawing drawing_;
+    const Image* picture_ = nullptr;
+};
+
+class HeadlessScreen final : public Screen {
+public:
+    explicit HeadlessScreen(const ScreenOptions& options) : size_{options.width, options.height, 1} {}
+
+    std::vector<std::string> extensions() const override { return {}; }
+    Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
+    Result<void> health() const override { return {}; }
+    ScreenSize size() const override { return size_; }
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        std::this_thread::sleep_for(longest);
+        return {};
+    }
+    std::string touch_state() const override { return {}; }
+    Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
+    void set_title(const std::string&) override {}
+    void set_fullscreen(bool) override {}
+    void set_size(int width, int height) override { size_ = {width, height, 1}; }
+    void hide_pointer(bool) override {}
+
+private:
+    ScreenSize size_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<WindowGraphics>> make_gpu_graphics(std::shared_ptr<GpuDevice> device,
+                                                          std::string_view painter, Screen& screen) {
+    auto graphics = std::make_unique<GpuGraphics>(std::move(device), screen);
+    TRY(graphics->open(painter));
+    return std::unique_ptr<WindowGraphics>(std::move(graphics));
+}
+
+std::unique_ptr<WindowGraphics> make_cpu_graphics() {
+    return std::make_unique<CpuGraphics>();
+}
+
+std::unique_ptr<Screen> make_headless_screen(const ScreenOptions& options) {
+    return std::make_unique<HeadlessScreen>(options);
+}
+
+}  // namespace touchable
