@@ -13,8 +13,8 @@ add_compile_options(-Wall -Wextra -Wpedantic
 if(NOT CMAKE_UNITY_BUILD)
   add_compile_options(-Wshadow)
 endif()
-# GCC 13 and 14 warn where nothing is wrong, of std::sort and std::vector that they have inlined at -O3 (redraw_estimator.hpp,
-# inverse3_protocol.cpp). GCC 12 looks for the same without that.
+# GCC 13 and 14 warn where nothing is wrong, of std::sort and std::vector that they have inlined at -O3 (clip_picture.hpp,
+# inverse3_device.cpp). GCC 12 looks for the same without that.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   add_compile_options(-Wno-array-bounds -Wno-free-nonheap-object -Wno-stringop-overflow -Wno-maybe-uninitialized)
 endif()

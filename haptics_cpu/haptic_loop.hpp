@@ -4,8 +4,8 @@
 //
 // HapticLoop runs a TouchStep on a thread of its own: each millisecond it takes goals from the HapticPort,
 // the pair of frames from the timeline, and hands forces back; what happened goes into the TickLog, a ring
-// that another thread empties. realtime asks the system for SCHED_FIFO and locked memory, and says what was
-// granted.
+// that another thread empties. become_realtime asks the system for SCHED_FIFO and locked memory, and says
+// what was granted.
 //
 // The haptic thread waits for no other thread: a goal or a force that is late is missing, never waited for. A
 // tick whose time has passed is skipped and counted.

@@ -2,12 +2,13 @@
 
 // The surface as the solver sees it: a pair of frames at a moment, without a copy.
 //
-// A HeightField blends the depths of two frames of a SurfaceTimeline at a tick's moment and computes vertices only where it is asked; bounds of
-// tiles say what is certainly out of reach. WorldSpace is that surface in the world, as flat triangles (a VertexCache keeps the vertices of one
-// solve). A Place is a feature of the lattice with a local fraction; the functions at the end give the depth, the point and the
-// normal form of places. A Proxy is a finger's god-object: a free point or a place. docs/solver.md has the mathematics.
+// A HeightField blends the depths of two frames of a SurfaceTimeline at a tick's moment and computes vertices
+// only where it is asked; bounds of tiles say what is certainly out of reach. WorldSpace is that surface in
+// the world, as flat triangles (a VertexCache keeps the vertices of one solve). A Place is a feature of the
+// lattice with a local fraction; the functions at the end give the depth, the point and the normal form of
+// places. A Proxy is a finger's god-object: a free point or a place. docs/solver.md has the mathematics.
 //
-// Everything here belongs to the haptic thread: it neither waits nor allocates after the start.
+// An object is one thread's, and neither waits nor allocates after the start.
 
 /// Places on the surface: w, linear on faces and edges of the chart, and the normal form of a place (the rim
 /// of a face is its edges', their ends are vertices).

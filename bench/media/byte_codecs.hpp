@@ -22,7 +22,7 @@ std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form);
 /// The same of what is left of a sample less the one above it: left + above - above left is predicted. Of
 /// two bytes a sample it is what the codec of clips was first (t3dz).
 std::unique_ptr<PlaneCodec> make_zstd_gradient_codec(const PlaneView& form);
-/// The codec of clips (rank_zstd.hpp): of two bytes a sample.
+/// The codec of clips (engine/clip/track_codecs.hpp): of two bytes a sample.
 std::unique_ptr<PlaneCodec> make_rank_zstd_codec(const PlaneView& form);
 
 }  // namespace touchable

@@ -1,5 +1,9 @@
 #pragma once
 
+// Holes of depth, filled with what other frames saw there (docs/content.md): where a camera rests, what is
+// behind a thing that moved. The clip is read once before it plays; a reader is one thread's, and a stop is
+// heard between frames.
+
 #include <memory>
 
 #include "engine/base/result.hpp"

@@ -3,8 +3,8 @@
 // Relief that is felt, made of a recording's colour (docs/content.md).
 //
 // A clip with heights is made around one without: details of brightness between two widths (difference of
-// Gaussians) are taken for bumps. The first frames tell how strong they are (ReliefEstimator), and heights
-// stay steady through time (ReliefHeights). Making a frame's heights is one pass of vectors over its colour.
+// Gaussians) are taken for bumps. Some frames of the clip tell how strong they are (ReliefEstimator), and
+// heights stay steady through time (ReliefHeights).
 //
 // A reader is one thread's; a stop is heard between frames.
 

@@ -3,10 +3,10 @@
 // The surfaces of a recording, told apart by colour and depth and followed through time.
 //
 // A frame becomes superpixels by its PixelFeatures, these are merged to regions where they are alike, small
-// ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmentation does this one
-// call a frame, in order.
+// ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this one
+// call a frame, in order; a Segmentation is what it gives.
 //
-// One thread's; the same frames give the same labels on every machine.
+// A Segmenter is one thread's; the same frames give the same labels on every machine.
 
 #include <array>
 #include <cstdint>

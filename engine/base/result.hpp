@@ -3,8 +3,8 @@
 // How a function says that it could not do what it was asked for.
 //
 // A function that can fail returns Result<T>: a value, or an Error with one line for a person (what is wrong,
-// where, what would be right) and its kind, which is the program's exit code. Ask it by `if (!result)`, then
-// use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. Nothing is thrown across a
+// where, what would be right) and its kind, of which exit_code makes the program's. Ask it by `if (!result)`,
+// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. Nothing is thrown across a
 // module's border. An Error may hint at a Setting: a library does not know what a program calls it, an option
 // or a row of a panel. Plain values, for any thread.
 

@@ -78,7 +78,7 @@ private:
     std::int64_t damaged_ = 0, repeated_ = 0;
 };
 
-/// A program that sends framesets (frameset_format.hpp): a command that is started, or one that listens.
+/// A program that sends framesets (above): a command that is started, or one that listens.
 struct FramesetChoice {
     std::string command{};  ///< of /bin/sh; empty: `address`
     std::string address{};  ///< as connect_to takes it

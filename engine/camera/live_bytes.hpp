@@ -1,5 +1,8 @@
 #pragma once
 
+// Bytes of a program that sends framesets (docs/camera.md): a command that is started, or a connection. Reads
+// return at once with what is there; an object is one thread's.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -15,7 +15,7 @@ namespace touchable {
 // How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/mpeg4.md): tags of the file, as in
 // Matroska (clip_tags), and these.
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
-inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (camera_path.hpp)
+inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (engine/scene/scene.hpp)
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text, of a variable rate
 /// From version 3 on, the scene has `hapticSurface` in Depth. Fragments, which have no scene, are still of
 /// version 2.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Generated scenes whose surface is known in closed form: globes, height fields, primitives, noise
+// Generated scenes, most of whose surfaces are known in closed form: globes, height fields, primitives, noise
 // (docs/scenes.md).
 //
 // make_scene makes one by its name and SceneOptions; scene_names lists the names. An AnalyticScene gives two

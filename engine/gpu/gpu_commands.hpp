@@ -2,11 +2,11 @@
 
 // Work on a GPU: its memory, its programs, and commands on one timeline.
 //
-// A GpuBuffer is memory that a CPU, a GPU or both reach; a GpuProgram is a compute kernel of shaders/, its specialisation constants and its bindings; GpuCommands
-// record dispatches, copies and barriers once and submit them again and again; a submission is waited for by its number, and a wait hears a
-// stop and a GPU that hangs.
+// A GpuBuffer is memory that a CPU, a GPU or both reach. A GpuProgram is a compute kernel of shaders/ with
+// its specialisation constants and bindings. GpuCommands record dispatches, copies and barriers and submit
+// them once; a submission is waited for by its number, and a wait ends where the GPU hangs (patience).
 //
-// Commands are one thread's. Errors are of kind gpu.
+// Commands are one thread's. Errors are of kind gpu; a call that makes no sense is of kind internal.
 
 #include <vulkan/vulkan.h>
 #include <array>

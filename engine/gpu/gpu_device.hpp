@@ -2,9 +2,10 @@
 
 // Vulkan's devices: which there are, what each can do, and the one that is used.
 //
-// GpuFacts say of each device what it is and why it cannot be used, if so; GpuDevice::open takes one by name or the best, with the features
-// that kernels and drawing need and no more. A device that is lost stays lost: every call says so from then on, and its memory is not freed
-// while it may still be written (docs/mechanisms.md, A GPU that is lost).
+// GpuFacts say of each device what it is and why it cannot be used, if so. GpuDevice::open takes one by name
+// or the best, with the features that kernels and drawing need, and optional ones where it has them. A device
+// that is lost stays lost: every call says so from then on, and its memory is not freed while it may still be
+// written (docs/mechanisms.md, A GPU that is lost).
 //
 // A device may be used by several threads; each has its own commands (gpu_commands.hpp).
 

@@ -2,13 +2,13 @@
 
 // The boxes of an MP4 file, as far as FFmpeg does not show or write them.
 //
-// A box is a length, a type and a content, and may hold boxes. sample tables say where a track's samples lie;
-// movie_fragments makes a fragmented file a plain one, for readers; scene_stream finds the track of a scene
-// (initial object descriptor, object descriptors, BIFS) in an MP4 file, and puts one into a file that is
-// written.
+// A box is a length, a type and a content, and may hold boxes. samples_in reads where a track's samples lie;
+// gather_fragments and plain_file make a fragmented file a plain one; read_scene_stream finds the track of a
+// scene (initial object descriptor, object descriptors, BIFS), and with_scene_stream puts one into a file
+// that is written.
 //
 // What a box claims is checked against the bytes that there are. Errors are lines behind the file's name.
-// Pure functions, for any thread.
+// Functions keep no state; a ByteSource is one thread's.
 
 #include <cstdint>
 #include <functional>

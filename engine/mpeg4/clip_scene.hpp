@@ -4,9 +4,10 @@
 //
 // The paper sends a clip as a scene of nodes: DepthImage with a camera, hapticSurface with ranges, textures
 // for colour, depth, haptic and height pictures. Nodes are a tree (node_types.hpp) that has two forms: the
-// text that people and GPAC write (parse and write here), and BIFS, its bits (bifs.hpp). clip_nodes reads the
-// nodes of one clip out of a tree and says by name which part of it is not understood; clip_scene turns these
-// into a SceneDescription and back.
+// text that people and GPAC write (parse_scene_text, scene_text), and BIFS, its bits (bifs.hpp).
+// clip_nodes_of reads the nodes of one clip out of a tree and says by name which part of it is not
+// understood; described_by turns these into a SceneDescription, and the functions beside it make nodes of a
+// scene.
 //
 // Text and bits come from outside: depth of nesting, sizes and numbers are checked. Pure functions, for any
 // thread.

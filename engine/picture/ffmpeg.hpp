@@ -117,7 +117,7 @@ class Demuxer {
 public:
     /// Refused is a file that does not say how long it is, unless it may be a stream.
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
-    /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity (disparity_tracks.hpp) are
+    /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity are
     /// HEVC like others.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
     /// The same of other bytes than the file's; `file` is how messages call it.

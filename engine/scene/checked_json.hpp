@@ -1,8 +1,8 @@
 #pragma once
 
-// JSON from outside, read member by member with checks: a fault names the member by its path, its value and
-// what would be right. Include it in .cpp files and private headers alone: it brings nlohmann/json. Pure
-// functions, for any thread.
+// JSON from outside, read member by member with checks: a fault (Refusal) names the member by its path, its
+// value and what would be right. The function that reads a text turns a Refusal into an Error. Include it
+// only where JSON is read: it brings nlohmann/json. Pure functions, for any thread.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-/// JSON from outside: every question about a value answers or throws `Refusal`, which whoever reads the text
-/// turns into an Error before it leaves the room.
 namespace touchable::checked_json {
 
 using Json = nlohmann::json;

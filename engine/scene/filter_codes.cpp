@@ -147,8 +147,8 @@ std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding
     return table;
 }
 
-// Eight gates, which the sum of a pass may reach on its way (terrace_rows.cpp), at the largest factor and the
-// most noise.
+// Eight gates, which the sum of a pass may reach on its way (engine/surface/terrace_filter.cpp), at the
+// largest factor and the most noise.
 static_assert(8 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
 
 /// Of looked-up codes, whose steps differ: noise makes both lengths wider by three fifths of it, as it makes

@@ -3,9 +3,9 @@
 // The codes that filters work on, and the numbers that each filter's settings become there.
 //
 // Stored codes need not be even steps of length (disparity, hue, logarithms): WorkingCodes are, and say how
-// one becomes the other. TerraceSteps, flying_pixels and the temporal filter's thresholds are what a Scene's
-// settings mean in these integers, the same for every builder, on the CPU and on the GPU
-// (docs/conventions.md). Pure functions, for any thread.
+// one becomes the other. TerraceFilter, FlyingPixels and TemporalFilter are what a Scene's settings mean in
+// these integers, the same for every builder, on the CPU and on the GPU (docs/conventions.md). Pure
+// functions, for any thread.
 
 #include <algorithm>
 #include <bit>

@@ -347,7 +347,7 @@ double largest_height(const HeightCoding& height, const DepthCoding& depth);
 /// How the surface is found between two frames.
 enum class FrameInterpolation { hold, linear };
 
-/// Automatic: where kappa says that it helps (terraces.hpp).
+/// Automatic: where kappa says that it helps (filter_codes.hpp).
 enum class TerraceRemoval { off, on, automatic };
 /// How far terrace removal may look, in pixels: a power of two from the one to the other.
 inline constexpr int least_terrace_reach = 16, most_terrace_reach = 128;
@@ -361,7 +361,7 @@ struct FilterSettings {
     /// Distance from one depth that occurs to the next, where that is more than a code's step: cameras that
     /// measure disparity and store millimetres have levels that grow with depth squared.
     DepthLength levels{};
-    bool temporal = false;  ///< noise from frame to frame is averaged (temporal.hpp)
+    bool temporal = false;  ///< noise from frame to frame is averaged (filter_codes.hpp)
     /// Standard deviation of a stored depth. Time of flight: mostly constant; stereo and structured light:
     /// mostly quadratic.
     DepthLength temporal_noise{};
@@ -439,7 +439,7 @@ struct StoredDepth {
 };
 
 /// What a clip means. Everything but the pictures. What a scene file leaves open is settled before there is a
-/// scene (scene_description.hpp).
+/// scene (SceneDescription).
 struct Scene {
     std::string name;
     std::vector<Remark> remarks{};  ///< for people: what was guessed of the rest; changes nothing
@@ -447,8 +447,8 @@ struct Scene {
     FrameRate rate;
     double metres_per_unit = 0.001;
     Camera camera;
-    LensDistortion
-        lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
+    LensDistortion lens;  ///< of depth as it is stored; whoever opens a clip undoes it
+                          ///< (engine/formats/pinhole_frames.hpp)
     /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.
     std::optional<ColourCamera> colour_camera;
     DepthCoding depth;
@@ -492,7 +492,7 @@ inline constexpr UnstatedFilters all_unstated{true, true, true, true, true, true
 struct Unstated {
     bool rate = false;    ///< the frames' own times stand
     bool camera = false;  ///< the median of the cameras in `folder.cameras` stands
-    bool far = false;     ///< of metric coding: what the frames reach stands (far_plane.hpp)
+    bool far = false;     ///< of metric coding: what the frames reach stands (engine/clip/readers.hpp)
     UnstatedFilters filters{};
     bool operator==(const Unstated&) const = default;
 };

@@ -3,8 +3,8 @@
 // The scene file (docs/scene_file.md): JSON that says what a clip means, in and out.
 //
 // read_scene_file and parse_scene take a text from outside: each member is checked, an error names it and
-// says what would be right. The writer gives a text that is read as the same scene. Pure functions, for any
-// thread.
+// says what would be right. scene_to_json gives a text that is read as the same scene. Functions keep no
+// state.
 
 #include <filesystem>
 #include <string>

@@ -2,10 +2,10 @@
 
 // What the first frames of a recording tell of the camera's depth, and the filters that suit it.
 //
-// A DepthEstimator looks at up to 16 frames, one call each: the steps in which depth is stored, whether they
-// are terraces, noise in time and over the picture, pixels that fly between surfaces, contours.
-// choose_filters makes of that the filters that a scene leaves open: it tries them on smooth patches of these
-// frames and keeps those with which a pen feels least that is not there.
+// A DepthEstimator looks at frames, one call each: the steps in which depth is stored, whether they are
+// terraces, noise in time and over the picture, pixels that fly between surfaces, contours; `measured` also
+// tries filters on smooth patches of these frames. choose_filters keeps, of the filters that a scene leaves
+// open, those with which a pen feels least that is not there.
 //
 // One thread at a time; a stop is heard between steps.
 

@@ -3,7 +3,7 @@
 // A frame's surface as triangles, in memory and as a PLY file, for other programs.
 //
 // The mesh has a vertex for each pixel that is valid and two triangles for each cell, cut as the solver cuts
-// it. Pure functions, for any thread.
+// it. Functions keep no state.
 
 #include <array>
 #include <cstdint>

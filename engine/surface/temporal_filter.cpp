@@ -7,7 +7,7 @@ namespace touchable {
 
 namespace {
 
-/// Without comparing, see code_line.cpp: of `above` and `below` one is 0, and so is what is kept of it.
+/// Without comparing, see code_rows.cpp: of `above` and `below` one is 0, and so is what is kept of it.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes smoothed(const Lanes& code, const Lanes& before, const Lanes& gate) {
     const Lanes least = lesser(code, before), above = code - least, below = before - least;

@@ -3,7 +3,7 @@
 // Tables of forces, read again: as columns, and two of them compared tick by tick (docs/forces.md; the
 // command `compare`).
 //
-// Errors name the file, its line and what would be right. Pure functions, for any thread.
+// Errors name the file, its line and what would be right. Functions keep no state.
 
 #include <array>
 #include <cstdint>

@@ -7,7 +7,8 @@
 // hands its ticks to the thread that calls `run`, which gives them to the sinks. Its figures say what was
 // late, left out or missing.
 //
-// One thread begins, runs and ends it; commands to the clip's clock may come from any thread.
+// One thread makes a session and calls `run`; `stop` and the figures are any thread's; one other thread gives
+// commands to the clip's clock.
 
 #include <atomic>
 #include <cstdint>

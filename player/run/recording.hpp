@@ -3,12 +3,13 @@
 // Recordings of a run: what is needed to repeat it to the bit, and its forces (docs/recording.md has the
 // format).
 //
-// A RecordingFile is a sink of ticks: a header (format version, rules of force, scene, settings) and for
-// each tick its goals, frames and forces. read_recording reads one that is whole or that ends early, of this
+// A RecordingFile is a sink of ticks: a header (format version, rules of force, scene, settings) and for each
+// tick its goals, frames and forces. read_recording reads one that is whole or that ends early, of this
 // format or an older one; a newer one is refused by name. RepeatingHand gives the goals of a recording again,
-// and compares forces.
+// over another surface.
 //
-// The bytes come from outside: every count and length is checked before memory is taken for it.
+// The bytes come from outside: every count and length is checked before memory is taken for it. A file and a
+// hand are one thread's.
 
 #include <cstdint>
 #include <filesystem>

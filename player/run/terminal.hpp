@@ -2,11 +2,11 @@
 
 // The terminal: Ctrl-C, standard output that may go away, progress, and a line about a live run.
 //
-// catch_interrupts makes SIGINT and SIGTERM a wish to stop (engine/base/threads.hpp); a second one ends the
-// program at once. StandardOutput writes lines to a reader that may be slow, gone or a full disk, and says
-// once what was lost. Progress and LiveLine show how far a run is, only where standard error is a terminal.
+// catch_interrupts makes SIGINT, SIGTERM and SIGHUP a wish to stop (engine/base/threads.hpp); one that comes
+// later than `same_wish` ends the program. StandardOutput writes to a reader that may be slow, gone or a full
+// disk. LiveLine shows on a terminal only; Progress may write lines into a log.
 //
-// The main thread's, but for the signal handlers.
+// Objects are one thread's; `interrupted` is any thread's.
 
 #include <chrono>
 #include <cstddef>

@@ -4,10 +4,11 @@
 // runs.
 //
 // A WatchedSession owns a LiveSession and its threads. `look` shows the frames, the blend and the tick that
-// the hand holds at this moment; figures say what fingers felt and what the clip's clock is doing; commands
-// take effect with the next tick. open_port is the hand: a device, a pointer, a script.
+// the hand holds, and what fingers felt; figures count ticks and late frames; commands take effect with the
+// next tick. open_port opens the hand: a device, a pointer, a script.
 //
-// All calls come from one thread, the window's; none of them waits for the haptic thread.
+// The window's thread calls `ask`, `look` and `stop`; what stands under "Any thread" is any thread's. Only
+// `stop` waits for the haptic thread.
 
 #include <algorithm>
 #include <array>

@@ -177,8 +177,8 @@ struct TouchLabel {
 ///  {"caption": "Etna", "polygon": [[10, 10], [40, 12], [25, 30]]},
 ///  {"caption": "a bell", "segment": "bell"}]}
 /// A rectangle is its left, top, right and bottom pixel. Frames are the first and the last; left out: all.
-/// The name of a segment is that of a file of segments (segment_names.hpp). Of labels that lie over each
-/// other the first counts.
+/// The name of a segment is that of a file of segments (engine/authoring/segments.hpp). Of labels that lie
+/// over each other the first counts.
 struct TouchLabels {
     std::vector<TouchLabel> labels;
     std::string said_by;  ///< the file, for messages

@@ -23,7 +23,7 @@ namespace touchable {
 //   does not count the time in which the program stood still.
 // - read_pixel_of_frame reads a pixel as commands of the brush name it; the command line reads it so, too.
 //
-// The window's loop carries commands out (window_loop_commands.cpp). Everything here is a pure function or a
+// The window's loop carries commands out (window_input.cpp). Everything here is a pure function or a
 // plain value but ScriptClock, which belongs to the window's thread. Words that are refused are
 // ErrorKind::usage and say what would be right; nothing here knows an option of the command line.
 

@@ -20,7 +20,7 @@ using Wide = std::vector<std::uint16_t>;
 constexpr RankZstdMode all_modes[] = {samples_by_gradient, ranks_by_left, ranks_by_gradient};
 constexpr int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {53, 37}, {300, 200}};
 
-// The format once more, as plainly as it can be said: rank_zstd.hpp.
+// The format once more, as plainly as it can be said: engine/clip/track_codecs.hpp.
 
 Samples split(const std::vector<int>& numbers) {
     Samples bytes;
