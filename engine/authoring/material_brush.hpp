@@ -3,7 +3,7 @@
 // Materials by brush: what a person does to the segments of a clip, with undo and redo, kept from one run to
 // the next.
 //
-// A MaterialBrush holds the states that there were (each an immutable set of cuts, names and pictures) and an
+// A MaterialBrush holds the states that there were (each immutable: names, and the segments as painted) and an
 // undo that goes back among them; BrushHistory is the file in which what was done is written, and done again
 // the next time.
 //

@@ -4,9 +4,9 @@
 //
 // A reader around another one takes it over and is itself a clip: a part of it, with planes that stay the
 // same under every frame, with a far plane that was found in its frames, with depth of one scale, or as a
-// camera would give it. Each `with_...`, part_of_clip and make_replay_camera may hand the clip on unchanged
+// camera would give it. part_of_clip, with_far_plane and with_aligned_depth hand the clip on unchanged
 // where nothing is to be done; a class of another module derives from ReaderAround and overrides what it
-// changes. Prefetch looks ahead in a clip before it is played, without decoding anything twice.
+// changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they are not decoded twice.
 //
 // A live reader has a CameraRun, which numbers and times its frames and knows when to stop; a Wake, which
 // ends a wait by poll; and, where frames come from another machine, a SenderClock.

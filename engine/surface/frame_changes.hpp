@@ -3,8 +3,8 @@
 // Which blocks of a frame differ from the frame before, so that the rest is not built again
 // (docs/mechanisms.md, Frames that change in part).
 //
-// FrameChanges compares depth in blocks and widens what changed by the filters' reach; StaleBlocks knows for
-// each slot of the ring which blocks it lacks. Both the CPU's builder and the GPU's go by them. Used by the
+// FrameChanges compares depth in blocks and widens what changed by the filters' reach; StaleBlocks are the
+// blocks that one slot of the ring lacks. Both the CPU's builder and the GPU's go by them. Used by the
 // thread that builds.
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 // fingers feel. HeardSound is all three, a millisecond at a time. HeardTicks brings ticks from a session's
 // thread to the loudspeakers' thread, FilmedSound keeps a film's sound in step with its pictures.
 //
-// Each object is one thread's, but for what says "any thread".
+// Each object is one thread's, but for ClipSound and HeardTicks, whose functions name theirs.
 
 #include <array>
 #include <atomic>
