@@ -3,9 +3,9 @@
 // Materials by brush: what a person does to the segments of a clip, with undo and redo, kept from one run to
 // the next.
 //
-// A MaterialBrush holds the states that there were (each immutable: names, and the segments as painted) and an
-// undo that goes back among them; BrushHistory is the file in which what was done is written, and done again
-// the next time.
+// A MaterialBrush holds the states that there were (each immutable: names, and the segments as painted) and
+// an undo that goes back among them; BrushHistory is the file in which what was done is written, and done
+// again the next time.
 //
 // Changes take long and are one thread's; a state, once made, may be read by any thread.
 

@@ -6,7 +6,8 @@
 // stroke, in all frames. The palette has materials by name and what they feel like; SegmentNames is what a
 // person says of segments (a file of JSON, docs/content.md), and the search finds which segments that means.
 //
-// A store does not change once all frames are added, and may be read by any thread; the rest are plain values.
+// A store does not change once all frames are added, and may be read by any thread; the rest are plain
+// values.
 
 /// Places and strokes in files of ours: names of segments, and a brush's history.
 

@@ -8,10 +8,10 @@
 // TrackDecoder into planes of a role, with checksums verified and codings undone, and VideoFile gives the
 // frames of a file of any kind, with their times, and goes to any of them.
 //
-// All are lossless for depth, haptic and height as long as TrackCoding is neither h264_visual nor h264_reduced; lossy_note has the
-// words where another program's codec was not. Errors name track and frame. Objects are used by one thread at
-// a time, different ones by different threads at once; FFmpeg may decode slices of large pictures on threads
-// of its own.
+// All are lossless for depth, haptic and height as long as TrackCoding is neither h264_visual nor
+// h264_reduced; lossy_note has the words where another program's codec was not. Errors name track and frame.
+// Objects are used by one thread at a time, different ones by different threads at once; FFmpeg may decode
+// slices of large pictures on threads of its own.
 
 #include <cstdint>
 #include <deque>

@@ -2,11 +2,11 @@
 
 // Which clip a run touches, and as what: a file, a stream or a camera, and what a person says of it.
 //
-// A ClipChoice is all of that in plain values; open_chosen opens it as an OpenClip: a ClipReader with its readers around
-// it (part, far plane, relief, materials, holes filled). settle_filters chooses the filters that the scene
-// leaves open by the first frames; filters_in_words and the others say to a person what was chosen. A
-// LiveCamera is read of words like "v4l2:/dev/video0"; CameraCapture writes a camera's film beside a
-// recording. SharedClip lets several sessions of a window read one clip that is opened and decoded once.
+// A ClipChoice is all of that in plain values; open_chosen opens it as an OpenClip: a ClipReader with its
+// readers around it (part, far plane, relief, materials, holes filled). settle_filters chooses the filters
+// that the scene leaves open by the first frames; filters_in_words and the others say to a person what was
+// chosen. A LiveCamera is read of words like "v4l2:/dev/video0"; CameraCapture writes a camera's film beside
+// a recording. SharedClip lets several sessions of a window read one clip that is opened and decoded once.
 //
 // Opening may take long: it obeys the stop token that it is given. A SharedClip may be used by several
 // threads, everything else by one, but for what says "any thread".
