@@ -39,7 +39,7 @@ endif()
 # Under Clang's sanitizers what many files include is compiled once for all modules, and once for all that is not optimised: of a
 # small module it was a third of the time to compile, of a large one a tenth. The other builds read in each module what its files include.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
-  add_compile_options(-fPIC -pthread)  # as some have it, and all have to have, to read the same
+  add_compile_options(-fPIC -pthread)  # some have them; all need the same to share what is precompiled
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
   foreach(name IN ITEMS precompiled unhurried_precompiled)
     add_library(touchable_${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
@@ -93,10 +93,7 @@ function(touchable_module name)
   list(TRANSFORM MODULE_USES PREPEND touchable_)
   target_link_libraries(${target} PUBLIC ${MODULE_USES} ${MODULE_PUBLIC_LIBRARIES} PRIVATE ${MODULE_LIBRARIES})
   touchable_reads(${target} precompiled)
-  if(TOUCHABLE_SANITIZE AND MODULE_OPTIMISED AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
-    target_compile_options(${target} PRIVATE -O0)
-    touchable_reads(${target} unhurried_precompiled)
-  elseif(NOT TOUCHABLE_SANITIZE AND MODULE_OPTIMISED STREQUAL "little" AND CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${target} PRIVATE -O1)
+  if(MODULE_OPTIMISED)
+    touchable_optimise(${target} ${MODULE_OPTIMISED})
   endif()
 endfunction()
