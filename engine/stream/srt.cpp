@@ -167,20 +167,23 @@ Result<SrtSocket> SrtSocket::create(const SrtSettings& settings, Direction direc
 Result<void> SrtSocket::listen(const SocketAddress& address, std::function<bool()>& may_come) {
     constexpr int most_waiting = 16, no = 0;
     if (address.is_ipv6()) (void)set(socket_, SRTO_IPV6ONLY, no);
+    // The socket is watched before it listens: libsrt 1.5.1 reports no caller that came before.
     if (srt_listen_callback(socket_, ask_whether_a_caller_may_come, &may_come) == SRT_ERROR ||
-        srt_bind(socket_, address.get(), static_cast<int>(address.length)) == SRT_ERROR ||
+        srt_bind(socket_, address.get(), static_cast<int>(address.length)) == SRT_ERROR || !watch() ||
         srt_listen(socket_, most_waiting) == SRT_ERROR)
         return input_error("cannot listen there: " + last_error());
     return {};
 }
 
+bool SrtSocket::watch() {
+    const int wanted = SRT_EPOLL_IN | SRT_EPOLL_ERR;
+    events_ = srt_epoll_create();
+    return events_ != SRT_ERROR && srt_epoll_add_usock(events_, socket_, &wanted) != SRT_ERROR;
+}
+
 /// Waits for something to receive, or a caller.
 bool SrtSocket::has_something(int longest_ms) {
-    if (events_ == none) {
-        const int wanted = SRT_EPOLL_IN | SRT_EPOLL_ERR;
-        events_ = srt_epoll_create();
-        if (events_ == SRT_ERROR || srt_epoll_add_usock(events_, socket_, &wanted) == SRT_ERROR) return true;
-    }
+    if (events_ == none && !watch()) return true;
     SRT_EPOLL_EVENT event;
     return srt_epoll_uwait(events_, &event, 1, longest_ms) > 0;
 }

@@ -106,6 +106,8 @@ public:
 private:
     static constexpr int none = -1;
     explicit SrtSocket(int socket) : socket_(socket) {}
+    /// Makes libsrt record what `has_something` waits for; false: it refuses.
+    bool watch();
     bool has_something(int longest_ms);
 
     int socket_ = none;
