@@ -3,7 +3,7 @@
 #include "bench/clocks.hpp"
 #include "engine/content/seeded_noise.hpp"
 #include "player/run/terminal.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 namespace touchable {
 

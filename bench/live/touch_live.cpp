@@ -6,7 +6,7 @@
 #include "bench/clocks.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "engine/base/same_bits.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {

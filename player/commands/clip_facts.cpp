@@ -429,7 +429,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         facts.measured = facts.chosen->measured;
     } else {
         TRY_ASSIGN(auto measured, measure_depth(clip.reader, facts.scene));
-        facts.measured = std::move(measured.depth);
+        facts.measured = std::move(measured.measured);
     }
     TRY_ASSIGN(const auto first, clip.reader->next());
     if (!first) return input_error(facts.clip + " has no frames; a clip needs at least one");

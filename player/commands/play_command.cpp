@@ -25,7 +25,7 @@
 #include "player/commands/picture_options.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/commands/setting_words.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/user_files.hpp"
 

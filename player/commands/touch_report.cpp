@@ -300,7 +300,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                                          setup.filters ? setup.filters->measured : std::nullopt)},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
-                {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},
+                {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder.why : ""},
                 {"device_name", setup.feed->builder_name() == "vulkan" ? setup.gpu->name() : cpu},
                 {"cpu_name", cpu},
                 {"width", setup.scene.width},

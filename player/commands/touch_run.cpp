@@ -19,8 +19,8 @@
 #include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
-#include "player/session/replay.hpp"
-#include "player/session/watched_session.hpp"
+#include "player/session/run_record.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -257,7 +257,7 @@ std::int64_t ticks_of(const RecordedPart& part) {
 /// What there is to say of the run's parts; of any other run than a replay, of its only one.
 struct Told {
     std::vector<nlohmann::ordered_json> reports;
-    std::vector<ReplayedPart> replayed;
+    std::vector<ReplayCheck::Outcome> replayed;
     TouchFigures all;
     LiveFacts live;          // of the last
     std::int64_t ticks = 0;  // of those before, in time
@@ -304,7 +304,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     told.reports.push_back(
         make_report(s, part ? figures : told.all, live ? &ran : nullptr, outputs.painter()));
     if (!part) return {};
-    told.replayed.push_back(compare_replay(*part, *check, figures.force_hash(), s));
+    told.replayed.push_back(check->outcome(figures.force_hash(), s));
     told.all.end_part();
     told.ticks += ticks_of(*part);
     return {};

@@ -20,7 +20,7 @@
 #include "player/run/output_file.hpp"
 #include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

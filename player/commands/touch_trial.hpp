@@ -4,7 +4,7 @@
 #include <string>
 
 #include "engine/base/result.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 namespace touchable {
 

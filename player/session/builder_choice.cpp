@@ -9,19 +9,6 @@
 
 namespace touchable {
 
-Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
-    const std::lock_guard lock(mutex_);
-    if (device_ && !device_->lost()) return device_;
-    auto opened = GpuDevice::open({.request = request_, .window_extensions = window_extensions_});
-    if (opened.ok()) device_ = *opened;
-    return opened;
-}
-
-std::string RunGpu::name() const {
-    const std::lock_guard lock(mutex_);
-    return device_ ? device_->facts().name : std::string();
-}
-
 namespace {
 
 void warn(const std::string& line) {
@@ -64,7 +51,7 @@ std::string filter_that_reaches_far(const Scene& scene) {
     return scene.filter.fill_holes > 0 ? "filling holes" : "";
 }
 
-BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
+BuilderChoice pick_on_cpu(const BuilderChoice::Load& load, double whole_ms) {
     if (!load.moves) return {"cpu", "the clip is a single frame"};
     if (load.live) return {"cpu", "in real time no touch may wait for a filter"};
     if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
@@ -80,6 +67,19 @@ BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
 }
 
 }  // namespace
+
+Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
+    const std::lock_guard lock(mutex_);
+    if (device_ && !device_->lost()) return device_;
+    auto opened = GpuDevice::open({.request = request_, .window_extensions = window_extensions_});
+    if (opened.ok()) device_ = *opened;
+    return opened;
+}
+
+std::string RunGpu::name() const {
+    const std::lock_guard lock(mutex_);
+    return device_ ? device_->facts().name : std::string();
+}
 
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu) {
@@ -99,7 +99,7 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     return make_cpu_builder(scene);
 }
 
-double whole_frames_ms_per_second(const TouchLoad& load) {
+double whole_frames_ms_per_second(const BuilderChoice::Load& load) {
     const Scene& scene = load.scene;
     const int median = scene.filter.median;
     const auto terraces = terrace_filter(scene);
@@ -112,21 +112,20 @@ double whole_frames_ms_per_second(const TouchLoad& load) {
     return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
 }
 
-double lazy_ms_per_second(const TouchLoad& load) {
+double lazy_ms_per_second(const BuilderChoice::Load& load) {
     const int median = load.scene.filter.median;
     const LazyCost& cost = median == 5 ? lazy_median5 : median == 3 ? lazy_median3 : lazy_decode;
     const double us = cost.us + cost.us_by_width * load.scene.width / 1000;
     return ticks_per_second * load.fingers * us * 1e-3;
 }
 
-BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has_gpu) {
+BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu) {
     const double whole_ms = whole_frames_ms_per_second(load);
-    BuilderPick pick = pick_on_cpu(load, whole_ms);
-    const bool worth_a_gpu = pick.name == "cpu" && load.moves && whole_ms >= gpu_from_ms;
-    if (worth_a_gpu && has_gpu())
-        return {"vulkan",
-                formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
-    return pick;
+    BuilderChoice choice = pick_on_cpu(load, whole_ms);
+    if (choice.name == "cpu" && load.moves && whole_ms >= gpu_from_ms && has_gpu())
+        choice = {"vulkan",
+                  formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
+    return choice;
 }
 
 }  // namespace touchable

@@ -70,7 +70,7 @@ bool read_size(const std::string& words, V4l2Choice& choice) {
            choice.width <= largest_side && choice.height <= largest_side;
 }
 
-Result<LiveCamera> read_plugged(const std::string& words) {
+Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
     const auto [node, keys] = parts_of(words, plugged_kind);
     if (node.empty())
         return usage_error(
@@ -84,36 +84,36 @@ Result<LiveCamera> read_plugged(const std::string& words) {
                            " will not do; right would be WIDTHxHEIGHT, such as size=640x480");
     if (given->given("fps")) choice.rate = given->number("fps");
     choice.colour = given->words("colour");
-    return LiveCamera{std::move(choice), {}, {}};
+    return ClipChoice::LiveCamera{std::move(choice), {}, {}};
 }
 
-Result<LiveCamera> read_sender(const std::string& words) {
+Result<ClipChoice::LiveCamera> read_sender(const std::string& words) {
     FramesetChoice choice;
     if (words.starts_with(tcp_kind)) {
         choice.address = words.substr(tcp_kind.size());
         TRY(check_address(choice.address));
-        return LiveCamera{std::move(choice), {}, {}};
+        return ClipChoice::LiveCamera{std::move(choice), {}, {}};
     }
     choice.command = words.substr(pipe_kind.size());
     if (choice.command.find_first_not_of(" \t") == std::string::npos)
         return usage_error(
             "camera 'pipe' needs a command that writes framesets, such as \"pipe:python3 realsense.py\" "
             "(docs/camera.md)");
-    return LiveCamera{std::move(choice), {}, {}};
+    return ClipChoice::LiveCamera{std::move(choice), {}, {}};
 }
 
-Result<LiveCamera> read_stream(const std::string& words) {
+Result<ClipChoice::LiveCamera> read_stream(const std::string& words) {
     TRY_ASSIGN(auto url, read_stream_url(words.substr(stream_kind.size())));
-    return LiveCamera{StreamChoice{.url = std::move(url)}, {}, {}};
+    return ClipChoice::LiveCamera{StreamChoice{.url = std::move(url)}, {}, {}};
 }
 
-Result<LiveCamera> read_replay(const std::string& words) {
+Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     const auto [recording, keys] = parts_of(words, replay_kind);
     if (recording.empty())
         return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
     const auto given = HandOptions::parse("camera 'replay'", keys, replay_keys);
     if (!given.ok()) return given.error();
-    LiveCamera camera{{}, recording, {}};
+    ClipChoice::LiveCamera camera{{}, recording, {}};
     CameraDelivery& delivery = camera.delivery;
     if (given->given("fps")) delivery.rate = rate_of(given->number("fps"));
     delivery.jitter_ns = nanoseconds_of(given->number("jitter") * 1e-3);
@@ -151,7 +151,7 @@ private:
 
 class CapturedCamera final : public ReaderAround {
 public:
-    CapturedCamera(std::unique_ptr<ClipReader> film, CapturedFrames frames)
+    CapturedCamera(std::unique_ptr<ClipReader> film, CameraCapture::Frames frames)
         : ReaderAround(std::move(film)), frames_(std::move(frames)) {}
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
     std::int64_t access_point(std::int64_t) const override { return 0; }
@@ -168,26 +168,26 @@ public:
         if (next_ == std::ssize(frames_)) return std::optional<RawFrame>();
         auto frame = inner().next();
         if (!frame.ok() || !*frame) return frame;
-        const CapturedFrame& taken = frames_[static_cast<std::size_t>(next_++)];
+        const CameraCapture::Frame& taken = frames_[static_cast<std::size_t>(next_++)];
         (*frame)->number = taken.number;
         (*frame)->time_ns = taken.time_ns;
         return frame;
     }
 
 private:
-    CapturedFrames::const_iterator place_of(std::int64_t frame) const {
+    CameraCapture::Frames::const_iterator place_of(std::int64_t frame) const {
         return std::lower_bound(
             frames_.begin(), frames_.end(), frame,
-            [](const CapturedFrame& taken, std::int64_t number) { return taken.number < number; });
+            [](const CameraCapture::Frame& taken, std::int64_t number) { return taken.number < number; });
     }
 
-    CapturedFrames frames_;
+    CameraCapture::Frames frames_;
     std::ptrdiff_t next_ = 0;  // frame of the film
 };
 
 }  // namespace
 
-Result<LiveCamera> read_live_camera(const std::string& words) {
+Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(plugged_kind)) return read_plugged(words);
     if (words.starts_with(replay_kind)) return read_replay(words);
     if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
@@ -306,7 +306,7 @@ std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
 }
 
 Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
-                                                       CapturedFrames frames,
+                                                       CameraCapture::Frames frames,
                                                        const std::filesystem::path& file) {
     const auto count = film->frame_count();
     if (count && *count != std::ssize(frames))

@@ -16,40 +16,37 @@
 
 namespace touchable {
 
-Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
-                                     const std::stop_token& given_up) {
+Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
+                                    const std::stop_token& given_up) {
     DepthEstimator estimator(scene);
     Prefetch ahead(std::move(reader));
-    std::string damage;
+    ChosenFilters measured;
     for (bool is_first = true; !estimator.enough(); is_first = false) {
         if (interrupted() || given_up.stop_requested()) return interrupted_error();
         const auto frame = ahead.next();
         if (!frame.ok() && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
-        if (!frame.ok()) damage = frame.error().message;
+        if (!frame.ok()) measured.damage = frame.error().message;
         if (!frame.ok() || !*frame) break;
         estimator.add(**frame);
     }
     TRY_ASSIGN(auto clip, ahead.finish());
     reader = std::move(clip);
-    MeasuredFrames measured{estimator.measured(), damage};
+    measured.measured = estimator.measured();
     if (interrupted() || given_up.stop_requested()) return interrupted_error();
     return measured;
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
                                                     const UnstatedFilters& unstated, Scene& scene,
-                                                    const std::optional<MeasuredFrames>& known,
+                                                    const std::optional<ChosenFilters>& known,
                                                     const std::stop_token& given_up) {
     if (!needs_measuring(unstated, scene)) return std::optional<ChosenFilters>();
     const bool automatic = scene.filter.terraces == TerraceRemoval::automatic;
-    ChosenFilters chosen{unstated, {}};
-    chosen.chosen.terraces = chosen.chosen.terraces || automatic;
-    TRY_ASSIGN(auto measured,
-               known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up));
-    TRY(settle_filters(measured.depth, unstated, scene));
-    chosen.measured = measured.depth;
-    chosen.damage = measured.damage;
-    return std::optional(chosen);
+    TRY_ASSIGN(auto chosen, known ? Result<ChosenFilters>(*known) : measure_depth(reader, scene, given_up));
+    chosen.chosen = unstated;
+    chosen.chosen.terraces = unstated.terraces || automatic;
+    TRY(settle_filters(chosen.measured, unstated, scene));
+    return std::optional(std::move(chosen));
 }
 
 namespace {
@@ -86,7 +83,7 @@ std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
 std::string median_reason(const MeasuredDepth& measured, double metres_per_unit) {
     std::string reason = "roughness " + mm(measured.roughness, metres_per_unit);
     if (measured.pixel > 0)
-        reason += number(measured.roughness / measured.pixel, " of a pixel's width").insert(0, ", ");
+        reason += ", " + number(measured.roughness / measured.pixel, " of a pixel's width");
     return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
 }
 
@@ -159,6 +156,7 @@ std::string flying_reason(const MeasuredDepth& measured) {
 }
 
 constexpr const char* wandering = "wander:seed=1";
+constexpr std::int64_t standard_stroke_ticks = 3000;  // milliseconds
 
 /// Goals of one finger that were given before.
 class GoalsAgain final : public Hand {
@@ -199,8 +197,7 @@ Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) 
         hand = std::make_unique<GoalsAgain>(before->forces);
     } else {
         const HeightField field(scene, first);
-        TRY_ASSIGN(auto made, make_hand(wandering, 1, workspace, FieldProbe(field)));
-        hand = std::move(made);
+        TRY_ASSIGN(hand, make_hand(wandering, 1, workspace, FieldProbe(field)));
     }
     TouchSessionSettings settings;
     settings.ticks = standard_stroke_ticks;
@@ -243,7 +240,7 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
 }
 
 std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {
-    return where_it_is(measured, metres_per_unit) + number(measured.kappa, ")").insert(0, " (kappa ");
+    return where_it_is(measured, metres_per_unit) + " (kappa " + number(measured.kappa, ")");
 }
 
 std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit) {

@@ -134,19 +134,8 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
 
 }  // namespace
 
-std::optional<ReliefRange> ReliefMemory::range(const Bands& bands) const {
-    const std::lock_guard lock(mutex_);
-    const auto found = ranges_.find(bands);
-    return found == ranges_.end() ? std::nullopt : std::optional(found->second);
-}
-
-void ReliefMemory::keep(const Bands& bands, const ReliefRange& range) {
-    const std::lock_guard lock(mutex_);
-    ranges_[bands] = range;
-}
-
 Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
-                                                       const ReliefChoice& choice, ReliefMemory* memory) {
+                                                       const ReliefChoice& choice, SharedClip* shared) {
     if (clip->is_live())
         return usage_error(
             "relief is made of clips, whose colour can be looked at beforehand; this is a camera");
@@ -159,12 +148,12 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
                               max_height * clip->scene().metres_per_unit * 1000));
     if (hand.pixel > 0) notes.push_back(finest_in_words(hand, *clip));
     const auto& bands = choice.settings.bands;
-    const auto known = memory ? memory->range(bands) : std::nullopt;
+    const auto known = shared ? shared->relief_range(bands) : std::nullopt;
     auto looked = known ? LookedAt{std::move(clip), *known} : LookedAt{};
     if (!known) {
         TRY_ASSIGN(auto found, look_at_relief(std::move(clip), choice.settings));
         looked = std::move(found);
-        if (memory) memory->keep(bands, looked.range);
+        if (shared) shared->keep_relief_range(bands, looked.range);
     }
     return with_relief(std::move(looked.clip), choice.settings, looked.range, max_height, std::move(notes));
 }
@@ -225,7 +214,7 @@ Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
 }
 
 void SharedClip::forget_first_frames() {
-    keeps_first_ = false;  // whoever reads next lets go of them: a read may take long
+    keeps_first_ = false;  // the next read lets go of them: it may take long until then
 }
 
 Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
@@ -244,8 +233,8 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     return frame;
 }
 
-/// The first frames are for whoever looks at no others, as a survey does: behind them reading on would mean
-/// to seek.
+/// The first frames are for a reader that looks at no others, as a survey does: behind them reading on would
+/// mean to seek.
 const RawFrame* SharedClip::kept(std::int64_t number, bool is_from_the_beginning) const {
     for (const RawFrame& frame : newest_)
         if (frame.number == number) return &frame;
@@ -272,6 +261,17 @@ void SharedClip::keep(const RawFrame& frame) {
     }
 }
 
+std::optional<ReliefRange> SharedClip::relief_range(const Bands& bands) const {
+    const std::lock_guard lock(relief_mutex_);
+    const auto found = relief_ranges_.find(bands);
+    return found == relief_ranges_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void SharedClip::keep_relief_range(const Bands& bands, const ReliefRange& range) {
+    const std::lock_guard lock(relief_mutex_);
+    relief_ranges_[bands] = range;
+}
+
 void ClipChoice::take(const LiveCamera& of) {
     plugged = of.plugged;
     if (plugged) {
@@ -283,9 +283,7 @@ void ClipChoice::take(const LiveCamera& of) {
 }
 
 void ClipChoice::share_clip() {
-    if (is_camera() || shared_clip) return;
-    shared_clip = std::make_shared<SharedClip>();
-    relief_memory = std::make_shared<ReliefMemory>();
+    if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
@@ -297,7 +295,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
-    return reader.ok() ? with_chosen_relief(std::move(*reader), *relief, relief_memory.get())
+    return reader.ok() ? with_chosen_relief(std::move(*reader), *relief, shared_clip.get())
                        : std::move(reader);
 }
 
@@ -327,13 +325,14 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
     return reader;
 }
 
-Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {
+Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour,
+                                       const std::stop_token& given_up) {
     const WorkUntil until(given_up);
     TRY_ASSIGN(auto reader, choice.open(colour));
     TRY_ASSIGN(auto wanted, applied(choice, reader->described()));
     TRY_ASSIGN(auto chosen,
                settle_filters(reader, wanted.unstated.filters, wanted.scene, choice.measured, given_up));
-    return OpenClip{std::move(reader), std::move(wanted.scene), std::move(chosen)};
+    return ClipChoice::Opened{std::move(reader), std::move(wanted.scene), std::move(chosen)};
 }
 
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,

@@ -1,12 +1,12 @@
 #pragma once
-
 // Which clip a run touches, and as what: a file, a stream or a camera, and what a person says of it.
 //
-// A ClipChoice is all of that in plain values; open_chosen opens it as an OpenClip: a ClipReader with its
-// readers around it (part, far plane, relief, materials, holes filled). settle_filters chooses the filters
-// that the scene leaves open by the first frames; filters_in_words and the others say to a person what was
-// chosen. A LiveCamera is read of words like "v4l2:/dev/video0"; CameraCapture writes a camera's film beside
-// a recording. SharedClip lets several sessions of a window read one clip that is opened and decoded once.
+// A ClipChoice is all of that in plain values. open_chosen opens it: a ClipReader with its readers around it
+// (part, far plane, relief, materials, holes filled), the scene, and the filters that the scene leaves open,
+// which settle_filters chooses by the first frames. filters_in_words and the functions beside it say to a
+// person what was chosen. read_live_camera reads words like "v4l2:/dev/video0", and ClipChoice::take touches
+// that camera; a CameraCapture writes the camera's film beside a recording. A SharedClip lets several
+// sessions of a window read one clip that is opened and decoded once.
 //
 // Opening may take long: it obeys the stop token that it is given. A SharedClip may be used by several
 // threads, everything else by one, but for what says "any thread".
@@ -43,28 +43,21 @@
 
 namespace touchable {
 
-/// What the first frames say of a clip.
-struct MeasuredFrames {
-    std::optional<MeasuredDepth> depth;  ///< nothing: no pixel is valid
-    std::string damage;                  ///< why they ended early; empty: they did not
-};
-/// Needs a reader at the beginning, and leaves one that is there again. An error of kind interrupted once it
-/// was `given_up`.
-Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
-                                     const std::stop_token& given_up = {});
-
-/// Filters that were chosen by what was measured.
+/// What the first frames say of a clip, and the filters that were chosen by it.
 struct ChosenFilters {
-    UnstatedFilters chosen;                 ///< which of them; the others are what the scene states
+    UnstatedFilters chosen{};               ///< which were; the others are what the scene states
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
-    std::string damage{};                   ///< as MeasuredFrames has it
+    std::string damage{};                   ///< why the frames ended early; empty: they did not
 };
+/// Measures and chooses nothing. Needs a reader at the beginning, and leaves one that is there again. An
+/// error of kind interrupted once it was `given_up`.
+Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
+                                    const std::stop_token& given_up = {});
 /// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
-/// where nothing is open: then no frame is read. `known`: what the frames said when they were measured
-/// before; nothing: nobody has.
+/// where nothing is open: then no frame is read. `known`: what was measured before; nothing: measure now.
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
                                                     const UnstatedFilters& unstated, Scene& scene,
-                                                    const std::optional<MeasuredFrames>& known = {},
+                                                    const std::optional<ChosenFilters>& known = {},
                                                     const std::stop_token& given_up = {});
 
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
@@ -76,31 +69,18 @@ std::string levels_in_words(const MeasuredDepth& measured, double metres_per_uni
 /// "2.1 mm from frame to frame, 5 mm at edges; roughness 0.31 mm", or that none was found.
 std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit);
 
-/// A camera, as a person names one: one that is plugged in, a program that sends its frames, a stream, or a
-/// recording that behaves like one.
-struct LiveCamera {
-    std::optional<PluggedChoice> plugged{};
-    std::filesystem::path recording;
-    CameraDelivery delivery;
-};
-
-/// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
-/// "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Starts and opens nothing.
-/// Refuses (ErrorKind::usage) what is no such description, and names what would be right.
-Result<LiveCamera> read_live_camera(const std::string& words);
-
-/// A frame that a camera gave.
-struct CapturedFrame {
-    std::int64_t number = 0, time_ns = 0;
-    bool operator==(const CapturedFrame&) const = default;
-};
-using CapturedFrames = std::vector<CapturedFrame>;
-
 /// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
 /// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
 /// becomes full it ends there, and what is given after that is not kept.
 class CameraCapture {
 public:
+    /// A frame that a camera gave.
+    struct Frame {
+        std::int64_t number = 0, time_ns = 0;
+        bool operator==(const Frame&) const = default;
+    };
+    using Frames = std::vector<Frame>;
+
     /// `described`: the camera.
     explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
     ~CameraCapture();  ///< without `finish` nothing is left behind
@@ -122,7 +102,7 @@ public:
 
     const std::filesystem::path& file() const { return file_; }
     /// All that were kept; once it is finished.
-    const CapturedFrames& frames() const { return frames_; }
+    const Frames& frames() const { return frames_; }
     /// Of them the last one's number; -1: there is none.
     std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
 
@@ -132,7 +112,7 @@ private:
 
     const SceneDescription described_;
     std::filesystem::path file_;
-    CapturedFrames frames_;
+    Frames frames_;
     std::unique_ptr<ClipWriter> writer_;
     std::thread thread_;
     mutable std::mutex mutex_;
@@ -154,34 +134,8 @@ std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
 /// A film in place of its camera: its frames have the camera's numbers and times. `file`: as messages call
 /// it.
 Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
-                                                       CapturedFrames frames,
+                                                       CameraCapture::Frames frames,
                                                        const std::filesystem::path& file);
-
-/// What several readers of one clip have learned of its relief: another amount or height needs no second
-/// look.
-class ReliefMemory {
-public:
-    using Bands = std::array<int, DifferenceOfGaussians::bands>;
-    std::optional<ReliefRange> range(const Bands& bands) const;
-    void keep(const Bands& bands, const ReliefRange& range);
-
-private:
-    mutable std::mutex mutex_;
-    std::map<Bands, ReliefRange> ranges_;
-};
-
-/// Relief that a person wants of a clip's colour.
-struct ReliefChoice {
-    ReliefSettings settings{};
-    double height_mm = 0.5;    ///< from the deepest to the highest
-    bool is_of_world = false;  ///< of what was recorded, not of the hand
-};
-
-/// The clip with relief in place of its own heights (with_relief). `clip` is at its beginning, and no live
-/// source (ErrorKind::usage). `memory`: of that clip; nullptr: none is kept.
-Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
-                                                       const ReliefChoice& choice,
-                                                       ReliefMemory* memory = nullptr);
 
 /// One clip for several runs over it, at once or one after the other, such as those of one window by other
 /// settings. The clip is opened once. Its newest frames are kept, so that a run that begins where another one
@@ -196,6 +150,11 @@ public:
     Result<std::unique_ptr<ClipReader>> open(const Open& open_clip);
     /// What the first frames can tell (DepthEstimator) is known: they are kept no longer than others.
     void forget_first_frames();
+
+    /// What was learned of the clip's relief: another amount or height needs no second look. Any thread.
+    using Bands = std::array<int, DifferenceOfGaussians::bands>;
+    std::optional<ReliefRange> relief_range(const Bands& bands) const;
+    void keep_relief_range(const Bands& bands, const ReliefRange& range);
 
 private:
     class Reader;
@@ -213,7 +172,22 @@ private:
     std::size_t first_bytes_ = 0;
     std::atomic<bool> keeps_first_{true};
     std::atomic<int> readers_{0};
+    mutable std::mutex relief_mutex_;
+    std::map<Bands, ReliefRange> relief_ranges_;  // guarded by that
 };
+
+/// Relief that a person wants of a clip's colour.
+struct ReliefChoice {
+    ReliefSettings settings{};
+    double height_mm = 0.5;    ///< from the deepest to the highest
+    bool is_of_world = false;  ///< of what was recorded, not of the hand
+};
+
+/// The clip with relief in place of its own heights (with_relief). `clip` is at its beginning, and no live
+/// source (ErrorKind::usage). `shared`: remembers what was learned of that clip; nullptr: nothing does.
+Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
+                                                       const ReliefChoice& choice,
+                                                       SharedClip* shared = nullptr);
 
 /// The temporal filter as a person wants it.
 struct TemporalChoice {
@@ -229,6 +203,20 @@ struct FiltersChoice {
 
 /// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
 struct ClipChoice {
+    /// A camera, as a person names one: one that is plugged in, a program that sends its frames, a stream, or
+    /// a recording that behaves like one.
+    struct LiveCamera {
+        std::optional<PluggedChoice> plugged{};
+        std::filesystem::path recording;
+        CameraDelivery delivery;
+    };
+    /// A clip at its beginning.
+    struct Opened {
+        std::unique_ptr<ClipReader> reader;
+        Scene scene;                            ///< as the run applies it
+        std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
+    };
+
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
     std::optional<SourceDescription> camera;  ///< of pictures without a scene file
@@ -243,14 +231,13 @@ struct ClipChoice {
     std::optional<ReliefChoice> relief;  ///< made of its colour, in place of the heights that it has
     /// What its segments feel like, in place of what it says itself; null: as it says.
     std::shared_ptr<const PaintedSegments> painted;
-    std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
+    std::optional<ChosenFilters> measured;    ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<PluggedChoice> plugged;     ///< the clip is a camera, and `file` its name
     // What stays open from run to run; nothing: each opens its own.
     std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
     std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened
-    std::shared_ptr<ReliefMemory> relief_memory;  ///< of the shared clip
-    std::optional<CapturedFrames> filmed;  ///< the clip is the film of a camera, which had these frames
+    std::optional<CameraCapture::Frames> filmed;  ///< the clip is the film of a camera that gave these frames
 
     /// What is touched is a camera.
     void take(const LiveCamera& camera);
@@ -266,15 +253,16 @@ private:
     Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };
 
-struct OpenClip {
-    std::unique_ptr<ClipReader> reader;
-    Scene scene;                            ///< as the run applies it
-    std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
-};
-/// The clip at its beginning; colour that nobody looks at is not decoded. Refused (ErrorKind::usage) where
-/// what is wanted does not go with the clip. An error of kind interrupted soon after it was `given_up`,
-/// whatever is read or waited for.
-Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up = {});
+/// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
+/// "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Starts and opens nothing.
+/// Refuses (ErrorKind::usage) what is no such description, and names what would be right.
+Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words);
+
+/// Opens the clip; colour is decoded only where it is wanted. Refused (ErrorKind::usage) where what is wanted
+/// does not go with the clip. An error of kind interrupted soon after it was `given_up`, during any read or
+/// wait.
+Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour,
+                                       const std::stop_token& given_up = {});
 
 /// The segments of all frames of a clip, by a reader of its own, so that a run over it is not led to and
 /// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long; once it was

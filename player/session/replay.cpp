@@ -1,4 +1,4 @@
-#include "player/session/replay.hpp"
+#include "player/session/run_record.hpp"
 
 #include <algorithm>
 #include <array>
@@ -62,7 +62,7 @@ Json recorded_facts(const TouchSetup& setup) {
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
     if (setup.film)
-        for (const CapturedFrame& frame : setup.film->frames())
+        for (const CameraCapture::Frame& frame : setup.film->frames())
             facts["filmed"].push_back({frame.number, frame.time_ns});
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
     if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
@@ -167,12 +167,12 @@ std::vector<DroppedFrames> dropped_frames(const Json& facts) {
 }
 
 /// Of a camera: its frames, in the order of its film.
-CapturedFrames filmed_frames(const Json& facts) {
+CameraCapture::Frames filmed_frames(const Json& facts) {
     constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
     const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);
-    CapturedFrames frames;
+    CameraCapture::Frames frames;
     for (const auto& [number, time_ns] : pairs) {
-        const CapturedFrame before = frames.empty() ? CapturedFrame{-1, -1} : frames.back();
+        const CameraCapture::Frame before = frames.empty() ? CameraCapture::Frame{-1, -1} : frames.back();
         if (number <= before.number || time_ns <= before.time_ns || number > most_frames)
             throw std::out_of_range(std::string("filmed must be ") + kind);
         frames.push_back({number, time_ns});
@@ -190,7 +190,7 @@ void read_touch(const Json& facts, TouchSettings& touch) {
     if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
 }
 
-/// Likewise.
+/// Throws as read_touch does.
 void read_guard(const Json& limits, GuardSettings& guard) {
     guard.max_force = number(limits, "max_force");
     guard.max_stiffness = number(limits, "max_stiffness");
@@ -209,7 +209,7 @@ void read_guard(const Json& limits, GuardSettings& guard) {
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
 }
 
-/// Likewise.
+/// Throws as read_touch does.
 void read_recorded_camera(const Json& facts, TouchSetup& setup) {
     const std::string words = text(facts, "camera");
     const auto camera = read_live_camera(words);
@@ -307,11 +307,6 @@ Result<SceneDescription> read_recorded_facts(const Json& facts, const std::strin
     return parse_scene(scene, name);
 }
 
-void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
-    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick)];
-    std::copy(recorded.goals.begin(), recorded.goals.end(), goals.begin());
-}
-
 Result<void> ReplayCheck::take(const TouchTick& tick) {
     if (difference_) return {};
     const RecordedTick& recorded = recording_.ticks[next_++];
@@ -336,19 +331,18 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
     return {};
 }
 
-ReplayedPart compare_replay(const RecordedPart& recorded, const ReplayCheck& check,
-                            const std::string& force_hash, const TouchSetup& setup) {
-    ReplayedPart part{recorded.rules(), check.difference(), has_other_frames(recorded, setup)};
-    const auto hash = recorded.facts.at("force_hash").get<std::string>();
+ReplayCheck::Outcome ReplayCheck::outcome(const std::string& force_hash, const TouchSetup& setup) const {
+    Outcome part{recording_.rules(), difference_, has_other_frames(recording_, setup)};
+    const auto hash = recording_.facts.at("force_hash").get<std::string>();
     if (!part.difference && hash != force_hash)
         part.difference = "force_hash " + force_hash + ", recorded " + hash;
     return part;
 }
 
-Result<std::string> judge_replay(std::span<const ReplayedPart> parts, const std::string& force_hash) {
+Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash) {
     bool others = false;
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        const ReplayedPart& part = parts[k];
+        const ReplayCheck::Outcome& part = parts[k];
         if (part.rules != force_rules)
             return input_error("replay is not comparable: made under rules " + std::to_string(part.rules) +
                                " of force, this program has rules " + std::to_string(force_rules) +

@@ -1,4 +1,4 @@
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,20 @@
 
 namespace touchable {
 
+namespace {
+
+double share(double part, std::int64_t whole) {
+    return whole ? part / static_cast<double>(whole) : 0.0;
+}
+
+bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+}  // namespace
+
 /// The force that was held did the tick's work, and the spring that it is of stood before it.
-void SentEnergy::take(const EnergyFigures& guarded, double share) {
+void TouchFigures::SentEnergy::take(const EnergyFigures& guarded, double share) {
     const double back = 1 - share_;
     kept_.work += back * (guarded.work - guarded_.work);
     kept_.surface += back * (guarded.surface - guarded_.surface) + (share_ - share) * guarded.stored;
@@ -24,18 +36,6 @@ void SentEnergy::take(const EnergyFigures& guarded, double share) {
     guarded_ = guarded;
     share_ = share;
 }
-
-namespace {
-
-double share(double part, std::int64_t whole) {
-    return whole ? part / static_cast<double>(whole) : 0.0;
-}
-
-bool is_finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-}  // namespace
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;

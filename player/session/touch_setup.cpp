@@ -12,7 +12,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/session/replay.hpp"
+#include "player/session/run_record.hpp"
 
 namespace touchable {
 
@@ -92,33 +92,26 @@ constexpr int device_log_ticks = 4096;
 /// and has to be there whether auto takes it or not.
 Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames,
                             const SessionOptions& options) {
-    setup.builder = options.builder;
-    if (options.builder.name == "lazy" && setup.filters && setup.filters->chosen.temporal &&
-        setup.scene.filter.temporal) {
-        setup.builder.name = "cpu";
-        setup.builder_why =
-            "the clip's noise is averaged over time, which needs whole frames, not the lazy builder";
+    BuilderChoice& choice = setup.builder = options.builder;
+    if (choice.name == "auto") {
+        const bool named = choice.names_gpu();
+        if (named) TRY(setup.gpu->open());
+        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live};
+        const BuilderChoice pick = pick_builder(load, [&] {
+            const auto device = setup.gpu->open();
+            return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
+        });
+        choice.name = pick.name;
+        choice.why = pick.why;
+        choice.gpu_fallback = pick.name == "vulkan";
     }
-    const std::string watched = "somebody looks at whole frames, which the lazy builder does not make";
-    if (options.watched && setup.builder.name == "lazy") {
-        setup.builder.name = "cpu";
-        setup.builder_why = watched;
-    }
-    if (options.builder.name != "auto") return {};
-    const bool named = options.builder.names_gpu();
-    if (named) TRY(setup.gpu->open());
-    const TouchLoad load{setup.scene, frames != 1, setup.settings.fingers, options.live};
-    const auto pick = pick_builder(load, [&] {
-        const auto device = setup.gpu->open();
-        return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
-    });
-    setup.builder.name = pick.name;
-    setup.builder.gpu_fallback = pick.name == "vulkan";
-    setup.builder_why = pick.why;
-    if (options.watched && pick.name == "lazy") {
-        setup.builder.name = "cpu";
-        setup.builder_why = watched;
-    }
+    if (choice.name != "lazy") return {};
+    const bool averages = setup.filters && setup.filters->chosen.temporal && setup.scene.filter.temporal;
+    if (!averages && !options.watched) return {};
+    choice.name = "cpu";
+    choice.why =
+        averages ? "the clip's noise is averaged over time, which needs whole frames, not the lazy builder"
+                 : "somebody looks at whole frames, which the lazy builder does not make";
     return {};
 }
 
@@ -133,12 +126,12 @@ std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate
 }
 
 /// The clip's frames on their way to the surface.
-Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
+Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
     setup.notes = remarks_of(*clip.reader);
     setup.filters = std::move(clip.chosen);
     if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
-    if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
+    TRY(choose_builder(setup, clip.reader->frame_count(), options));
     TRY_ASSIGN(auto builder, make_builder(setup.builder, setup.scene, *setup.gpu));
     const auto eye = options.watched ? SurfaceTimeline::Eye::one : SurfaceTimeline::Eye::none;
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(builder), setup.scene,
@@ -148,16 +141,22 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     return {};
 }
 
+/// As many fingers as the hand or the device has, `of` whose name they are.
+Result<void> take_fingers(int fingers, const std::string& of, const SessionOptions& options,
+                          TouchSetup& setup) {
+    if (options.fingers != 1 && options.fingers != fingers)
+        return usage_error("fingers " + std::to_string(options.fingers) + ": " + of + " has " +
+                               std::to_string(fingers) + "; leave it out",
+                           {{Setting::fingers}});
+    setup.settings.fingers = fingers;
+    return {};
+}
+
 /// A hand that knows its goals already: how many fingers it has, and at what scale it touches.
 Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     if (options.held_device || !RepeatingHand::is_meant(options.hand)) return {};
     TRY_ASSIGN(auto hand, RepeatingHand::read(options.hand));
-    const int fingers = hand->fingers();
-    if (options.fingers != 1 && options.fingers != fingers)
-        return usage_error("fingers " + std::to_string(options.fingers) + ": " + options.hand + " has " +
-                               std::to_string(fingers) + "; leave it out",
-                           {{Setting::fingers}});
-    setup.settings.fingers = fingers;
+    TRY(take_fingers(hand->fingers(), options.hand, options, setup));
     setup.settings.touch.metres_per_scene_unit = hand->metres_per_scene_unit();
     setup.hand = std::move(hand);
     return {};
@@ -215,22 +214,17 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
 /// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
 /// first frame, wherever it begins, unless that is known.
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
-    if (auto placed = place_workspace(setup, options); !placed.ok()) return placed;
+    TRY(place_workspace(setup, options));
     setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
     TRY_ASSIGN(const auto begin,
                setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0)));
-    if (setup.held_device) {
-        setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
-        return {};
+    double& scale = setup.workspace.metres_per_scene_unit;
+    if (setup.hand) scale = setup.settings.touch.metres_per_scene_unit;
+    if (!setup.held_device && !setup.hand) {
+        const HeightField field(setup.scene, begin);
+        TRY_ASSIGN(setup.hand, make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field)));
     }
-    if (setup.hand) {
-        setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
-        return {};
-    }
-    const HeightField field(setup.scene, begin);
-    TRY_ASSIGN(auto hand, make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field)));
-    setup.hand = std::move(hand);
-    setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
+    setup.settings.touch.metres_per_scene_unit = scale;
     return {};
 }
 
@@ -244,12 +238,7 @@ void keep_within(const DeviceLimits& can, GuardSettings& guard) {
 Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.held_device) return {};
     const int fingers = options.held_device->fingers();
-    if (options.fingers != 1 && options.fingers != fingers)
-        return usage_error("fingers " + std::to_string(options.fingers) + ": the " +
-                               options.held_device->name() + " has " + std::to_string(fingers) +
-                               "; leave it out",
-                           {{Setting::fingers}});
-    setup.settings.fingers = fingers;
+    TRY(take_fingers(fingers, "the " + options.held_device->name(), options, setup));
     setup.held_device = options.held_device;
     setup.device_words = options.held_device->name();
     setup.control = options.control;
@@ -260,16 +249,14 @@ Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) 
 
 Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.device) return {};
-    TRY_ASSIGN(auto device, make_simulated_device(*options.device, setup.settings.fingers));
-    keep_within(device->limits(), setup.settings.guard);
-    setup.device = std::move(device);
+    TRY_ASSIGN(setup.device, make_simulated_device(*options.device, setup.settings.fingers));
+    keep_within(setup.device->limits(), setup.settings.guard);
     setup.device_words = *options.device;
     return {};
 }
 
 Result<void> make_solver(TouchSetup& setup) {
-    TRY_ASSIGN(auto solver, TouchSolver::create(setup.scene, setup.settings.touch));
-    setup.solver = solver;
+    TRY_ASSIGN(setup.solver, TouchSolver::create(setup.scene, setup.settings.touch));
     return {};
 }
 
@@ -296,8 +283,8 @@ Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
 }
 
 /// The recorded clip, or the one it is now, as the `recorded` scene. Errors name the recording by `name`.
-Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& recorded, const std::string& name,
-                               const ClipChoice& instead) {
+Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescription& recorded,
+                                         const std::string& name, const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
@@ -316,8 +303,22 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& record
                            std::to_string(recorded.scene.height));
     auto scene = settle(recorded, {.rate = stored.rate});
     if (!scene.ok()) return input_error(name + ": its scene: " + scene.error().message);
-    return OpenClip{std::move(*reader), std::move(*scene), {}};
+    return ClipChoice::Opened{std::move(*reader), std::move(*scene), {}};
 }
+
+/// `--replay FILE`: the recorded goals as a hand.
+class ReplayHand final : public Hand {
+public:
+    explicit ReplayHand(const RecordedPart& recording) : recording_(recording) {}
+    int fingers() const override { return recording_.fingers; }
+    void goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) override {
+        std::ranges::copy(recording_.ticks[static_cast<std::size_t>(tick)].goals, goals.begin());
+    }
+    std::optional<std::int64_t> ticks() const override { return std::ssize(recording_.ticks); }
+
+private:
+    const RecordedPart& recording_;
+};
 
 /// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of
 /// the moment, and the recording knows.
@@ -422,7 +423,7 @@ std::string in_words(const std::vector<PlaybackCommand>& commands) {
 }
 
 Result<void> check_guard(const GuardSettings& guard) {
-    if (auto valid = validate(guard); !valid.ok()) return valid;
+    TRY(validate(guard));
     if (guard.damping > most_damping)
         return usage_error("damping must be 0 to 100 N s/m", {{Setting::damping}});
     if (guard.passivity > most_damping)
@@ -435,7 +436,7 @@ Result<void> validate(const SessionOptions& options) {
     if (options.stale_after_ns && !options.camera)
         return usage_error("the age of a stale surface needs a live source: a clip's frames are never late",
                            {{Setting::stale_after}, {Setting::camera}});
-    if (auto checked = check_guard(options.guard); !checked.ok()) return checked;
+    TRY(check_guard(options.guard));
     if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
         return usage_error("stribeck must be a number of m/s, 0 or above", {{Setting::stribeck}});
     if (options.recorded && options.clip.relief)

@@ -1,14 +1,22 @@
 #pragma once
-
-// What a run is made of, in words that options, a window and a recording share.
+// What a run is made of, in words that options, a window and a recording share; and a live run with a
+// watcher.
 //
 // SessionOptions are everything that a person can say of a run; setup_from_options makes a TouchSetup of
 // them: the clip, its scene, a builder (BuilderChoice; `auto` picks by what the run needs and what the
 // machine has), hands, guard, solver. setup_from_recording makes the same of a recording, for its replay.
 // RunGpu is the one GPU that builder and window share. Errors hint at the Setting that was wrong.
 //
-// The thread that makes a setup owns it until a session takes it.
+// open_port opens a setup's hand: a device, a pointer, a script. A WatchedSession is what a window runs: a
+// LiveSession and its threads. `look` shows the frames, the blend and the tick that the hand holds, and what
+// fingers felt; figures count ticks and late frames; commands take effect with the next tick.
+//
+// The thread that makes a setup owns it until a session takes it. The window's thread calls a session's
+// `ask`, `look` and `stop`; what stands under "Any thread" is any thread's. Only `stop` waits for the haptic
+// thread.
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,9 +24,11 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,8 +40,10 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/force_table.hpp"
+#include "player/run/live_session.hpp"
 #include "player/run/output_file.hpp"
 #include "player/run/recording.hpp"
 #include "player/run/touch_session.hpp"
@@ -39,8 +51,8 @@
 
 namespace touchable {
 
-/// The GPU of a run: opened when it is first needed, one for all who need it, and anew where it was lost.
-/// Safe from any thread.
+/// The GPU of a run: opened when it is first needed, one for builder and pictures, and anew where it was
+/// lost. Safe from any thread.
 class RunGpu {
 public:
     /// `request` as in choose_gpu, `window_extensions` as in GpuOptions.
@@ -57,11 +69,20 @@ private:
     std::shared_ptr<GpuDevice> device_;
 };
 
-/// `--builder` and what goes with it, as typed.
+/// `--builder` and what goes with it: as typed, or as a run has it.
 struct BuilderChoice {
+    /// What decides which builder costs least: the forces are the same with any.
+    struct Load {
+        Scene scene;        ///< as the run applies it
+        bool moves = true;  ///< the clip has more than one frame
+        int fingers = 1;
+        bool live = false;  ///< ticks are due every millisecond of the wall clock
+    };
+
     std::string name = "cpu";
+    std::string why{};  ///< one line: why auto, or another than was asked for; empty: asked for by name
     std::string gpu = "auto";   ///< as in choose_gpu; for the vulkan builder and for pictures
-    bool gpu_fallback = false;  ///< nobody asked for the GPU: the cpu builder where it will not do after all
+    bool gpu_fallback = false;  ///< the GPU was not asked for: the cpu builder where there is no such GPU
 
     bool names_gpu() const { return gpu != "auto"; }
 };
@@ -73,35 +94,22 @@ struct BuilderChoice {
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu);
 
-/// What decides which builder costs least: the forces are the same with any.
-struct TouchLoad {
-    Scene scene;        ///< as the run applies it
-    bool moves = true;  ///< the clip has more than one frame
-    int fingers = 1;
-    bool live = false;  ///< ticks are due every millisecond of the wall clock
-};
-
 /// CPU time of whole frames by the CPU builder, but for hole filling, which depends on the holes, and of what
 /// the lazy builder adds to ticks, all threads: ms for each second of the clip (docs/gpu-vs-cpu.md, where the
 /// constants come from).
-double whole_frames_ms_per_second(const TouchLoad& load);
-double lazy_ms_per_second(const TouchLoad& load);
+double whole_frames_ms_per_second(const BuilderChoice::Load& load);
+double lazy_ms_per_second(const BuilderChoice::Load& load);
 
-struct BuilderPick {
-    std::string name;  ///< "cpu", "lazy" or "vulkan"
-    std::string why;   ///< for a person, one line
-};
-
-/// What `--builder auto` is. `has_gpu`, which opens a device, is asked only where whole frames cost so much
-/// that this pays: whether there is a GPU, and not a software Vulkan.
-BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has_gpu);
+/// What `--builder auto` is: cpu, lazy or vulkan, and why. `has_gpu`, which opens a device, is asked only
+/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan.
+BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu);
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
 /// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/playback.md).
 /// Empty lines and what follows '#' say nothing. Refuses (ErrorKind::input), with `name` and the line, all
 /// else.
 Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
-/// Likewise, of a file.
+/// The same of a file.
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
 
 /// What a person may have set to give these commands.
@@ -139,17 +147,17 @@ struct SessionOptions {
     bool device_log = false;                      ///< ticks are kept as that device had them
     /// Where that device is, before `hand_scale`; nothing: where the clip's first frame puts it.
     std::optional<Workspace> workspace;
-    /// That others of the program use as well; nothing: the run opens one of its own if it needs one.
+    /// Shared with the rest of the program; nothing: the run opens one of its own if it needs one.
     std::shared_ptr<RunGpu> gpu;
-    bool watched = false;  ///< live: somebody looks at what the hand holds, and wants its colour
-    /// Whoever waits for the setup may want it no more: it is then an error of kind interrupted, soon.
+    bool watched = false;  ///< live: what the hand holds is shown, with its colour
+    /// The setup is wanted no more: it is then an error of kind interrupted, soon.
     std::stop_token given_up{};
 };
 
 /// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.
 Result<void> validate(const SessionOptions& options);
 
-/// Refuses a guard that is no good to a hand on a device, likewise.
+/// Refuses (ErrorKind::usage) a guard that is no good to a hand on a device.
 Result<void> check_guard(const GuardSettings& guard);
 
 /// Everything a session runs on, made from options or from a recording.
@@ -159,8 +167,7 @@ struct TouchSetup {
     std::vector<Remark> notes;             ///< of the clip (remarks_of)
     std::optional<ChosenFilters> filters;  ///< nothing: all were stated
     BuilderChoice builder;                 ///< not auto any more
-    std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name
-    std::shared_ptr<RunGpu> gpu;  ///< of builder and picture
+    std::shared_ptr<RunGpu> gpu;           ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;                     ///< as on the command line
     std::unique_ptr<Hand> hand;                 ///< nothing: a person holds `held_device`
@@ -176,7 +183,7 @@ struct TouchSetup {
         return control && held_device->capabilities().axes_driven > 0 ? control.get() : nullptr;
     }
     double hand_scale = 1;                      ///< of that device, as SessionOptions has it
-    std::unique_ptr<DeviceTickLog> device_log;  ///< of that device; nothing: nobody wants one
+    std::unique_ptr<DeviceTickLog> device_log;  ///< of that device; nothing: none is kept
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
@@ -198,8 +205,117 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
                                                          const SessionOptions& options,
                                                          std::shared_ptr<RunGpu> gpu = nullptr);
 
-/// How long it takes, in ticks: milliseconds.
-inline constexpr std::int64_t standard_stroke_ticks = 3000;
+/// What a live session's haptic thread is plugged into: the hand, the device that it holds, or the one that a
+/// person holds. Opens the device. `setup` outlives the port.
+Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup);
+
+/// After a session: the reason that its device gives for having stopped.
+void explain_failure(const TouchSetup& setup, LiveFacts& facts);
+
+/// A tick as its fingers had it.
+struct WatchedTick {
+    struct Finger {
+        glm::dvec3 goal{0.0};  ///< as the hand gave it
+        Contact contact;       ///< the goal that was used, proxy, whether it touches, properties there
+        GuardedForce force;    ///< as it was sent to the hand, and why it is not the spring's; no energy
+    };
+    std::int64_t tick = -1;
+    std::vector<Finger> fingers;
+};
+
+/// What the hand was at, to be drawn.
+struct WatchedMoment {
+    HeldPair held;                     ///< its frames stay whole until the next look
+    std::optional<HeldPlanes> stored;  ///< of the pair's frame nearer in time, where its reader keeps them
+    WatchedTick felt;                  ///< by every finger: of that tick or one a few later
+
+    PlaneView colour() const { return stored ? stored->colour : PlaneView{}; }  ///< empty: it has none
+};
+
+/// How a session goes while it does.
+struct WatchedFigures {
+    struct Ticks {
+        std::int64_t ticks = 0;
+        std::int64_t late = 0;   ///< that began a millisecond or more too late
+        double solve_us = 0;     ///< of the newest
+        double late_us_p99 = 0;  ///< of all, in steps of 10; 1000 stands for all that were later
+    };
+    FeedFigures feed;
+    Ticks ticks;                   ///< those so far
+    std::int64_t late_frames = 0;  ///< but for the two that an epoch begins with
+};
+
+/// A live session on threads of its own, beside a watcher who also commands its clip's clock. It goes on
+/// until it is stopped, or the device fails: where the clip ends or fails, its surface stands still. Nothing
+/// here keeps the haptic thread waiting.
+class WatchedSession {
+public:
+    /// As many commands as a session takes: one every tenth of a second for an hour and a half.
+    static constexpr std::size_t most_commands = 65536;
+
+    /// Begins at once. `setup` was made for a live run that is watched. `sinks` get every tick, on the
+    /// session's own thread, and outlive it. Refused (ErrorKind::usage): commands known before that are not
+    /// of tick 0, which are those of a run without a watcher.
+    static Result<std::unique_ptr<WatchedSession>> start(std::unique_ptr<TouchSetup> setup,
+                                                         std::vector<TouchSink*> sinks);
+    ~WatchedSession();  ///< stops it
+    WatchedSession(const WatchedSession&) = delete;
+    WatchedSession& operator=(const WatchedSession&) = delete;
+
+    /// Zero force, threads ended, the device closed, and the setup as after any run: its settings have all
+    /// commands.
+    void stop();
+    bool running() const { return running_.load(std::memory_order_acquire); }
+
+    // The watcher's, one thread.
+    /// Takes effect with the next tick. Refused (ErrorKind::usage): what `validate` refuses, moments beyond
+    /// the clip's end, anything of a camera, after the end, and once there are `most_commands`.
+    Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
+    /// Whether a command is still to take effect; after the end it never will.
+    bool is_asked() const { return log_->is_waiting(); }
+    /// That have taken effect so far.
+    std::size_t commands() const { return log_->size(); }
+    /// What the hand was at last; nothing before the first tick. Waits for nothing but a copy of the same.
+    const WatchedMoment* look();
+
+    // Any thread.
+    PlaybackState playback() const;
+    /// The clip's clock, as every tick has met it.
+    PlaybackClock clock() const { return {setup_->scene.rate, log_}; }
+    WatchedFigures figures() const;
+    /// As LiveSession::clip_failure.
+    std::optional<Error> clip_failure() const { return live_->clip_failure(); }
+    /// As ClipReader::remarks.
+    std::vector<std::string> remarks() const { return setup_->feed->reader().remarks(); }
+    /// Frames with which the clip showed something else all at once, of those that came by.
+    std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
+
+    // After the end.
+    const LiveFacts& facts() const { return facts_; }
+    /// Why it ended, if not because it was to.
+    std::optional<Error> failure() const;
+    TouchSetup& setup() { return *setup_; }
+
+private:
+    class Ticks;
+    WatchedSession(std::unique_ptr<TouchSetup> setup, std::vector<TouchSink*> sinks);
+    void run();
+    void close_devices();
+
+    std::unique_ptr<TouchSetup> setup_;
+    std::optional<std::int64_t> clip_end_ns_;
+    std::shared_ptr<PlaybackLog> log_;
+    std::unique_ptr<HapticPort> port_;
+    std::optional<LiveSession> live_;
+    std::unique_ptr<Ticks> ticks_;
+    std::vector<TouchSink*> sinks_;
+    WatchedMoment seen_;
+    std::atomic<bool> running_{false};
+    // Of the session's thread, until it has ended.
+    Result<void> ran_;
+    LiveFacts facts_;
+    std::thread thread_;
+};
 
 /// What one finger did, and what it felt.
 struct Stroke {
@@ -207,8 +323,8 @@ struct Stroke {
     double metres_per_scene_unit = 0;
 };
 
-/// Of one that wanders over a clip, always on the same way. The clip has the filters that it states, or that
-/// its first frames ask for, here and below.
+/// The stroke of a finger that wanders over a clip, always on the same way. The clip has the filters that it
+/// states, or that its first frames ask for, here and below.
 Result<Stroke> standard_stroke(std::unique_ptr<ClipReader> clip);
 /// What the same hand feels of two clips that show the same: the very goals of a stroke over the first are
 /// repeated over the second, at the same scale.

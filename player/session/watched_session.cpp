@@ -1,5 +1,5 @@
-#include "player/session/watched_session.hpp"
-
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <new>
@@ -9,23 +9,64 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "player/run/output_file.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
+
+namespace {
+
+// One rule for a hand that fell silent and for a program that stood still.
+static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
+                  static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
+              HapticLoop::longest_gap_ns);
 
 /// A device that a person holds, with what stands between it and the fingers: mapping, clutch, and the force
 /// that is asked for.
 class HeldPort final : public HapticPort {
 public:
-    /// All of them outlive the port; the device is open. `log`: nullptr: nobody wants one.
-    HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log);
-    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    /// All of them outlive the port; the device is open. `log`: nullptr: none is kept.
+    HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
+        : device_(device),
+          control_(control),
+          log_(log),
+          has_motors_(device.capabilities().axes_driven > 0),
+          places_(static_cast<std::size_t>(device.fingers())),
+          newtons_(places_.size()) {}
+
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override {
+        tick_ = tick;
+        if (!device_.read_positions(places_)) return false;
+        std::ranges::copy(places_, goals.begin());
+        const FieldProbe probe(field);
+        control_.to_goals(goals, device_.buttons(), &probe);
+        return true;
+    }
+
     void come_back(std::int64_t alone_ms) override { control_.come_back(alone_ms); }
-    bool write_forces(std::span<const glm::dvec3> newtons) override;
+
+    bool write_forces(std::span<const glm::dvec3> newtons) override {
+        const auto passed =
+            static_cast<int>(std::min<std::int64_t>(tick_ - written_, HandControl::rise_ticks));
+        const bool is_tick = tick_ > written_;  // the zeros at the end are of none
+        written_ = tick_;
+        control_.to_device(newtons, passed, newtons_);
+        for (std::size_t finger = 0; finger < newtons_.size(); ++finger)
+            if (!has_place(finger) && std::isfinite(newtons_[finger].x)) newtons_[finger] = glm::dvec3(0.0);
+        const bool works = device_.write_forces(newtons_);
+        if (log_ && is_tick)
+            log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
+        return works;
+    }
+
     /// All of it where the device has no motors: what is told is the scene's then.
-    double share(std::size_t finger) const override;
+    double share(std::size_t finger) const override {
+        if (!has_motors_) return 1;
+        return has_place(finger) ? control_.share(finger) : 0;
+    }
 
 private:
-    bool has_place(std::size_t finger) const;
+    /// A finger without a place has no force, which its device would not let out either.
+    bool has_place(std::size_t finger) const { return std::isfinite(places_[finger].x); }
 
     HapticDevice& device_;
     HandControl& control_;
@@ -35,58 +76,50 @@ private:
     std::int64_t tick_ = -1, written_ = -1;
 };
 
-// One rule for a hand that fell silent and for a program that stood still.
-static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
-                  static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
-              HapticLoop::longest_gap_ns);
-
-HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
-    : device_(device),
-      control_(control),
-      log_(log),
-      has_motors_(device.capabilities().axes_driven > 0),
-      places_(static_cast<std::size_t>(device.fingers())),
-      newtons_(static_cast<std::size_t>(device.fingers())) {}
-
-bool HeldPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
-    tick_ = tick;
-    if (!device_.read_positions(places_)) return false;
-    std::copy(places_.begin(), places_.end(), goals.begin());
-    const FieldProbe probe(field);
-    control_.to_goals(goals, device_.buttons(), &probe);
-    return true;
-}
-
-bool HeldPort::write_forces(std::span<const glm::dvec3> newtons) {
-    const auto passed = static_cast<int>(std::min<std::int64_t>(tick_ - written_, HandControl::rise_ticks));
-    const bool is_tick = tick_ > written_;  // the zeros at the end are of none
-    written_ = tick_;
-    control_.to_device(newtons, passed, newtons_);
-    for (std::size_t finger = 0; finger < newtons_.size(); ++finger)
-        if (!has_place(finger) && std::isfinite(newtons_[finger].x)) newtons_[finger] = glm::dvec3(0.0);
-    const bool works = device_.write_forces(newtons_);
-    if (log_ && is_tick)
-        log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
-    return works;
-}
-
-/// One without has no force, which its device would not let out either.
-bool HeldPort::has_place(std::size_t finger) const {
-    return std::isfinite(places_[finger].x);
-}
-
-double HeldPort::share(std::size_t finger) const {
-    if (!has_motors_) return 1;
-    return has_place(finger) ? control_.share(finger) : 0;
-}
-
-namespace {
-
 HapticDevice* device_of(const TouchSetup& setup) {
     return setup.held_device ? setup.held_device.get() : setup.device.get();
 }
 
 }  // namespace
+
+/// The newest tick, from the session's thread to a watcher's.
+class WatchedSession::Ticks final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override {
+        const std::lock_guard lock(mutex_);
+        figures_.late += tick.tick > newest_.tick + 1;
+        ++figures_.ticks;
+        figures_.solve_us = tick.solve_us;
+        ++late_[std::min(static_cast<std::size_t>(std::max(tick.late_us, 0.0) / late_step_us),
+                         late_.size() - 1)];
+        newest_.tick = tick.tick;
+        newest_.fingers.resize(tick.contacts.size());
+        for (std::size_t k = 0; k < tick.contacts.size(); ++k)
+            newest_.fingers[k] = {
+                tick.goals[k], tick.contacts[k], {tick.sent(k), tick.forces[k].reasons, {}}};
+        return {};
+    }
+    void copy_newest(WatchedTick& to) const {
+        const std::lock_guard lock(mutex_);
+        to = newest_;
+    }
+    WatchedFigures::Ticks figures() const {
+        const std::lock_guard lock(mutex_);
+        WatchedFigures::Ticks figures = figures_;
+        std::int64_t later = 0;
+        std::size_t step = late_.size();
+        while (step > 0 && 100 * (later + late_[step - 1]) <= figures.ticks) later += late_[--step];
+        figures.late_us_p99 = late_step_us * static_cast<double>(step);
+        return figures;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    WatchedTick newest_;
+    WatchedFigures::Ticks figures_;
+    static constexpr double late_step_us = 10;
+    std::array<std::int64_t, 100> late_{};  // ticks by how late they were
+};
 
 Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
     if (HapticDevice* device = device_of(setup)) TRY(device->open());
@@ -116,9 +149,8 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
                                "': where somebody watches, commands are given as the clip plays; right would "
                                "be what takes effect at 0 s");
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
-    TRY_ASSIGN(auto port, open_port(*session->setup_));
-    session->port_ = std::move(port);
     TouchSetup& s = *session->setup_;
+    TRY_ASSIGN(session->port_, open_port(s));
     session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.settings, session->log_);
     session->running_.store(true, std::memory_order_release);
     auto begun =
@@ -131,10 +163,11 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
 WatchedSession::WatchedSession(std::unique_ptr<TouchSetup> setup, std::vector<TouchSink*> sinks)
     : setup_(std::move(setup)),
       log_(std::make_shared<PlaybackLog>(setup_->settings.playback, most_commands)),
+      ticks_(std::make_unique<Ticks>()),
       sinks_(std::move(sinks)) {
     if (const auto frames = setup_->feed->reader().frame_count())
         clip_end_ns_ = setup_->scene.rate.time_ns(*frames);
-    sinks_.push_back(&ticks_);
+    sinks_.push_back(ticks_.get());
 }
 
 WatchedSession::~WatchedSession() {
@@ -188,7 +221,7 @@ const WatchedMoment* WatchedSession::look() {
     const auto nearer = [](const FramePair& pair) { return pair.blend < 0.5 ? pair.prev : pair.next; };
     seen_.held = *held;
     seen_.stored = setup_->feed->stored_planes().find(held->pair.epoch, nearer(held->pair).number);
-    ticks_.copy_newest(seen_.felt);
+    ticks_->copy_newest(seen_.felt);
     return &seen_;
 }
 
@@ -205,7 +238,7 @@ PlaybackState WatchedSession::playback() const {
 }
 
 WatchedFigures WatchedSession::figures() const {
-    return {setup_->feed->figures(), ticks_.figures(), live_->late_frames()};
+    return {setup_->feed->figures(), ticks_->figures(), live_->late_frames()};
 }
 
 std::optional<Error> WatchedSession::failure() const {

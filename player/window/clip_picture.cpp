@@ -137,7 +137,7 @@ bool DrawnState::differs(const WatchedMoment& moment, int count, double small) c
         moment.colour().data != colour_ || shown_of(moment, count) != fingers_.size())
         return true;
     for (std::size_t k = 0; k < fingers_.size(); ++k) {
-        const WatchedFinger& now = moment.felt.fingers[k];
+        const WatchedTick::Finger& now = moment.felt.fingers[k];
         if (glm::distance(now.contact.goal, fingers_[k].goal) > small ||
             glm::distance(now.contact.proxy, fingers_[k].proxy) > small ||
             glm::distance(now.force.force, fingers_[k].force) > small_newtons)
@@ -155,7 +155,7 @@ void DrawnState::remember(const WatchedMoment& moment, int count) {
     colour_ = moment.colour().data;
     fingers_.resize(shown_of(moment, count));
     for (std::size_t k = 0; k < fingers_.size(); ++k) {
-        const WatchedFinger& now = moment.felt.fingers[k];
+        const WatchedTick::Finger& now = moment.felt.fingers[k];
         fingers_[k] = {now.contact.goal, now.contact.proxy, now.force.force};
     }
 }

@@ -10,7 +10,7 @@
 #include "player/draw/view.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/session/replay.hpp"
+#include "player/session/run_record.hpp"
 
 namespace touchable {
 namespace {
@@ -47,7 +47,7 @@ bool has_loop_of(const PlaybackState& a, const PlaybackState& b) {
 
 /// Whether a finger is nowhere, or where it touches nothing, before the clip's camera: so near to that it
 /// would be in the way of all else.
-bool is_away(const WatchedFinger& finger, const FieldProbe& probe, double nearest_share) {
+bool is_away(const WatchedTick::Finger& finger, const FieldProbe& probe, double nearest_share) {
     if (!std::isfinite(glm::dot(finger.goal, finger.goal))) return true;
     const Contact& contact = finger.contact;
     if (contact.touching) return false;
@@ -165,9 +165,9 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
     settings_ = settings;
     in_effect_ = settings_in_effect(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
-    builder_why_ = setup.builder_why;
+    builder_why_ = setup.builder.why;
     if (!setup.filters) return;
-    clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
+    clip_.measured = setup.filters;
     if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
 }
 

@@ -362,7 +362,7 @@ void WindowLoop::go_on_in_list(const WatchedMoment* moment) {
         pointer_.holds() ||
         (moment && clip_->session().running() &&
          std::any_of(moment->felt.fingers.begin(), moment->felt.fingers.end(),
-                     [](const WatchedFinger& finger) { return finger.contact.touching; }));
+                     [](const WatchedTick::Finger& finger) { return finger.contact.touching; }));
     if (brush_.is_held() || measure_.is_held() || layer_->holds_pointer() ||
         (is_touched && !is_inviting_))  // which touches by itself
         touched_s_ = time_s_;

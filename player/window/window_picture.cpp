@@ -92,7 +92,7 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
 
 /// Whether a finger has to leave a surface that was not there before it.
 bool is_inside(const WatchedTick& felt) {
-    return std::any_of(felt.fingers.begin(), felt.fingers.end(), [](const WatchedFinger& finger) {
+    return std::any_of(felt.fingers.begin(), felt.fingers.end(), [](const WatchedTick::Finger& finger) {
         return (finger.force.reasons & guard_waiting) != 0;
     });
 }
@@ -235,7 +235,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     measure(moment, field, camera);
     if (is_inviting_) show_how(field, camera);
     std::vector<Contact> met;
-    for (const WatchedFinger& finger : moment.felt.fingers) met.push_back(finger.contact);
+    for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
     if (!options_.hand) clip_->fingers().intend(field, camera, met);
 
     WindowGraphics& graphics = picture_.graphics();

@@ -1,7 +1,7 @@
 #include "engine/base/same_bits.hpp"
 #include "player/run/recording.hpp"
 #include "player/run/surface_feed.hpp"
-#include "player/session/replay.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

@@ -21,12 +21,12 @@ bool never_asked() {
     return false;
 }
 
-TouchLoad load_of(int width, int height, int median, int fingers) {
+BuilderChoice::Load load_of(int width, int height, int median, int fingers) {
     SceneOptions options;
     options.width = width;
     options.height = height;
     options.bits = 16;
-    TouchLoad load;
+    BuilderChoice::Load load;
     auto source = make_scene("moving", options);
     EXPECT_TRUE(source.ok());
     load.scene = (*source)->scene();
@@ -34,7 +34,7 @@ TouchLoad load_of(int width, int height, int median, int fingers) {
     load.fingers = fingers;
     return load;
 }
-TouchLoad full_hd(int median, int fingers) {
+BuilderChoice::Load full_hd(int median, int fingers) {
     return load_of(1920, 1080, median, fingers);
 }
 
@@ -49,14 +49,14 @@ TEST(BuilderPick, ManyFingersWantWholeFrames) {
         EXPECT_EQ(pick_builder(full_hd(median, 100), never_asked).name, "cpu") << median;
         int fingers = 1;
         while (pick_builder(full_hd(median, fingers), never_asked).name == "lazy") ++fingers;
-        const TouchLoad first = full_hd(median, fingers), last = full_hd(median, fingers - 1);
+        const BuilderChoice::Load first = full_hd(median, fingers), last = full_hd(median, fingers - 1);
         EXPECT_LT(whole_frames_ms_per_second(first) - lazy_ms_per_second(first), 10);
         EXPECT_GE(whole_frames_ms_per_second(last) - lazy_ms_per_second(last), 10);
     }
 }
 
 TEST(BuilderPick, TheFasterFramesComeTheMoreFingersAreLazy) {
-    TouchLoad load = full_hd(5, 30);
+    BuilderChoice::Load load = full_hd(5, 30);
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
     load.scene.rate = {120, 1};
     EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
@@ -68,13 +68,13 @@ TEST(BuilderPick, SmallFramesAreNotWorthTheirTicks) {
 }
 
 TEST(BuilderPick, ALiveTickDoesNotFilter) {
-    TouchLoad load = full_hd(5, 1);
+    BuilderChoice::Load load = full_hd(5, 1);
     load.live = true;
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
 }
 
 TEST(BuilderPick, FiltersThatReachFarWantWholeFrames) {
-    TouchLoad filled = full_hd(3, 1), without_terraces = filled, averaged = filled;
+    BuilderChoice::Load filled = full_hd(3, 1), without_terraces = filled, averaged = filled;
     filled.scene.filter.fill_holes = 1;
     without_terraces.scene.depth_bits = 8;
     without_terraces.scene.depth.code_max = 255;
@@ -82,18 +82,18 @@ TEST(BuilderPick, FiltersThatReachFarWantWholeFrames) {
     EXPECT_EQ(pick_builder(without_terraces, never_asked).name, "lazy");
     without_terraces.scene.filter.terraces = TerraceRemoval::on;
     averaged.scene.filter.temporal = true;
-    for (const TouchLoad* load : {&filled, &without_terraces, &averaged})
+    for (const BuilderChoice::Load* load : {&filled, &without_terraces, &averaged})
         EXPECT_EQ(pick_builder(*load, never_asked).name, "cpu");
 }
 
 TEST(BuilderPick, AStillIsBuiltOnce) {
-    TouchLoad load = full_hd(5, 1);
+    BuilderChoice::Load load = full_hd(5, 1);
     load.moves = false;
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
 }
 
 TEST(BuilderPick, AGpuIsAskedForWhereFramesCostAFifthOfACore) {
-    TouchLoad load = load_of(3840, 2160, 5, 1);
+    BuilderChoice::Load load = load_of(3840, 2160, 5, 1);
     load.live = true;
     load.scene.rate = {30, 1};
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");

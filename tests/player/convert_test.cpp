@@ -17,7 +17,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/commands/commands.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/opened_files.hpp"

@@ -3,8 +3,7 @@
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "player/run/recording.hpp"
-#include "player/session/replay.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable::test {
@@ -25,7 +24,7 @@ Result<void> write_generated_clip(const std::string& scene, const std::filesyste
 Result<void> replay_in_process(const std::filesystem::path& file) {
     const auto recording = read_recording(file);
     if (!recording.ok()) return recording.error();
-    std::vector<ReplayedPart> replayed;
+    std::vector<ReplayCheck::Outcome> replayed;
     TouchFigures of_all;
     for (const RecordedPart& part : *recording) {
         auto setup = setup_from_recording(part, {});
@@ -37,7 +36,7 @@ Result<void> replay_in_process(const std::filesystem::path& file) {
         const auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
         if (!ran.ok()) return ran;
         of_all.end_part();
-        replayed.push_back(compare_replay(part, check, figures.force_hash(), s));
+        replayed.push_back(check.outcome(figures.force_hash(), s));
     }
     const auto same = judge_replay(replayed, of_all.force_hash());
     return same.ok() ? Result<void>() : same.error();

@@ -14,7 +14,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/picture_options.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "tests/gpu/blockade.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"

@@ -1,5 +1,5 @@
 // What a hand got of the energy that the guard's books have.
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ protected:
     glm::dvec3 goal_{0, 0, 0.001}, held_{0};
     double work_ = 0;  // that the sent forces did
     EnergyFigures guarded_;
-    SentEnergy sent_;
+    TouchFigures::SentEnergy sent_;
 };
 
 TEST_F(SentBooks, AllOfItIsTheGuardsToTheBit) {

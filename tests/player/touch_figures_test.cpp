@@ -1,5 +1,5 @@
 // The figures of a report, tick by tick, against ones that are counted by hand.
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>

@@ -1,5 +1,5 @@
 // A session that somebody watches, and tells its clip's clock what to do while it runs.
-#include "player/session/watched_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,7 @@
 #include <thread>
 
 #include "player/run/recording.hpp"
-#include "player/session/replay.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/temporary_folder.hpp"

@@ -330,7 +330,7 @@ TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
         return heights();
     }();
     EXPECT_NE(half, own);
-    ASSERT_TRUE(choice_.relief_memory->range(choice_.relief->settings.bands));
+    ASSERT_TRUE(choice_.shared_clip->relief_range(choice_.relief->settings.bands));
     choice_.relief->settings.amount = 100;
     const auto whole = heights();
     int higher = 0;
@@ -362,7 +362,7 @@ TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {
 TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {
     const auto felt = [this] {
         const WatchedMoment* const moment = clip_->session().look();
-        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedFinger();
+        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedTick::Finger();
     };
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause).ok());
     ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));

@@ -69,7 +69,7 @@ protected:
     double felt_stiffness() {
         const WatchedMoment* const moment = clip_->session().look();
         if (!moment || moment->felt.fingers.empty()) return 0;
-        const WatchedFinger& finger = moment->felt.fingers[0];
+        const WatchedTick::Finger& finger = moment->felt.fingers[0];
         const double depth = glm::distance(finger.contact.goal, finger.contact.proxy) *
                              clip_->session().setup().settings.touch.metres_per_scene_unit;
         return depth > 0.0005 ? glm::length(finger.force.force) / depth : 0;

@@ -54,9 +54,9 @@ protected:
     void put_before(double metres) {
         fake_->put(clip_->session().setup().workspace.to_device({0, 0, -depth_}) + glm::dvec3(0, 0, metres));
     }
-    WatchedFinger felt() {
+    WatchedTick::Finger felt() {
         const WatchedMoment* const moment = clip_->session().look();
-        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedFinger();
+        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedTick::Finger();
     }
     bool comes_to(const glm::dvec3& scene) {
         return soon([&] { return glm::length(felt().goal - scene) < 1e-6; });
