@@ -48,7 +48,7 @@ Result<TwoFrames> recorded_frames(const std::filesystem::path& clip) {
     return frames;
 }
 
-std::vector<FingerMark> five_fingers(const Subject& subject, double size) {
+std::vector<FingerMark> five_fingers(const Viewpoint::Subject& subject, double size) {
     std::vector<FingerMark> fingers(5);
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         FingerMark& finger = fingers[k];
@@ -126,7 +126,8 @@ public:
         return {};
     }
     Result<void> make_file_picture(SurfacePainter& painter) const {
-        const PictureSettings settings{{false, 20, 8, 1, std::nullopt}, picture_width, picture_height};
+        const SurfacePainter::Settings settings{
+            {false, 20, 8, 1, std::nullopt}, picture_width, picture_height};
         const auto made =
             make_picture(settings, frames_.scene, surface_, subject_, fingers_, sizes_, painter);
         if (!made.ok()) return made.error();
@@ -181,7 +182,7 @@ private:
     std::shared_ptr<GpuDevice> device_;
     SurfaceFrame prev_, next_;
     std::optional<HeightField> field_;
-    Subject subject_;
+    Viewpoint::Subject subject_;
     MarkSizes sizes_;
     std::vector<FingerMark> fingers_, dented_;
     std::vector<ViewCamera> views_;

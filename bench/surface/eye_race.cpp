@@ -91,7 +91,7 @@ public:
         return {};
     }
     const std::vector<float>& q() const { return q_; }
-    const ViewTiles& tiles() const { return tiles_; }
+    const ViewSurface::Tiles& tiles() const { return tiles_; }
 
 private:
     const Picture& picture_;
@@ -99,11 +99,11 @@ private:
     CpuLattices lattices_;
     SurfaceFrame frame_;
     std::vector<float> q_;
-    ViewTiles tiles_;
+    ViewSurface::Tiles tiles_;
 };
 
-ViewTiles tiles_of_marks(const std::vector<std::uint8_t>& marks) {
-    ViewTiles tiles;
+ViewSurface::Tiles tiles_of_marks(const std::vector<std::uint8_t>& marks) {
+    ViewSurface::Tiles tiles;
     for (std::size_t n = 0; n < marks.size(); ++n)
         if ((marks[n] & 2U) != 0)
             (marks[n] == 3 ? tiles.mixed : tiles.whole).push_back(static_cast<std::uint32_t>(n));
@@ -123,7 +123,7 @@ Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& ker
         return wrong(c, "the kernel's tiles differ");
     if (!nearly_equal(twin, one.q()) || one.q() != two.q())
         return wrong(c, "the CPU's q are not the field's");
-    const ViewTiles tiles = test::classify_tiles(c.width, c.height, one.q());
+    const ViewSurface::Tiles tiles = test::classify_tiles(c.width, c.height, one.q());
     if (one.tiles() != tiles || two.tiles() != tiles) return wrong(c, "the CPU's tiles differ");
     if (opencv == nullptr) return {};
     opencv->median();

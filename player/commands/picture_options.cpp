@@ -81,7 +81,7 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
 
 Result<Image> PictureOrder::draw(const HeightField& field, const ViewSurface& surface,
                                  std::span<const FingerMark> fingers) {
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     return make_picture(settings, field.scene(), surface, subject, fingers,
                         mark_sizes(field.scene(), subject.middle), *painter);
 }
@@ -89,7 +89,7 @@ Result<Image> PictureOrder::draw(const HeightField& field, const ViewSurface& su
 Result<Image> PictureOrder::draw_overlay(const HeightField& field, const FramePair& pair,
                                          std::span<const FingerMark> fingers) {
     Overlays overlays;
-    const OverlayPicture& overlay = overlays.paint(show, field, pair);
+    const Overlays::Picture& overlay = overlays.paint(show, field, pair);
     TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay.view()));
     quieten_light(show, overlay, surface);
     TRY_ASSIGN(auto image, draw(field, surface, fingers));

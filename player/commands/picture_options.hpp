@@ -39,7 +39,7 @@ void add_picture_options(CLI::App& sub, PictureOptions& options);
 /// and the file can be written.
 struct PictureOrder {
     std::unique_ptr<NewFile> file;
-    PictureSettings settings;
+    SurfacePainter::Settings settings;
     std::unique_ptr<SurfacePainter> painter;
     bool any_painter = false;  ///< where the GPU fails, the cpu may draw instead
     Overlay show = Overlay::colour;

@@ -253,8 +253,6 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     return any == 0;
 }
 
-constexpr double most_apart = 1.5;  // pixels
-
 /// Of every second one, so many that the last lies at the last vertex, or beyond it: it is that one then.
 int half_of(int vertices) {
     return vertices / 2 + 1;
@@ -456,7 +454,7 @@ void CpuLattices::q_of(const HeightField& field, const FramePair& pair, float* q
     });
 }
 
-ViewTiles CpuLattices::tiles_of(int width, int height, const std::vector<float>& q) {
+ViewSurface::Tiles CpuLattices::tiles_of(int width, int height, const std::vector<float>& q) {
     constexpr int cells = TileGrid::cells;
     const TileGrid grid = TileGrid::of(width, height);
     const auto tile = [&](int tx, int ty) { return static_cast<std::size_t>(ty * grid.tiles_x + tx); };
@@ -476,7 +474,7 @@ ViewTiles CpuLattices::tiles_of(int width, int height, const std::vector<float>&
         };
         run_vectors(unit_, rows);
     });
-    ViewTiles tiles;
+    ViewSurface::Tiles tiles;
     for (std::size_t n = 0; n < classes_.size(); ++n)
         if ((classes_[n] & 2U) != 0)
             (classes_[n] == 3 ? tiles.mixed : tiles.whole).push_back(static_cast<std::uint32_t>(n));
@@ -507,7 +505,7 @@ ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& p
                                     const PlaneView& colour) {
     std::vector<float> q;
     q_of(field, pair, q);
-    ViewTiles tiles = tiles_of(field.width(), field.height(), q);
+    ViewSurface::Tiles tiles = tiles_of(field.width(), field.height(), q);
     return make_view_surface(field, std::move(q), std::move(tiles), colour);
 }
 
@@ -588,34 +586,7 @@ const SurfaceEdges::Vertex* SurfaceEdges::at(int x, int y) const {
     return found != vertices.end() && found->x == x ? &*found : nullptr;
 }
 
-struct Decimation::Parts {
-    /// A frame's halves, and theirs.
-    using Halves = std::array<SurfaceFrame, 2>;
-    /// Of a row of colours, by thread.
-    struct Scratch {
-        std::vector<std::uint16_t> sums;
-        std::vector<std::uint8_t> means;
-    };
-
-    Parts(int threads, VectorUnit vectors)
-        : unit(vectors), bands(threads), scratch(static_cast<std::size_t>(threads)) {}
-    void halve_frame(const SurfaceFrame& from, SurfaceFrame& to);
-    const SurfaceFrame* decimated_frame(const SurfaceFrame& frame, int step, Halves& halves);
-    void halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to);
-    void halve_colour_row(const PlaneView& from, int y, Scratch& of_thread, std::uint8_t* out) const;
-
-    const VectorUnit unit;
-    RowBands bands;
-    std::vector<Scratch> scratch;
-    Halves prev, next;
-    Scene scene;
-    FramePair pair;
-    std::optional<HeightField> field;
-    PlaneView colour;
-    std::vector<std::uint8_t> half_colours[2];  // each made of the other
-};
-
-void Decimation::Parts::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
+void Decimation::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
     to.width = half_of(from.width);
     to.height = half_of(from.height);
     to.coding = from.coding;
@@ -625,16 +596,16 @@ void Decimation::Parts::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) 
     to.heights.resize(has_heights ? vertices : 0);
     to.validity.resize(static_cast<std::size_t>(to.validity_words_per_row()) *
                        static_cast<std::size_t>(to.height));
-    bands.for_each_band(to.height, 1, [&](const RowBand& band) {
-        halve_values(from.codes, from.width, from.height, to.width, unit, band, to.codes);
+    bands_.for_each_band(to.height, 1, [&](const RowBand& band) {
+        halve_values(from.codes, from.width, from.height, to.width, unit_, band, to.codes);
         if (has_heights)
-            halve_values(from.heights, from.width, from.height, to.width, unit, band, to.heights);
+            halve_values(from.heights, from.width, from.height, to.width, unit_, band, to.heights);
         halve_validity(from, band, to);
     });
     if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
 }
 
-const SurfaceFrame* Decimation::Parts::decimated_frame(const SurfaceFrame& frame, int step, Halves& halves) {
+const SurfaceFrame* Decimation::decimated_frame(const SurfaceFrame& frame, int step, Halves& halves) {
     const SurfaceFrame* made = &frame;
     for (int halvings = 0; 1 << halvings < step; ++halvings) {
         SurfaceFrame& half = halves[static_cast<std::size_t>(halvings % 2)];
@@ -645,18 +616,17 @@ const SurfaceFrame* Decimation::Parts::decimated_frame(const SurfaceFrame& frame
 }
 
 /// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
-void Decimation::Parts::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
+void Decimation::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
     const int width = half_of(from.width), height = half_of(from.height);
     to.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    bands.for_each_band(height, 1, [&](const RowBand& band) {
-        Scratch& of_thread = scratch[static_cast<std::size_t>(band.thread)];
+    bands_.for_each_band(height, 1, [&](const RowBand& band) {
+        Scratch& of_thread = scratch_[static_cast<std::size_t>(band.thread)];
         for (int y = band.first; y < band.last; ++y)
             halve_colour_row(from, y, of_thread, to.data() + 3 * static_cast<std::ptrdiff_t>(width) * y);
     });
 }
 
-void Decimation::Parts::halve_colour_row(const PlaneView& from, int y, Scratch& of_thread,
-                                         std::uint8_t* out) const {
+void Decimation::halve_colour_row(const PlaneView& from, int y, Scratch& of_thread, std::uint8_t* out) const {
     const int row_bytes = 3 * from.width, width = half_of(from.width);
     const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
     const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
@@ -686,54 +656,31 @@ void Decimation::Parts::halve_colour_row(const PlaneView& from, int y, Scratch& 
         for (; k < row_bytes + 3; ++k)
             means[k] = static_cast<std::uint8_t>((sums[k - 3] + 2 * sums[k] + sums[k + 3] + 8) >> 4);
     };
-    run_vectors(unit, all);
+    run_vectors(unit_, all);
     // Four bytes for three: the fourth is the next pixel's.
     for (int x = 0; x + 1 < width; ++x) std::memcpy(out + 3 * x, means + 6 * x, 4);
     std::memcpy(out + 3 * (width - 1), means + 6 * (width - 1), 3);
 }
 
-Decimation::Decimation(int threads, VectorUnit vectors) : parts_(std::make_unique<Parts>(threads, vectors)) {}
-Decimation::~Decimation() = default;
-
-int Decimation::step_for(double pixels_per_vertex) {
-    constexpr int most = 8;
-    int step = 1;
-    while (step < most && pixels_per_vertex * 2 * step <= most_apart) step *= 2;
-    return step;
-}
-
 void Decimation::make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step) {
-    Parts& made = *parts_;
-    made.pair = pair;
-    made.pair.prev.frame = made.decimated_frame(*pair.prev.frame, step, made.prev);
-    made.pair.next.frame = pair.next.frame == pair.prev.frame
-                               ? made.pair.prev.frame
-                               : made.decimated_frame(*pair.next.frame, step, made.next);
-    made.scene = field.scene();
-    made.scene.width = made.pair.prev.frame->width;
-    made.scene.height = made.pair.prev.frame->height;
-    for (double* const each :
-         {&made.scene.camera.fx, &made.scene.camera.fy, &made.scene.camera.cx, &made.scene.camera.cy})
+    pair_ = pair;
+    pair_.prev.frame = decimated_frame(*pair.prev.frame, step, prev_);
+    pair_.next.frame = pair.next.frame == pair.prev.frame ? pair_.prev.frame
+                                                          : decimated_frame(*pair.next.frame, step, next_);
+    scene_ = field.scene();
+    scene_.width = pair_.prev.frame->width;
+    scene_.height = pair_.prev.frame->height;
+    for (double* const each : {&scene_.camera.fx, &scene_.camera.fy, &scene_.camera.cx, &scene_.camera.cy})
         *each /= step;
-    made.field.emplace(made.scene, made.pair);
-    made.colour = colour;
+    field_.emplace(scene_, pair_);
+    colour_ = colour;
     if (colour.empty()) return;
     for (int halves = 0; 1 << halves < step; ++halves) {
-        std::vector<std::uint8_t>& half = made.half_colours[halves % 2];
-        made.halve_colour(made.colour, half);
-        const int width = half_of(made.colour.width);
-        made.colour = {half.data(), std::ptrdiff_t{3} * width, width, half_of(made.colour.height), 1, 3};
+        std::vector<std::uint8_t>& half = half_colours_[halves % 2];
+        halve_colour(colour_, half);
+        const int width = half_of(colour_.width);
+        colour_ = {half.data(), std::ptrdiff_t{3} * width, width, half_of(colour_.height), 1, 3};
     }
-}
-
-const HeightField& Decimation::field() const {
-    return *parts_->field;
-}
-const FramePair& Decimation::pair() const {
-    return parts_->pair;
-}
-const PlaneView& Decimation::colour() const {
-    return parts_->colour;
 }
 
 }  // namespace touchable

@@ -1,5 +1,10 @@
 #pragma once
+// Surfaces painted by the CPU's vectors and threads: from frames to a lattice (CpuLattices), the vertices at
+// its edges (SurfaceEdges), fewer vertices (Decimation), its triangles from any view (LatticeRaster), and
+// from the clip's own (OwnViewPicture). Each gives the same bits with any number of threads and any vectors.
+// `threads` counts the one that calls; the others start when first needed and sleep in between.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -7,15 +12,12 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
+#include "engine/scene/frames.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
-
-// Surfaces painted by the CPU's vectors and threads: from frames to a lattice (CpuLattices), the vertices at
-// its edges (SurfaceEdges), its triangles from any view (LatticeRaster), and from the clip's own
-// (OwnViewPicture). Each gives the same bits with any number of threads and any vectors. `threads` counts the
-// one that calls; the others start when first needed and sleep in between.
 
 namespace touchable {
 
@@ -35,7 +37,7 @@ public:
     /// Of frames that have codes, in rows of `pitch` floats, 0 beyond the width.
     void q_of(const HeightField& field, const FramePair& pair, float* q, int pitch);
     /// Which tiles of a lattice of these q are worth drawing.
-    ViewTiles tiles_of(int width, int height, const std::vector<float>& q);
+    ViewSurface::Tiles tiles_of(int width, int height, const std::vector<float>& q);
 
     /// Colours of the vertices of `field`, whose q is there, with the arithmetic of shaders/light.h: the twin
     /// of `lit_colours`, to 2 of 255. Both in rows of `pitch`. `colour`: RGB of 8 bits, of the field's size,
@@ -92,6 +94,47 @@ private:
     RowBands bands_;
     std::vector<Scratch> scratch_;
     std::vector<std::vector<Vertex>> rows_;
+};
+
+/// A moment's surface with every `step`th vertex across and down, for windows whose pixels do not tell more
+/// of them apart: a level of detail. It serves the eye alone; what is touched has all vertices.
+class Decimation {
+public:
+    /// `threads` with the one that calls. The same with any number of them, and any vectors.
+    explicit Decimation(int threads, VectorUnit vectors = usable_vector_units().front())
+        : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
+
+    /// `pair`, whose frames have codes (SurfaceUnproject::has_codes), is what `field` was made of; `colour`:
+    /// RGB of 8 bits, of the field's size, or empty. Reads them now and not later.
+    void make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step);
+    /// Of what was made last; until the next `make`.
+    const HeightField& field() const { return *field_; }
+    const FramePair& pair() const { return pair_; }
+    /// Means of the pixels around each vertex; or empty.
+    const PlaneView& colour() const { return colour_; }
+
+private:
+    /// A frame's halves, and theirs.
+    using Halves = std::array<SurfaceFrame, 2>;
+    /// Of a row of colours, by thread.
+    struct Scratch {
+        std::vector<std::uint16_t> sums;
+        std::vector<std::uint8_t> means;
+    };
+    void halve_frame(const SurfaceFrame& from, SurfaceFrame& to);
+    const SurfaceFrame* decimated_frame(const SurfaceFrame& frame, int step, Halves& halves);
+    void halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to);
+    void halve_colour_row(const PlaneView& from, int y, Scratch& of_thread, std::uint8_t* out) const;
+
+    const VectorUnit unit_;
+    RowBands bands_;
+    std::vector<Scratch> scratch_;
+    Halves prev_, next_;
+    Scene scene_;
+    FramePair pair_;
+    std::optional<HeightField> field_;
+    PlaneView colour_;
+    std::vector<std::uint8_t> half_colours_[2];  // each made of the other
 };
 
 /// A lattice in the CPU's memory: rows of `pitch` vertices.

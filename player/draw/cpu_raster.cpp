@@ -205,48 +205,41 @@ template <int n>
 class RowProjection {
 public:
     RowProjection(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera)
-        : edges_(edges),
+        : lattice_(lattice),
+          edges_(edges),
           view_(rows_of(camera)),
-          q_(lattice.q),
-          colours_(lattice.colours),
-          width_(lattice.width),
-          pitch_(lattice.pitch),
-          screen_width_(camera.width),
-          screen_height_(camera.height) {}
+          screen_width_(static_cast<float>(camera.width)),
+          screen_height_(static_cast<float>(camera.height)) {}
 
     /// Row y. Beyond the width follow vertices without a surface.
     template <int n>
     [[gnu::always_inline]] void project(int y, LatticeRow& row) const {
         using F = Floats<n>;
         using I = Ints<n>;
-        const auto count = static_cast<std::size_t>(width_);
-        const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(y) * pitch_;
+        const auto count = static_cast<std::size_t>(lattice_.width);
+        const std::ptrdiff_t start = std::ptrdiff_t{y} * lattice_.pitch;
         row.resize((count + n) / n * n + n);
-        std::memcpy(row.q.data(), q_ + start, count * sizeof(float));
+        std::memcpy(row.q.data(), lattice_.q + start, count * sizeof(float));
         std::fill(row.q.begin() + static_cast<std::ptrdiff_t>(count), row.q.end(), 0.0F);
-        std::memcpy(row.colours.data(), colours_ + start, count * sizeof(PackedColour));
+        std::memcpy(row.colours.data(), lattice_.colours + start, count * sizeof(PackedColour));
         const F at = F{} + static_cast<float>(y);
         I least_y = I{} + std::numeric_limits<std::int32_t>::max(), most_y = ~least_y, in_front = ~I{};
         F column = lane_numbers<n>();
         for (std::size_t i = 0; i < count; i += n, column += static_cast<float>(n)) {
             const F q = load<F>(&row.q[i]);
-            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
-            const I screen_y =
-                        subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(screen_height_)),
-                    is_in_front = w - z >= 0.0F, colour = load<I>(&row.colours[i]);
-            store(subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(screen_width_)),
-                  &row.x[i]);
-            store(screen_y, &row.y[i]);
-            store(is_in_front, &row.in_front[i]);
-            store(z / w, &row.z[i]);
-            store(share, &row.share[i]);
-            store(__builtin_convertvector(colour & 255, F) * share, &row.red[i]);
-            store(__builtin_convertvector(colour >> 8 & 255, F) * share, &row.green[i]);
-            store(__builtin_convertvector(colour >> 16 & 255, F) * share, &row.blue[i]);
+            const Placed<n> placed = place<n>(column, at, q, load<I>(&row.colours[i]));
+            store(placed.x, &row.x[i]);
+            store(placed.y, &row.y[i]);
+            store(placed.in_front, &row.in_front[i]);
+            store(placed.z, &row.z[i]);
+            store(placed.share, &row.share[i]);
+            store(placed.red * placed.share, &row.red[i]);
+            store(placed.green * placed.share, &row.green[i]);
+            store(placed.blue * placed.share, &row.blue[i]);
             const I is_there = q > 0.0F;
-            least_y = (is_there & (screen_y < least_y)) ? screen_y : least_y;
-            most_y = (is_there & (screen_y > most_y)) ? screen_y : most_y;
-            in_front &= is_in_front | ~is_there;
+            least_y = (is_there & (placed.y < least_y)) ? placed.y : least_y;
+            most_y = (is_there & (placed.y > most_y)) ? placed.y : most_y;
+            in_front &= placed.in_front | ~is_there;
         }
         row.least_y = row.most_y = 0;
         row.is_in_front = or_of(~in_front) == 0;
@@ -258,6 +251,27 @@ public:
     }
 
 private:
+    /// n vertices on the screen, as LatticeRow has them; colours are not yet times share.
+    template <int n>
+    struct Placed {
+        Ints<n> x, y, in_front;
+        Floats<n> z, share, red, green, blue;
+    };
+    template <int n>
+    [[gnu::always_inline]] Placed<n> place(const Floats<n>& column, const Floats<n>& at, const Floats<n>& q,
+                                           const Ints<n>& colour) const {
+        using F = Floats<n>;
+        const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q);
+        return {subpixels<n>(clip(view_.x, column, at, q) / w, screen_width_),
+                subpixels<n>(clip(view_.y, column, at, q) / w, screen_height_),
+                w - z >= 0.0F,
+                z / w,
+                1.0F / w,
+                __builtin_convertvector(colour & 255, F),
+                __builtin_convertvector(colour >> 8 & 255, F),
+                __builtin_convertvector(colour >> 16 & 255, F)};
+    }
+
     /// Vertices that are not drawn at their pixel to where they are, n at a time; q stays, by which triangles
     /// are cut.
     template <int n>
@@ -277,37 +291,30 @@ private:
                 light[k] = edge.light;
                 colour[k] = static_cast<std::int32_t>(row.colours[static_cast<std::size_t>(edge.x)]);
             }
-            const F w = clip(view_.w, column, at, q), z = clip(view_.z, column, at, q), share = 1.0F / w;
-            const I screen_x =
-                        subpixels<n>(clip(view_.x, column, at, q) / w, static_cast<float>(screen_width_)),
-                    screen_y =
-                        subpixels<n>(clip(view_.y, column, at, q) / w, static_cast<float>(screen_height_)),
-                    in_front = w - z >= 0.0F;
-            const F nearness = z / w, red = __builtin_convertvector(colour & 255, F) * light * share,
-                    green = __builtin_convertvector(colour >> 8 & 255, F) * light * share,
-                    blue = __builtin_convertvector(colour >> 16 & 255, F) * light * share;
+            const Placed<n> placed = place<n>(column, at, q, colour);
+            const F red = placed.red * light * placed.share, green = placed.green * light * placed.share,
+                    blue = placed.blue * light * placed.share;
             for (std::size_t k = 0; k < count; ++k) {
                 const auto i = static_cast<std::size_t>(edges[first + k].x);
-                row.x[i] = screen_x[k];
-                row.y[i] = screen_y[k];
-                row.in_front[i] = in_front[k];
-                row.z[i] = nearness[k];
-                row.share[i] = share[k];
+                row.x[i] = placed.x[k];
+                row.y[i] = placed.y[k];
+                row.in_front[i] = placed.in_front[k];
+                row.z[i] = placed.z[k];
+                row.share[i] = placed.share[k];
                 row.red[i] = red[k];
                 row.green[i] = green[k];
                 row.blue[i] = blue[k];
-                row.least_y = std::min(row.least_y, screen_y[k]);
-                row.most_y = std::max(row.most_y, screen_y[k]);
-                row.is_in_front = row.is_in_front && in_front[k] != 0;
+                row.least_y = std::min(row.least_y, placed.y[k]);
+                row.most_y = std::max(row.most_y, placed.y[k]);
+                row.is_in_front = row.is_in_front && placed.in_front[k] != 0;
             }
         }
     }
 
+    const MappedLattice& lattice_;
     const SurfaceEdges& edges_;
     const ViewRows view_;
-    const float* const q_;
-    const PackedColour* const colours_;
-    const int width_, pitch_, screen_width_, screen_height_;
+    const float screen_width_, screen_height_;
 };
 
 /// Cells are drawn side by side where they have fewer pixels than this each way: larger ones would keep
@@ -394,8 +401,6 @@ public:
           edges_(edges),
           projection_(lattice, edges, camera),
           view_(rows_of(camera)),
-          q_(lattice.q),
-          colours_(lattice.colours),
           width_(camera.width),
           first_(band.first),
           last_(band.last - 1),
@@ -619,11 +624,12 @@ private:
     void draw_cell(int x, int y, bool no_right, bool no_left) {
         const auto corner = [&](int i, int j) {
             const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
-            const PackedColour c = colours_[at];
+            const PackedColour c = lattice_.colours[at];
             const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
             if (const SurfaceEdges::Vertex* edge = edges_.at(i, j); edge != nullptr)
                 return FillCorner{view_clip(view_, edge->at_x, edge->at_y, edge->q), colour * edge->light};
-            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), q_[at]), colour};
+            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), lattice_.q[at]),
+                              colour};
         };
         const auto fill_one = [&](const std::array<FillCorner, 3>& corners) {
             fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
@@ -642,8 +648,6 @@ private:
     const SurfaceEdges& edges_;
     const RowProjection projection_;
     const ViewRows view_;
-    const float* const q_;
-    const PackedColour* const colours_;
     const int width_, first_, last_, height_, pitch_;
     const float cut_ratio_;  // in the clip's own view holes alone are cut
     std::uint64_t* const pixels_;

@@ -113,7 +113,7 @@ std::vector<float> q_of(const HeightField& field) {
     return q;
 }
 
-ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
                               const PlaneView& colour) {
     ViewSurface surface;
     surface.width = field.width();

@@ -1,4 +1,7 @@
 #pragma once
+// A surface as every painter draws it: which vertices it has between two frames, what light they are in, and
+// which pixels a triangle covers. Here it stands plainly, vertex by vertex; cpu_painting.hpp and
+// gpu_painting.hpp have it by vectors and by kernels.
 
 #include <algorithm>
 #include <array>
@@ -17,10 +20,6 @@
 #include "shaders/cut_rule.h"
 #include "shaders/edge_rule.h"
 #include "shaders/view_project.h"
-
-// A surface as every painter draws it: which vertices it has between two frames, what light they are in, and
-// which pixels a triangle covers. Here it stands plainly, vertex by vertex; cpu_painting.hpp and
-// gpu_painting.hpp have it by vectors and by kernels.
 
 namespace touchable {
 
@@ -75,7 +74,7 @@ std::vector<float> q_of(const HeightField& field);
 
 /// The surface of a field with these q and tiles. Colours are those of `colour` (3 channels of the field's
 /// size), gently lit; where that is empty, light and depth alone.
-ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
                               const PlaneView& colour);
 
 /// q that 4 % and 96 % of the valid vertices do not exceed, by a sample of them.

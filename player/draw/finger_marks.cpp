@@ -126,19 +126,23 @@ void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& pict
     draw_rings(camera, solid, rings, picture);
 }
 
-void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPicture& picture) {
-    const auto bounds = bounds_of_ball(camera, shadow.centre, shadow.reach);
-    if (!bounds) return;
-    const auto [x0, y0, x1, y1] = *bounds;
+/// Calls use(x, y, place) for every pixel that a ball may cover and that shows something: its place, world.
+template <class Use>
+void for_each_seen(const ViewCamera& camera, const glm::dvec3& centre, double radius,
+                   const LightPicture& picture, const Use& use) {
+    const auto [x0, y0, x1, y1] = bounds_of_ball(camera, centre, radius).value_or(PixelBounds{});
     for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-            const std::size_t at = picture.index(x, y);
-            if (!(picture.z[at] > 0)) continue;
-            const glm::dvec3 point = camera.unproject(x + 0.5, y + 0.5, static_cast<double>(picture.z[at]));
-            const glm::vec3 share((point - shadow.centre) / shadow.reach);
-            if (const float squared = glm::dot(share, share); squared < 1)
-                picture.light[at] *= shadow_light(squared, shadow.darkness);
-        }
+        for (int x = x0; x < x1; ++x)
+            if (const float z = picture.z[picture.index(x, y)]; z > 0)
+                use(x, y, camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z)));
+}
+
+void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPicture& picture) {
+    for_each_seen(camera, shadow.centre, shadow.reach, picture, [&](int x, int y, const glm::dvec3& place) {
+        const glm::vec3 share((place - shadow.centre) / shadow.reach);
+        if (const float squared = glm::dot(share, share); squared < 1)
+            picture.light[picture.index(x, y)] *= shadow_light(squared, shadow.darkness);
+    });
 }
 
 /// Rods that meet in balls, so that there is no gap.
@@ -198,7 +202,8 @@ glm::vec3 brightness_at(const LightPicture& picture, double x, double y) {
 
 }  // namespace
 
-std::optional<UnderFinger> under_finger(const HeightField& field, const glm::dvec3& proxy, double reach) {
+std::optional<FingerMark::Under> under_finger(const HeightField& field, const glm::dvec3& proxy,
+                                              double reach) {
     const Camera& camera = field.scene().camera;
     const auto seen = project(camera, proxy);
     if (!seen) return std::nullopt;
@@ -214,7 +219,7 @@ std::optional<UnderFinger> under_finger(const HeightField& field, const glm::dve
     };
     const glm::dvec3 normal = glm::cross(end(right, 0) - end(-right, 0), end(0, -down) - end(0, down));
     const double length = glm::length(normal);
-    UnderFinger under;
+    FingerMark::Under under;
     under.normal = length > 0 ? normal / length : -glm::normalize(*middle);
     under.height = std::max(glm::dot(proxy - *middle, under.normal), 0.0);
     under.foot = proxy - under.normal * glm::dot(proxy - *middle, under.normal);
@@ -269,7 +274,7 @@ BallShadow shadow_of(const FingerMark& finger, double radius) {
     // Of the light that models the surface (shaders/surface_light.h), as it would fall on one that faces it
     // from the front: at grazing light a shadow would be far away.
     const glm::dvec3 from_light(0.78, -0.92, -0.78);
-    const UnderFinger& under = *finger.under;
+    const FingerMark::Under& under = *finger.under;
     const double height = finger.touching ? 0 : under.height, radii = height / radius;
     const glm::dvec3 aside = from_light - under.normal * glm::dot(from_light, under.normal);
     return {under.foot + aside * height, radius * (1.5 + radii),
@@ -337,28 +342,20 @@ std::optional<DentedPlace> dented(std::span<const SurfaceDent> dents, const glm:
 void draw_dents(std::span<const SurfaceDent> dents, const ViewCamera& camera, LightPicture& picture) {
     if (dents.empty()) return;
     const LightPicture flat = picture;
-    for (const SurfaceDent& each : dents) {
-        const auto bounds = bounds_of_ball(camera, each.centre, each.reach);
-        if (!bounds) continue;
-        const auto [x0, y0, x1, y1] = *bounds;
-        for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) {
-                const float z = flat.z[flat.index(x, y)];
-                if (!(z > 0)) continue;
-                const glm::dvec3 place = camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z));
-                const auto at = dented(dents, place);
-                const auto there = at ? camera.project(place + glm::dvec3(at->moved)) : std::nullopt;
-                if (!there) continue;
-                glm::dvec2 source = 2.0 * glm::dvec2(x + 0.5, y + 0.5) - glm::dvec2(*there);
-                const int i = std::clamp(static_cast<int>(source.x), 0, flat.width - 1),
-                          j = std::clamp(static_cast<int>(source.y), 0, flat.height - 1);
-                // Not what stands before the surface.
-                if (flat.z[flat.index(i, j)] > z * CUT_RULE_RATIO) source = {x + 0.5, y + 0.5};
-                const DentLight light = dent_light(at->normal_before, at->normal);
-                picture.light[picture.index(x, y)] =
-                    light_of_brightness(brightness_at(flat, source.x, source.y) * light.factor + light.gloss);
-            }
-    }
+    const auto draw = [&](int x, int y, const glm::dvec3& place) {
+        const auto at = dented(dents, place);
+        const auto there = at ? camera.project(place + glm::dvec3(at->moved)) : std::nullopt;
+        if (!there) return;
+        glm::dvec2 source = 2.0 * glm::dvec2(x + 0.5, y + 0.5) - glm::dvec2(*there);
+        const int i = std::clamp(static_cast<int>(source.x), 0, flat.width - 1),
+                  j = std::clamp(static_cast<int>(source.y), 0, flat.height - 1);
+        // Not what stands before the surface.
+        if (flat.z[flat.index(i, j)] > flat.z[flat.index(x, y)] * CUT_RULE_RATIO) source = {x + 0.5, y + 0.5};
+        const DentLight light = dent_light(at->normal_before, at->normal);
+        picture.light[picture.index(x, y)] =
+            light_of_brightness(brightness_at(flat, source.x, source.y) * light.factor + light.gloss);
+    };
+    for (const SurfaceDent& dent : dents) for_each_seen(camera, dent.centre, dent.reach, flat, draw);
 }
 
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,

@@ -1,4 +1,17 @@
 #pragma once
+// Fingers as a picture shows them.
+//
+// A `FingerMark` holds what is drawn of a finger: where its hand is (the goal), where the surface holds it
+// (the proxy), the force on it, the thread it has left, what its shadow falls on, and how far the surface
+// gives way. Its place in a list of fingers gives its colour (`finger_colour`). `mark_sizes` says how large
+// fingers and arrows are in a clip's scene; sizes, places and ways are in scene units, forces in newtons.
+//
+//     FingerMark finger{goal, proxy, force, touching};
+//     finger.under = under_finger(field, proxy, sizes.finger_radius);
+//     finger.given_way = given_way(force, stiffness, metres_per_scene_unit);
+//
+// pictures.hpp draws them: a ball, a bubble at the goal, a rod between the two, an arrow for the force, a
+// thread, a shadow, a dent. All functions here depend on their arguments alone: any thread may call them.
 
 #include <cstddef>
 #include <glm/vec3.hpp>
@@ -8,44 +21,31 @@
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/view.hpp"
 
-/// Fingers as a picture shows them.
-///
-/// A `FingerMark` holds what is drawn of a finger: where its hand is (the goal), where the surface holds it
-/// (the proxy), the force on it, the thread it has left, what its shadow falls on, and how far the surface
-/// gives way. Its place in a list of fingers gives its colour (`finger_colour`). `mark_sizes` says how large
-/// fingers and arrows are in a clip's scene; sizes, places and ways are in scene units, forces in newtons.
-///
-///     FingerMark finger{goal, proxy, force, touching};
-///     finger.under = under_finger(field, proxy, sizes.finger_radius);
-///     finger.given_way = given_way(force, stiffness, metres_per_scene_unit);
-///
-/// pictures.hpp draws them: a ball, a bubble at the goal, a rod between the two, an arrow for the force, a
-/// thread, a shadow, a dent. All functions here depend on their arguments alone: any thread may call them.
-
 namespace touchable {
-
-/// The surface under a finger. World, scene units.
-struct UnderFinger {
-    glm::dvec3 foot{0.0};    ///< the place of the surface that is nearest to it, as far as that is flat
-    glm::dvec3 normal{0.0};  ///< there, unit length, on the side that fingers come from
-    double height = 0;       ///< of the finger's proxy above it; 0: it touches, or is below
-};
-
-/// Of a finger whose proxy is there. `reach`: how far round about the surface is taken together to a plane,
-/// so that neither its noise nor its relief turns the normal. Nothing where the clip's camera sees no surface
-/// behind the finger.
-std::optional<UnderFinger> under_finger(const HeightField& field, const glm::dvec3& proxy, double reach);
 
 /// A finger as a picture shows it. World, scene units, newtons.
 struct FingerMark {
+    /// The surface under a finger. World, scene units.
+    struct Under {
+        glm::dvec3 foot{0.0};    ///< the place of the surface that is nearest to it, as far as that is flat
+        glm::dvec3 normal{0.0};  ///< there, unit length, on the side that fingers come from
+        double height = 0;       ///< of the finger's proxy above it; 0: it touches, or is below
+    };
+
     glm::dvec3 goal{0.0}, proxy{0.0}, force{0.0};
     bool touching = false;
     std::vector<glm::dvec3> trail{};  ///< where the proxy went, oldest first, as points of the surface drawn
     bool shown = true;                ///< false: not drawn; the others keep their numbers' colours
     /// What its shadow falls on; nothing: on what is around the proxy.
-    std::optional<UnderFinger> under{};
+    std::optional<Under> under{};
     glm::dvec3 given_way{0.0};  ///< by the surface under it, which is drawn so (SurfaceDent); scene units
 };
+
+/// The surface under a finger whose proxy is there. `reach`: how far round about the surface is taken
+/// together to a plane, so that neither its noise nor its relief turns the normal. Nothing where the clip's
+/// camera sees no surface behind the finger.
+std::optional<FingerMark::Under> under_finger(const HeightField& field, const glm::dvec3& proxy,
+                                              double reach);
 
 /// The colour of a finger, by its number.
 PackedColour finger_colour(std::size_t finger);

@@ -43,6 +43,29 @@ DentRecord record_of(const SurfaceDent& dent, const ViewCamera& camera) {
             clip_bounds(bounds_of_ball(camera, dent.centre, dent.reach), camera)};
 }
 
+/// The pixels that a ball may cover; nothing where there are none.
+std::optional<PixelBounds> bounds_in_sight(const ViewCamera& camera, const glm::dvec3& centre,
+                                           double radius) {
+    const auto bounds = bounds_of_ball(camera, centre, radius);
+    return bounds && bounds->x1 > bounds->x0 && bounds->y1 > bounds->y0 ? bounds : std::nullopt;
+}
+
+VkExtent3D extent_of(const PixelBounds& bounds) {
+    return {static_cast<std::uint32_t>(bounds.x1 - bounds.x0),
+            static_cast<std::uint32_t>(bounds.y1 - bounds.y0), 1};
+}
+
+/// Draws while z is read.
+template <class Draw>
+void draw_reading_z(GpuCommands& commands, const DrawTarget& target, const GpuImage& z, const Draw& draw) {
+    constexpr VkImageLayout tested = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    record_transition(commands, z, tested, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
+    begin_drawing(commands, target);
+    draw();
+    end_drawing(commands);
+    record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, tested);
+}
+
 /// The channels of two pixels beside each other, and of one.
 using Pair = std::uint16_t __attribute__((vector_size(16)));
 using Channels = std::uint16_t __attribute__((vector_size(8)));
@@ -164,15 +187,13 @@ Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& cam
     }
     std::vector<VkImageCopy> regions;
     for (const SurfaceDent& dent : dents_) {
-        const double room = dent.reach + most_dented / dent_reach * dent.reach;
-        const auto bounds = bounds_of_ball(camera, dent.centre, room);
+        const double reach = dent.reach + most_dented / dent_reach * dent.reach;
+        const auto bounds = bounds_in_sight(camera, dent.centre, reach);
         if (!bounds) continue;
-        const auto [x0, y0, x1, y1] = *bounds;
-        if (x1 <= x0 || y1 <= y0) continue;
         VkImageCopy region{};
         region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.srcOffset = region.dstOffset = {x0, y0, 0};
-        region.extent = {static_cast<std::uint32_t>(x1 - x0), static_cast<std::uint32_t>(y1 - y0), 1};
+        region.srcOffset = region.dstOffset = {bounds->x0, bounds->y0, 0};
+        region.extent = extent_of(*bounds);
         regions.push_back(region);
     }
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
@@ -195,14 +216,10 @@ Result<void> DentDrawing::record(GpuCommands& commands, std::span<const FingerMa
     if (dents_.empty()) return {};
     TRY_ASSIGN(const auto records, upload(camera));
     TRY(copy_flat(commands, camera, colour));
-    record_transition(commands, z, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                      VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
-    begin_drawing(commands, {colour});
-    program_.bind(commands, {records, z, flat_});
-    vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(dents_.size()), 0, 0);
-    end_drawing(commands);
-    record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
-                      VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+    draw_reading_z(commands, {colour}, z, [&] {
+        program_.bind(commands, {records, z, flat_});
+        vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(dents_.size()), 0, 0);
+    });
     return {};
 }
 
@@ -294,29 +311,26 @@ Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMa
                                  const GpuImage& target) {
     shape_dents(fingers, sizes, dents_);
     std::vector<VkBufferImageCopy> regions;
-    std::size_t pixels = 0;
+    std::vector<PixelBounds> drawn_in;
+    std::size_t bytes = 0;
     for (const SurfaceDent& dent : dents_) {
-        const auto bounds = bounds_of_ball(camera, dent.centre, dent.reach);
-        if (!bounds || bounds->x1 <= bounds->x0 || bounds->y1 <= bounds->y0) continue;
+        const auto bounds = bounds_in_sight(camera, dent.centre, dent.reach);
+        if (!bounds) continue;
         VkBufferImageCopy region{};
-        region.bufferOffset = 4 * pixels;
+        region.bufferOffset = bytes;
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageOffset = {bounds->x0, bounds->y0, 0};
-        region.imageExtent = {static_cast<std::uint32_t>(bounds->x1 - bounds->x0),
-                              static_cast<std::uint32_t>(bounds->y1 - bounds->y0), 1};
-        pixels += std::size_t{region.imageExtent.width} * region.imageExtent.height;
+        region.imageExtent = extent_of(*bounds);
+        bytes += std::size_t{4} * region.imageExtent.width * region.imageExtent.height;
         regions.push_back(region);
+        drawn_in.push_back(*bounds);
     }
     if (regions.empty() || flat.width < 2 || flat.height < 2) return {};
-    TRY_ASSIGN(const auto buffer, uploads_.take("dents", 4 * pixels));
+    TRY_ASSIGN(const auto buffer, uploads_.take("dents", bytes));
     const Sight sight(camera);
-    for (const VkBufferImageCopy& region : regions) {
-        const PixelBounds bounds{region.imageOffset.x, region.imageOffset.y,
-                                 region.imageOffset.x + static_cast<int>(region.imageExtent.width),
-                                 region.imageOffset.y + static_cast<int>(region.imageExtent.height)};
-        find_nodes(sight, flat, bounds);
-        PackedColour* const to = buffer.mapped<PackedColour>().data() + region.bufferOffset / 4;
-        draw(flat, bounds, to);
+    for (std::size_t k = 0; k < regions.size(); ++k) {
+        find_nodes(sight, flat, drawn_in[k]);
+        draw(flat, drawn_in[k], buffer.mapped<PackedColour>().data() + regions[k].bufferOffset / 4);
     }
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     record_transition(commands, target, drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
@@ -393,18 +407,6 @@ Result<GpuBuffer> FingerDrawing::upload(const ViewCamera& camera, Parts& parts) 
     return buffer;
 }
 
-void FingerDrawing::draw_shadows(GpuCommands& commands, const GpuBuffer& records, const Part& part,
-                                 const GpuImage& colour, const GpuImage& z) const {
-    record_transition(commands, z, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                      VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL);
-    begin_drawing(commands, {colour, nullptr, true});
-    shadow_.bind(commands, MarksPush{}, {{records, part.offset, part.bytes}, z});
-    vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(shapes_.shadows.size()), 0, 0);
-    end_drawing(commands);
-    record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
-                      VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-}
-
 void FingerDrawing::draw_solids(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& records,
                                 const Parts& parts) const {
     const VkCommandBuffer drawing = commands.handle();
@@ -453,7 +455,10 @@ Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const Finger
     // Colours as light: it is light that shadows and veils take away and mix.
     record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                       VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    draw_shadows(commands, records, parts.shadows, colour, z);
+    draw_reading_z(commands, {colour, nullptr, true}, z, [&] {
+        shadow_.bind(commands, MarksPush{}, {{records, parts.shadows.offset, parts.shadows.bytes}, z});
+        vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(shapes_.shadows.size()), 0, 0);
+    });
     record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                       VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     begin_drawing(commands, {colour, &z, true});

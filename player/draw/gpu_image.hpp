@@ -1,4 +1,19 @@
 #pragma once
+// Pictures in a GPU's memory, and what carries bytes to them.
+//
+// `GpuImage` is a handle like GpuBuffer: copies share one picture, which lives until the last handle and the
+// last submission that uses it are gone. `record_transition` brings it from one Vulkan layout to another, as
+// whatever draws, reads or copies it next needs it. `UploadPool` has the buffers that the CPU fills for each
+// submission anew:
+//
+//     TRY_ASSIGN(const auto image,
+//                GpuImage::create(*device, "canvas", width, height, VK_FORMAT_R8G8B8A8_UNORM));
+//     TRY_ASSIGN(const auto bytes, pool.take("picture", 4 * width * height));
+//     // fill bytes.mapped<std::uint32_t>(), then
+//     record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+//
+// Errors are of ErrorKind::gpu. Handles may be let go by any thread; a pool and commands belong to one
+// thread at a time.
 
 #include <vulkan/vulkan.h>
 
@@ -11,21 +26,6 @@
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
-
-/// Pictures in a GPU's memory, and what carries bytes to them.
-///
-/// `GpuImage` is a handle like GpuBuffer: copies share one picture, which lives until the last handle and the
-/// last submission that uses it are gone. `record_transition` brings it from one Vulkan layout to another, as
-/// whatever draws, reads or copies it next needs it. `UploadPool` has the buffers that the CPU fills for each
-/// submission anew:
-///
-///     TRY_ASSIGN(const auto image, GpuImage::create(*device, "canvas", width, height,
-///     VK_FORMAT_R8G8B8A8_UNORM)); TRY_ASSIGN(const auto bytes, pool.take("picture", 4 * width * height));
-///     // fill bytes.mapped<std::uint32_t>(), then
-///     record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-///
-/// Errors are of ErrorKind::gpu. Handles may be let go by any thread; a pool and commands belong to one
-/// thread at a time.
 
 namespace touchable {
 

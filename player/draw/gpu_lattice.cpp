@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -88,7 +89,7 @@ std::size_t tiles_in(int width, int height) {
     return static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y);
 }
 
-void write_tiles(const ViewTiles& tiles, const GpuBuffer& buffer) {
+void write_tiles(const ViewSurface::Tiles& tiles, const GpuBuffer& buffer) {
     const TileListsHeader header = tile_lists_header(static_cast<std::uint32_t>(tiles.whole.size()),
                                                      static_cast<std::uint32_t>(tiles.mixed.size()));
     buffer.mapped<TileListsHeader>()[0] = header;
@@ -105,6 +106,24 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
     T* to = buffer.mapped<T>().data();
     for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
         std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
+}
+
+/// `row(y)` is where a row's bytes begin; rows are `pitch` bytes apart in the buffer.
+template <class Row>
+Result<GpuBuffer> upload_rows(UploadPool& uploads, const char* name, std::size_t row_bytes, std::size_t pitch,
+                              int height, const Row& row) {
+    TRY_ASSIGN(auto buffer, uploads.take(name, pitch * static_cast<std::size_t>(height)));
+    std::byte* to = buffer.mapped<std::byte>().data();
+    for (int y = 0; y < height; ++y, to += pitch) std::memcpy(to, row(y), row_bytes);
+    return buffer;
+}
+
+/// Rows of 16 bits a pixel, each from a whole texel on.
+Result<GpuBuffer> upload_pixels(UploadPool& uploads, const char* name, const std::uint16_t* values,
+                                const SurfaceFrame& frame) {
+    return upload_rows(uploads, name, 2 * static_cast<std::size_t>(frame.width),
+                       16 * parts_of(frame.width, 8), frame.height,
+                       [&](int y) { return values + frame.index(0, y); });
 }
 
 std::vector<float> q_from(const GpuLattice& lattice) {
@@ -170,17 +189,6 @@ Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
     return program;
 }
 
-/// Rows of 16 bits a pixel, each from a whole texel on.
-Result<GpuBuffer> SurfaceUnproject::uploaded_rows(const char* name, const std::uint16_t* values, int width,
-                                                  int height) {
-    const std::size_t pitch = 8 * parts_of(width, 8), columns = static_cast<std::size_t>(width);
-    const auto rows = static_cast<std::size_t>(height);
-    TRY_ASSIGN(auto buffer, uploads_.take(name, 2 * pitch * rows));
-    std::uint16_t* to = buffer.mapped<std::uint16_t>().data();
-    for (std::size_t y = 0; y < rows; ++y) std::memcpy(to + y * pitch, values + y * columns, 2 * columns);
-    return buffer;
-}
-
 Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) {
     Planes planes;
     const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
@@ -188,15 +196,14 @@ Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame&
         planes.codes = built->codes.gpu;
         planes.validity = built->validity.gpu;
     } else {
-        TRY_ASSIGN(planes.codes, uploaded_rows("view codes", frame.codes.data(), frame.width, frame.height));
+        TRY_ASSIGN(planes.codes, upload_pixels(uploads_, "view codes", frame.codes.data(), frame));
         const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);
         TRY_ASSIGN(planes.validity, uploads_.take("view validity", bytes));
         std::memcpy(planes.validity.mapped<std::uint32_t>().data(), frame.validity.data(), bytes);
     }
     planes.heights = planes.codes;
     if (frame.heights.empty()) return planes;
-    TRY_ASSIGN(planes.heights,
-               uploaded_rows("view heights", frame.heights.data(), frame.width, frame.height));
+    TRY_ASSIGN(planes.heights, upload_pixels(uploads_, "view heights", frame.heights.data(), frame));
     return planes;
 }
 
@@ -215,48 +222,14 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     push.segments = marches ? 1 : push.words;
     push.segment_words = marches ? push.words : 1;
 
-    TRY_ASSIGN(
-        const auto program,
-        program_for({constants.group_size, constants.is_pair, constants.has_heights, constants.is_range,
-                     constants.is_inverse, constants.is_from_top, constants.is_log}));
+    TRY_ASSIGN(const auto program, program_for(std::bit_cast<Constants>(constants)));
     commands.dispatch(program, push,
                       {prev.codes, prev.validity, prev.heights, next.codes, next.validity, next.heights, q},
                       {groups_for(push.height * push.segments, constants.group_size)});
     return {};
 }
 
-std::size_t TileLists::class_bytes(int width, int height) {
-    return 4 * tiles_in(width, height);
-}
-
-std::size_t TileLists::list_bytes(int width, int height) {
-    return 4 * (header_words + tiles_in(width, height));
-}
-
-Result<void> TileLists::record(GpuCommands& commands, const GpuLattice& lattice) {
-    if (!list_) {
-        TRY_ASSIGN(cut_, GpuProgram::create(
-                             *device_, "cut_tiles", cut_tiles_spv,
-                             {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
-        TRY_ASSIGN(list_,
-                   GpuProgram::create(
-                       *device_, "list_tiles", list_tiles_spv,
-                       {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
-    }
-    CutTilesPush push{};
-    push.width = static_cast<std::uint32_t>(lattice.width);
-    push.height = static_cast<std::uint32_t>(lattice.height);
-    push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
-    push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x);
-    push.tiles = static_cast<std::uint32_t>(tiles_in(lattice.width, lattice.height));
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch(cut_, push, {lattice.q, lattice.classes}, {groups_for(push.tiles, CUT_TILES_LANES)});
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch(list_, push, {lattice.classes, lattice.tiles}, {1});
-    return {};
-}
-
-ViewTiles read_tiles(const GpuBuffer& buffer) {
+ViewSurface::Tiles read_tiles(const GpuBuffer& buffer) {
     const TileListsHeader& header = buffer.mapped<TileListsHeader>()[0];
     const auto list = buffer.mapped<std::uint32_t>().subspan(header_words);
     const auto whole = list.first(header.whole_tiles);
@@ -264,11 +237,10 @@ ViewTiles read_tiles(const GpuBuffer& buffer) {
     return {{whole.begin(), whole.end()}, {mixed.begin(), mixed.end()}};
 }
 
-void put_q(const std::vector<float>& q, const GpuLattice& lattice) {
+void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to) {
     // Beyond the width there is no vertex.
-    std::memset(lattice.q.mapped<std::byte>().data(), 0,
-                SurfaceUnproject::q_bytes(lattice.width, lattice.height));
-    put_rows(q, lattice, lattice.q);
+    std::memset(to.mapped<std::byte>().data(), 0, SurfaceUnproject::q_bytes(lattice.width, lattice.height));
+    put_rows(q_of(field), lattice, to);
 }
 
 Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {
@@ -277,11 +249,11 @@ Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const 
                                      " bytes are more than a kernel may read on " + device_->facts().name};
 }
 
-void GpuLattices::set_size(const HeightField& field, GpuLattice& lattice) const {
+void GpuLattices::set_size(int width, int height, GpuLattice& lattice) const {
     lattice.vulkan = device_->vulkan();
-    lattice.width = field.width();
-    lattice.height = field.height();
-    lattice.pitch = SurfaceUnproject::pitch(lattice.width);
+    lattice.width = width;
+    lattice.height = height;
+    lattice.pitch = SurfaceUnproject::pitch(width);
     lattice.step = 1;
 }
 
@@ -299,7 +271,7 @@ Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
 }
 
 Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
-    set_size(field, lattice);
+    set_size(field.width(), field.height(), lattice);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
         *buffer = {};
@@ -314,9 +286,7 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
     if (SurfaceUnproject::has_codes(field, pair)) return unproject_.record(commands, field, pair, lattice.q);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     TRY_ASSIGN(const auto uploaded, uploads_.take("lattice q", bytes));
-    // Beyond the width there is no vertex.
-    std::memset(uploaded.mapped<std::byte>().data(), 0, bytes);
-    put_rows(q_of(field), lattice, uploaded);
+    put_q(field, lattice, uploaded);
     commands.barrier(GpuStage::compute, GpuStage::transfer);
     commands.copy(uploaded, 0, lattice.q, 0, bytes);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
@@ -325,7 +295,7 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
 
 Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                  GpuLattice& lattice) {
-    set_size(field, lattice);
+    set_size(field.width(), field.height(), lattice);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     TRY(reserve(lattice.q, "lattice q", bytes, kernel_memory(*device_)));
     TRY(record_q(commands, field, pair, lattice));
@@ -334,11 +304,36 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
     return {};
 }
 
+std::size_t GpuLattices::tile_list_bytes(int width, int height) {
+    return 4 * (header_words + tiles_in(width, height));
+}
+
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
-    const int w = lattice.width, h = lattice.height;
-    TRY(reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), kernel_memory(*device_)));
-    TRY(reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device));
-    TRY(tile_lists_.record(commands, lattice));
+    const int width = lattice.width, height = lattice.height;
+    const std::size_t tiles = tiles_in(width, height);
+    TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(width, height), kernel_memory(*device_)));
+    TRY(reserve(lattice.classes, "tile classes", 4 * tiles, GpuMemory::device));
+    if (!list_tiles_) {
+        TRY_ASSIGN(
+            cut_tiles_,
+            GpuProgram::create(*device_, "cut_tiles", cut_tiles_spv,
+                               {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
+        TRY_ASSIGN(list_tiles_,
+                   GpuProgram::create(
+                       *device_, "list_tiles", list_tiles_spv,
+                       {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
+    }
+    CutTilesPush push{};
+    push.width = static_cast<std::uint32_t>(width);
+    push.height = static_cast<std::uint32_t>(height);
+    push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
+    push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(width, height).tiles_x);
+    push.tiles = static_cast<std::uint32_t>(tiles);
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch(cut_tiles_, push, {lattice.q, lattice.classes},
+                      {groups_for(push.tiles, CUT_TILES_LANES)});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch(list_tiles_, push, {lattice.classes, lattice.tiles}, {1});
     commands.mark("tiles");
     return {};
 }
@@ -405,10 +400,7 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
         lattice.colours = uploaded_.colours;
         lattice.edges = uploaded_.edges;
     } else {
-        lattice.vulkan = device_->vulkan();
-        lattice.width = surface.width;
-        lattice.height = surface.height;
-        lattice.pitch = SurfaceUnproject::pitch(surface.width);
+        set_size(surface.width, surface.height, lattice);
     }
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload;
     const std::size_t bytes = SurfaceUnproject::q_bytes(surface.width, surface.height);  // as many of colours
@@ -417,8 +409,7 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
     put_rows(surface.colours, lattice, lattice.colours);
     if (is_here) return lattice;
     TRY(reserve(lattice.q, "lattice q", bytes, memory));
-    TRY(reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(surface.width, surface.height),
-                memory));
+    TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(surface.width, surface.height), memory));
     put_rows(surface.q, lattice, lattice.q);
     write_tiles(surface.tiles, lattice.tiles);
     uploaded_ = lattice;
@@ -443,23 +434,15 @@ Result<GpuProgram> SurfaceLighting::program_for(bool has_colour, bool is_lit) {
     return program;
 }
 
-Result<GpuBuffer> SurfaceLighting::uploaded(const PlaneView& colour, int pitch) {
-    const std::size_t row_bytes = 3 * static_cast<std::size_t>(pitch);
-    TRY_ASSIGN(auto buffer,
-               uploads_.take("view colours", row_bytes * static_cast<std::size_t>(colour.height)));
-    std::uint8_t* to = buffer.mapped<std::uint8_t>().data();
-    for (int y = 0; y < colour.height; ++y, to += row_bytes)
-        std::memcpy(to, colour.row(y), 3 * static_cast<std::size_t>(colour.width));
-    return buffer;
-}
-
 Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& field,
                                      const GpuLattice& lattice, const PlaneView& colour, Lighting lighting) {
     const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
     TRY(check_colour(colour, lattice.width, lattice.height));
     GpuBuffer rgb = lattice.q;
     if (has_colour) {
-        TRY_ASSIGN(rgb, uploaded(colour, lattice.pitch));
+        TRY_ASSIGN(rgb, upload_rows(uploads_, "view colours", 3 * static_cast<std::size_t>(colour.width),
+                                    3 * static_cast<std::size_t>(lattice.pitch), colour.height,
+                                    [&colour](int y) { return colour.row(y); }));
     }
     TRY_ASSIGN(const auto program, program_for(has_colour, is_lit));
 

@@ -79,37 +79,40 @@ public:
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         TRY_ASSIGN(auto lattice, lattices_.lattice_of(surface));
-        const std::size_t pixels =
-            static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-        TRY_ASSIGN(const auto colour, GpuImage::create(*device_, "picture colour", camera.width,
-                                                       camera.height, VK_FORMAT_R8G8B8A8_UNORM));
-        TRY_ASSIGN(const auto z, GpuImage::create(*device_, "picture z", camera.width, camera.height,
-                                                  GraphicsLook::z_format));
-        TRY_ASSIGN(const auto colour_back,
-                   GpuBuffer::create(*device_, "picture colour read back", pixels * 4, GpuMemory::readback));
-        TRY_ASSIGN(const auto z_back,
-                   GpuBuffer::create(*device_, "picture z read back", pixels * 4, GpuMemory::readback));
+        struct {
+            std::string name;
+            VkFormat format;
+            VkImageLayout drawn;
+            GpuImage image;
+            GpuBuffer back;
+        } planes[] = {
+            {"picture colour", VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, {}, {}},
+            {"picture z", GraphicsLook::z_format, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, {}, {}}};
+        auto& [colour, z] = planes;
+        const std::size_t bytes =
+            std::size_t{4} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+        for (auto& [name, format, drawn, image, back] : planes) {
+            TRY_ASSIGN(image, GpuImage::create(*device_, name, camera.width, camera.height, format));
+            TRY_ASSIGN(back, GpuBuffer::create(*device_, name + " read back", bytes, GpuMemory::readback));
+        }
 
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "mesh"));
         TRY(lattices_.record_edges(commands, camera, surface.colours_are_values, lattice));
         commands.barrier(GpuStage::compute, GpuStage::graphics);
-        record_transition(commands, colour, VK_IMAGE_LAYOUT_UNDEFINED,
-                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        record_transition(commands, z, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-        begin_drawing(commands, {colour, &z, false, VK_ATTACHMENT_LOAD_OP_CLEAR});
+        for (const auto& each : planes)
+            record_transition(commands, each.image, VK_IMAGE_LAYOUT_UNDEFINED, each.drawn);
+        begin_drawing(commands, {colour.image, &z.image, false, VK_ATTACHMENT_LOAD_OP_CLEAR});
         pipeline_.draw(commands, lattice, camera);
         end_drawing(commands);
-        record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                          VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        record_transition(commands, z, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                          VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        copy_from_image(commands, colour, colour_back);
-        copy_from_image(commands, z, z_back);
+        for (const auto& each : planes) {
+            record_transition(commands, each.image, each.drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+            copy_from_image(commands, each.image, each.back);
+        }
         TRY_ASSIGN(const auto submission, std::move(commands).submit());
         TRY(submission.wait_for_picture());
 
-        const auto z_read = z_back.mapped<float>();
-        const auto colour_read = colour_back.mapped<PackedColour>();
+        const auto z_read = z.back.mapped<float>();
+        const auto colour_read = colour.back.mapped<PackedColour>();
         return PicturePlanes{camera.width, camera.height, std::vector<float>(z_read.begin(), z_read.end()),
                              std::vector<PackedColour>(colour_read.begin(), colour_read.end())};
     }

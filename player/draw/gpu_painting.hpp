@@ -1,4 +1,8 @@
 #pragma once
+// Surfaces and fingers painted by a GPU: from a pair of frames to a lattice in its memory (GpuLattices), the
+// lattice's colours (SurfaceLighting), its triangles by compute (SurfaceRaster) or by the triangle hardware
+// (MeshPipeline), and over such a picture dents and fingers. All of it records commands, which the caller
+// submits in the order in which they were recorded.
 
 #include <array>
 #include <cstddef>
@@ -18,11 +22,6 @@
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/unproject.h"
-
-// Surfaces and fingers painted by a GPU: from a pair of frames to a lattice in its memory (GpuLattices), the
-// lattice's colours (SurfaceLighting), its triangles by compute (SurfaceRaster) or by the triangle hardware
-// (MeshPipeline), and over such a picture dents and fingers. All of it records commands, which the caller
-// submits in the order in which they were recorded.
 
 namespace touchable {
 
@@ -71,7 +70,6 @@ private:
         GpuBuffer codes, validity, heights;  // heights: any buffer where the frame has none
     };
     Result<Planes> planes_of(const SurfaceFrame& frame);
-    Result<GpuBuffer> uploaded_rows(const char* name, const std::uint16_t* values, int width, int height);
     Result<GpuProgram> program_for(const Constants& constants);
 
     std::shared_ptr<GpuDevice> device_;
@@ -79,41 +77,27 @@ private:
     std::map<Constants, GpuProgram> programs_;  // made when first needed
 };
 
-/// The kernels cut_tiles and list_tiles: q of a lattice to the tiles worth drawing. The twin of
-/// `CpuLattices::tiles_of`: from the same q, the same lists.
-class TileLists {
-public:
-    explicit TileLists(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
-
-    /// Records the kernels: from the lattice's q to its tiles, once that is written.
-    Result<void> record(GpuCommands& commands, const GpuLattice& lattice);
-    static std::size_t class_bytes(int width, int height);
-    static std::size_t list_bytes(int width, int height);
-
-private:
-    std::shared_ptr<GpuDevice> device_;
-    GpuProgram cut_, list_;  // made when first needed
-};
-
 /// Of lists in mapped memory, as kernels and indirect commands read them (shaders/tile_lists.h).
-ViewTiles read_tiles(const GpuBuffer& buffer);
+ViewSurface::Tiles read_tiles(const GpuBuffer& buffer);
 
-/// Rows of a lattice's width into its q, which is mapped.
-void put_q(const std::vector<float>& q, const GpuLattice& lattice);
+/// q of a field without codes, in rows of the lattice's pitch, into a mapped buffer as large as its q.
+void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to);
 
 /// Makes lattices on a device: from codes by kernels, or from what the CPU made.
 class GpuLattices {
 public:
     explicit GpuLattices(std::shared_ptr<GpuDevice> device)
-        : device_(std::move(device)), unproject_(device_), tile_lists_(device_), uploads_(device_) {}
+        : device_(std::move(device)), unproject_(device_), uploads_(device_) {}
 
     /// Records what makes q of a pair of frames; by the CPU where they have no codes
     /// (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: commands that
     /// read them have been recorded before, and a barrier after them.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         GpuLattice& lattice);
-    /// And tiles, once q is written.
+    /// And the tiles worth drawing, once q is written: the kernels cut_tiles and list_tiles, the twin of
+    /// `CpuLattices::tiles_of`. From the same q, the same lists.
     Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
+    static std::size_t tile_list_bytes(int width, int height);
 
     /// And where vertices at edges are drawn, once q is written: the twin of SurfaceEdges, the same bits. For
     /// the clip's own view nothing. `are_values`: as there.
@@ -138,15 +122,14 @@ private:
     Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                           const GpuLattice& lattice);
     Result<void> check_size(const char* name, std::size_t bytes) const;
-    void set_size(const HeightField& field, GpuLattice& lattice) const;
+    void set_size(int width, int height, GpuLattice& lattice) const;
     Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
     Result<GpuLattice> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 
     std::shared_ptr<GpuDevice> device_;
     SurfaceUnproject unproject_;
-    TileLists tile_lists_;
     UploadPool uploads_;
-    GpuProgram edges_;  // made when first needed
+    GpuProgram cut_tiles_, list_tiles_, edges_;  // made when first needed
     GpuLattice uploaded_;
 };
 
@@ -165,7 +148,6 @@ public:
                         const PlaneView& colour, Lighting lighting);
 
 private:
-    Result<GpuBuffer> uploaded(const PlaneView& colour, int pitch);
     Result<GpuProgram> program_for(bool has_colour, bool is_lit);
 
     std::shared_ptr<GpuDevice> device_;
@@ -302,8 +284,6 @@ private:
         Part solids, threads, shadows;
     };
     Result<GpuBuffer> upload(const ViewCamera& camera, Parts& parts);
-    void draw_shadows(GpuCommands& commands, const GpuBuffer& records, const Part& part,
-                      const GpuImage& colour, const GpuImage& z) const;
     void draw_solids(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& records,
                      const Parts& parts) const;
 

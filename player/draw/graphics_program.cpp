@@ -70,7 +70,7 @@ struct Shaders {
     Shaders(const Shaders&) = delete;
     Shaders& operator=(const Shaders&) = delete;
     ~Shaders() {
-        for (VkShaderModule each : {vertex, fragment})
+        for (VkShaderModule each : modules)
             if (each) vkDestroyShaderModule(gpu.device, each, nullptr);
     }
     Result<void> load(std::span<const std::uint32_t> words, VkShaderModule& made) {
@@ -78,12 +78,11 @@ struct Shaders {
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
         info.codeSize = words.size_bytes();
         info.pCode = words.data();
-        TRY(checked(gpu, "vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made)));
-        return {};
+        return checked(gpu, "vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
     }
 
     VulkanDevice& gpu;
-    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+    std::array<VkShaderModule, 2> modules{};  // vertex, fragment
 };
 
 VkPipelineDepthStencilStateCreateInfo depth_state(DrawDepth depth) {
@@ -114,23 +113,20 @@ VkPipelineColorBlendAttachmentState blend_state(DrawBlend blend) {
 
 Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
                                           const GraphicsLook& look) {
-    Shaders shaders(gpu);
-    TRY(shaders.load(look.vertex, shaders.vertex));
-    TRY(shaders.load(look.fragment, shaders.fragment));
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t k = 0; k < look.constants.size(); ++k) entries.push_back({k, 4 * k, 4});
     const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                        4 * look.constants.size(), look.constants.data()};
+    Shaders shaders(gpu);
     std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
-    for (auto& stage : stages) {
-        stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-        stage.pName = "main";
-        stage.pSpecializationInfo = &special;
+    for (std::size_t k = 0; k < stages.size(); ++k) {
+        TRY(shaders.load(k == 0 ? look.vertex : look.fragment, shaders.modules[k]));
+        stages[k].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+        stages[k].stage = k == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT;
+        stages[k].module = shaders.modules[k];
+        stages[k].pName = "main";
+        stages[k].pSpecializationInfo = &special;
     }
-    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
-    stages[0].module = shaders.vertex;
-    stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[1].module = shaders.fragment;
 
     VkPipelineVertexInputStateCreateInfo input{};
     input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
@@ -285,9 +281,8 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     info.pSetLayouts = &state.set_layout;
     info.pushConstantRangeCount = push_bytes > 0;
     info.pPushConstantRanges = &push;
-    TRY(checked(gpu, "vkCreatePipelineLayout",
-                vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout)));
-    return {};
+    return checked(gpu, "vkCreatePipelineLayout",
+                   vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout));
 }
 
 Result<GraphicsProgram> GraphicsProgram::create(const GpuDevice& device, const std::string& name,

@@ -29,19 +29,20 @@ struct Frame {
     double width, height, scale;
 };
 
-using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
-using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
-
 /// The colour of words and signs, 0 to 1.
 void ink(cairo_t* c, double opacity) {
     cairo_set_source_rgba(c, 0.93, 0.94, 0.96, opacity);
 }
 
+void fill_rectangle(cairo_t* c, double x, double y, double width, double height) {
+    cairo_rectangle(c, x, y, width, height);
+    cairo_fill(c);
+}
+
 /// A dark ground for words; x and y of its upper left.
 void ground(cairo_t* c, double x, double y, double width, double height) {
     cairo_set_source_rgba(c, 0.05, 0.06, 0.08, 0.72);
-    cairo_rectangle(c, x, y, width, height);
-    cairo_fill(c);
+    fill_rectangle(c, x, y, width, height);
 }
 
 double text_width(cairo_t* c, const std::string& text) {
@@ -61,10 +62,12 @@ Result<void> draw(Image& image, const std::string& name,
         words[k] = std::uint32_t{image.samples[3 * k]} << 16 | std::uint32_t{image.samples[3 * k + 1]} << 8 |
                    image.samples[3 * k + 2];
     auto* memory = static_cast<unsigned char*>(static_cast<void*>(words.data()));
-    const Surface surface(cairo_image_surface_create_for_data(memory, CAIRO_FORMAT_RGB24, image.width,
-                                                              image.height, 4 * image.width),
-                          cairo_surface_destroy);
-    const Context context(cairo_create(surface.get()), cairo_destroy);
+    const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
+        cairo_image_surface_create_for_data(memory, CAIRO_FORMAT_RGB24, image.width, image.height,
+                                            4 * image.width),
+        cairo_surface_destroy);
+    const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context(cairo_create(surface.get()),
+                                                                     cairo_destroy);
     // Grows with the picture; a small one has the smallest letters that can be read.
     const double scale = std::max(std::min(image.height / 720.0, image.width / 900.0), 0.8);
     cairo_scale(context.get(), scale, scale);
@@ -88,6 +91,12 @@ constexpr double icon_width = 92;
 constexpr double longest_arrow = icon_width - 16;
 constexpr double first_dot = 60, dot_distance = 32;
 constexpr int fingers_at_most = 10;  // that have a colour of their own
+
+void draw_words(cairo_t* c, double x, double y, const std::string& words) {
+    panel::ink(c, 1);
+    cairo_move_to(c, x, y);
+    cairo_show_text(c, words.c_str());
+}
 
 void colour_ink(cairo_t* c, PackedColour colour) {
     cairo_set_source_rgb(c, (colour & 255U) / 255.0, (colour >> 8 & 255U) / 255.0,
@@ -121,35 +130,28 @@ void thread(cairo_t* c, double x, double y) {
 }
 
 void finger_dots(cairo_t* c, double x, double y, int fingers) {
-    cairo_move_to(c, x, y + 5);
-    cairo_show_text(c, "finger");
+    draw_words(c, x, y + 5, "finger");
     for (int k = 0; k < fingers; ++k) {
+        const double at = x + first_dot + dot_distance * k;
         colour_ink(c, finger_colour(static_cast<std::size_t>(k)));
-        disc(c, x + first_dot + dot_distance * k, y, 6);
-        panel::ink(c, 1);
-        const std::string number = std::to_string(k);
-        cairo_move_to(c, x + first_dot + 10 + dot_distance * k, y + 5);
-        cairo_show_text(c, number.c_str());
+        disc(c, at, y, 6);
+        draw_words(c, at + 10, y + 5, std::to_string(k));
     }
 }
 
 void draw_panel(cairo_t* c, const Legend& legend, double bottom) {
     const int fingers = static_cast<int>(std::min<std::size_t>(legend.fingers, fingers_at_most));
     const double newtons = scale_newtons(legend.pixels_per_newton, longest_arrow);
-    const std::string force = formatted("force on the finger; this long: %g N", newtons);
-    const char* texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)",
-                           force.c_str(), "its way while it touched, 0.5 s at most"};
+    const std::string texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)",
+                                 formatted("force on the finger; this long: %g N", newtons),
+                                 "its way while it touched, 0.5 s at most"};
     double widest = first_dot + dot_distance * fingers - icon_width;
-    for (const char* text : texts) widest = std::max(widest, panel::text_width(c, text));
+    for (const std::string& text : texts) widest = std::max(widest, panel::text_width(c, text));
     const double height = 5 * panel::row_height + 2 * panel::padding, top = bottom - panel::margin - height;
     panel::ground(c, panel::margin, top, 2 * panel::padding + icon_width + widest, height);
     const double x = panel::margin + panel::padding, text_x = x + icon_width;
     auto row = [&](int number) { return top + panel::padding + panel::row_height * (number + 0.5); };
-    panel::ink(c, 1);
-    for (int k = 0; k < 4; ++k) {
-        cairo_move_to(c, text_x, row(k) + 5);
-        cairo_show_text(c, texts[k]);
-    }
+    for (int k = 0; k < 4; ++k) draw_words(c, text_x, row(k) + 5, texts[k]);
     const double middle = x + 0.5 * longest_arrow;
     disc(c, middle, row(0), 8);
     panel::ink(c, 0.45);
@@ -169,7 +171,7 @@ std::string number(double value, double step) {
     return formatted("%.*f", decimals, value == 0 ? 0.0 : value);
 }
 
-std::vector<ScaleMark> marks_at(const ValueRange& range, double step) {
+std::vector<ScaleMark> marks_at(const Overlays::Range& range, double step) {
     std::vector<ScaleMark> marks;
     const double slack = 1e-9 * (range.greatest - range.least);
     for (double k = std::ceil((range.least - slack) / step); k * step <= range.greatest + slack; ++k)
@@ -188,13 +190,7 @@ Corner corner_for(double width, double height, const panel::Frame& frame) {
     return {left, frame.height - panel::margin - height};
 }
 
-void draw_words(cairo_t* c, double x, double y, const std::string& words) {
-    panel::ink(c, 1);
-    cairo_move_to(c, x, y);
-    cairo_show_text(c, words.c_str());
-}
-
-void draw_classes(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+void draw_classes(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
     double widest = panel::text_width(c, scale.name);
     for (const auto& one : scale.classes)
         widest = std::max(widest, swatch + 10 + panel::text_width(c, one.words));
@@ -208,8 +204,7 @@ void draw_classes(cairo_t* c, const OverlayScale& scale, const panel::Frame& fra
     for (const auto& one : scale.classes) {
         y += panel::row_height;
         colour_ink(c, one.colour);
-        cairo_rectangle(c, x, y - swatch / 2, swatch, swatch);
-        cairo_fill(c);
+        panel::fill_rectangle(c, x, y - swatch / 2, swatch, swatch);
         draw_words(c, x + swatch + 10, y + 5, one.words);
     }
 }
@@ -220,15 +215,15 @@ void draw_ramp(cairo_t* c, double x, double y, bool backward) {
     for (int k = 0; k < steps; ++k) {
         const double share = static_cast<double>(k) / (steps - 1);
         colour_ink(c, ramp_colour(backward ? 1 - share : share));
-        cairo_rectangle(c, x + bar_width * k / steps, y, bar_width - bar_width * k / steps, bar_height);
-        cairo_fill(c);
+        const double before = bar_width * k / steps;
+        panel::fill_rectangle(c, x + before, y, bar_width - before, bar_height);
     }
     cairo_set_antialias(c, CAIRO_ANTIALIAS_DEFAULT);
 }
 
 /// The same everywhere: one colour, and why.
-void draw_even(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
-    OverlayScale one;
+void draw_even(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
+    Overlays::Scale one;
     one.name = scale.name;
     one.classes = {{ramp_colour(0.5), scale.everywhere()}};
     draw_classes(c, one, frame);
@@ -241,7 +236,7 @@ struct PlacedMark {
 };
 
 /// Round values where they lie evenly; otherwise the scale's levels, which lie at equal distances.
-std::vector<PlacedMark> placed_marks(cairo_t* c, const OverlayScale& scale) {
+std::vector<PlacedMark> placed_marks(cairo_t* c, const Overlays::Scale& scale) {
     std::vector<PlacedMark> placed;
     for (const double level : scale.levels) {
         const auto steps = static_cast<double>(scale.levels.size() - 1);
@@ -265,7 +260,7 @@ std::vector<PlacedMark> placed_marks(cairo_t* c, const OverlayScale& scale) {
     return placed;
 }
 
-void draw_bar(cairo_t* c, const OverlayScale& scale, const panel::Frame& frame) {
+void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
     const auto marks = placed_marks(c, scale);
     // Words of the first and the last mark may stand out beyond the bar.
     const double over = std::max(panel::text_width(c, marks.front().text) / 2 - marks.front().at,
@@ -339,17 +334,17 @@ Result<Overlay> overlay_after(Overlay now, const std::string& name) {
     return usage_error("there is no overlay '" + name + "'; there are " + known);
 }
 
-double OverlayScale::share_of(double value) const {
+double Overlays::Scale::share_of(double value) const {
     if (!(range.greatest > range.least)) return 0.5;
     const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
     return least_is_light ? 1 - share : share;
 }
 
-std::string OverlayScale::title() const {
+std::string Overlays::Scale::title() const {
     return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
 }
 
-std::string OverlayScale::everywhere() const {
+std::string Overlays::Scale::everywhere() const {
     if (!classes.empty() || range.greatest > range.least) return "";
     const auto words = [this](double value) {
         return formatted("%.4g", value) + (unit.empty() ? "" : " " + unit);
@@ -395,7 +390,7 @@ Result<void> draw_legend(const Legend& legend, Image& image) {
     });
 }
 
-std::vector<ScaleMark> scale_marks(const ValueRange& range,
+std::vector<ScaleMark> scale_marks(const Overlays::Range& range,
                                    const std::function<bool(const std::vector<ScaleMark>&)>& fits) {
     const double size = range.greatest - range.least;
     // From too close together to too far apart.
@@ -410,7 +405,7 @@ std::vector<ScaleMark> scale_marks(const ValueRange& range,
     return {{value, number(value, step)}};
 }
 
-Result<void> draw_scale_bar(const OverlayScale& scale, Image& image) {
+Result<void> draw_scale_bar(const Overlays::Scale& scale, Image& image) {
     return panel::draw(image, "scale", [&](cairo_t* c, const panel::Frame& frame) {
         if (!scale.classes.empty()) return draw_classes(c, scale, frame);
         if (!(scale.range.greatest > scale.range.least)) return draw_even(c, scale, frame);

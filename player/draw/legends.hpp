@@ -1,4 +1,5 @@
 #pragma once
+// Panels of words and signs in a corner of a picture: a legend of fingers, and the marks of a scale.
 
 #include <cstddef>
 #include <functional>
@@ -8,8 +9,6 @@
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"
 #include "player/draw/overlays.hpp"
-
-// Panels of words and signs in a corner of a picture: a legend of fingers, and the marks of a scale.
 
 namespace touchable {
 
@@ -36,7 +35,7 @@ struct ScaleMark {
 
 /// Round values within a range (1, 2 or 5 times a power of ten apart), as many as find room: `fits` says
 /// whether some do. Never none: where not even two fit, the one nearest to the middle.
-std::vector<ScaleMark> scale_marks(const ValueRange& range,
+std::vector<ScaleMark> scale_marks(const Overlays::Range& range,
                                    const std::function<bool(const std::vector<ScaleMark>&)>& fits);
 
 }  // namespace touchable

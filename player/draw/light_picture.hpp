@@ -1,4 +1,7 @@
 #pragma once
+// A picture while it is put together in light: the painted surface on its background, the shapes that fingers
+// are drawn as, and the dents that they make. make_picture and CpuDrawing draw them plainly; the GPU draws
+// the same shapes (gpu_painting.hpp).
 
 #include <cstddef>
 #include <glm/vec3.hpp>
@@ -12,10 +15,6 @@
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/dents.h"
-
-// A picture while it is put together in light: the painted surface on its background, the shapes that fingers
-// are drawn as, and the dents that they make. make_picture and CpuDrawing draw them plainly; the GPU draws
-// the same shapes (gpu_painting.hpp).
 
 namespace touchable {
 

@@ -247,7 +247,7 @@ void ScalarRows::read(int y, float* values) {
         values[x] = std::min(values[x], static_frictions_[x]);
 }
 
-const ValueRange& SteadyRange::update(const ValueRange& seen, const HeightField& field) {
+const Overlays::Range& SteadyRange::update(const Overlays::Range& seen, const HeightField& field) {
     const double passed_s = 1e-9 * (field.moment_ns() - moment_ns_);
     const double share = std::clamp(passed_s / narrowing_s, 0.0, 1.0);
     if (!range_ || field.epoch() != epoch_ || passed_s < 0) range_ = seen;

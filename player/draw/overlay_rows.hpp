@@ -1,4 +1,6 @@
 #pragma once
+// What overlays are made of, row by row: the numbers of a pixel, their places on a scale that does not
+// flicker, and the surface's normals.
 
 #include <array>
 #include <cstddef>
@@ -11,9 +13,6 @@
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
-
-// What overlays are made of, row by row: the numbers of a pixel, their places on a scale that does not
-// flicker, and the surface's normals.
 
 namespace touchable {
 
@@ -84,10 +83,10 @@ class SteadyRange {
 public:
     static constexpr double narrowing_s = 2;  ///< to this part of the way is left: 1 - dt / this, each frame
 
-    const ValueRange& update(const ValueRange& seen, const HeightField& field);
+    const Overlays::Range& update(const Overlays::Range& seen, const HeightField& field);
 
 private:
-    std::optional<ValueRange> range_;
+    std::optional<Overlays::Range> range_;
     double moment_ns_ = 0;
     std::uint64_t epoch_ = 0;
 };

@@ -55,7 +55,7 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
 }
 
 struct SeenValues {
-    ValueRange shown, all;
+    Overlays::Range shown, all;
     std::vector<float> values;  // but for those at the far plane, in any order
 };
 
@@ -99,9 +99,10 @@ bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
 }
 
 /// Ends that are farther apart than what roundings make.
-ValueRange apart(const ValueRange& range) {
+Overlays::Range apart(const Overlays::Range& range) {
     const double size = std::max(std::fabs(range.least), std::fabs(range.greatest));
-    return range.greatest - range.least > 1e-5 * size ? range : ValueRange{range.greatest, range.greatest};
+    return range.greatest - range.least > 1e-5 * size ? range
+                                                      : Overlays::Range{range.greatest, range.greatest};
 }
 
 /// From values of a row to places on the ramp, 0 to 255; 256: no value.
@@ -123,17 +124,17 @@ PackedColour normal_colour(const glm::dvec3& normal) {
 
 class Overlays::Painter {
 public:
-    const OverlayPicture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
+    const Overlays::Picture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
 
 private:
     void paint_values(Overlay kind, const HeightField& field, const FramePair& pair);
-    void make_equalised(const ValueRange& range, double factor);
+    void make_equalised(const Overlays::Range& range, double factor);
     void paint_normals(const HeightField& field);
     void paint_tiles(const HeightField& field);
     void paint_validity(const HeightField& field, const FramePair& pair);
     std::uint8_t* row(int y) { return picture_.rgb.data() + std::ptrdiff_t{3} * y * picture_.width; }
 
-    OverlayPicture picture_;
+    Overlays::Picture picture_;
     ScalarRows rows_;
     std::array<SteadyRange, 10> ranges_;  // by kind
     EqualisedDepth equalised_;
@@ -142,8 +143,8 @@ private:
     std::vector<PackedColour> colours_;  // of values, by their place
 };
 
-const OverlayPicture& Overlays::Painter::paint(Overlay kind, const HeightField& field,
-                                               const FramePair& pair) {
+const Overlays::Picture& Overlays::Painter::paint(Overlay kind, const HeightField& field,
+                                                  const FramePair& pair) {
     assert(kind != Overlay::colour);
     picture_.width = field.width();
     picture_.height = field.height();
@@ -174,7 +175,7 @@ void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, con
     std::vector<std::uint32_t> indices(row.size());
     rows_.begin(meaning.scalar, field, pair);
     const SeenValues seen = seen_values(meaning.scalar, field, rows_, row);
-    ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+    Overlays::Range range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
     const auto& hole_stiffness = field.scene().hole_stiffness;  // N/mm
     const bool is_mapped = has_map(meaning.scalar, field, pair);
     if (!is_mapped && kind == Overlay::stiffness && hole_stiffness) {
@@ -182,7 +183,7 @@ void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, con
         picture_.scale.at_holes = *hole_stiffness;
     }
     const bool even = !(range.greatest > range.least), is_equalised = kind == Overlay::depth && !even;
-    OverlayScale& scale = picture_.scale;
+    Overlays::Scale& scale = picture_.scale;
     scale.name = meaning.name;
     scale.unit = meaning.unit;
     scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
@@ -217,7 +218,7 @@ void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, con
 
 /// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
 /// `factor`: of the scale's unit.
-void Overlays::Painter::make_equalised(const ValueRange& range, double factor) {
+void Overlays::Painter::make_equalised(const Overlays::Range& range, double factor) {
     std::uint32_t ends[2];
     const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
     equalised_.find_bins(values, 2, ends);
@@ -227,7 +228,7 @@ void Overlays::Painter::make_equalised(const ValueRange& range, double factor) {
         const double share = (equalised_.share_of_bin(k) - first) / std::max(last - first, 1e-9);
         colours_[k] = ramp_colour(1 - share);
     }
-    OverlayScale& scale = picture_.scale;
+    Overlays::Scale& scale = picture_.scale;
     scale.spread = "equalised";
     constexpr int steps = 4;
     for (int k = 0; k <= steps; ++k) {
@@ -256,7 +257,7 @@ void Overlays::Painter::paint_tiles(const HeightField& field) {
     picture_.scale.name = "tiles of 16x16 cells";
     picture_.scale.classes = {{whole_colour, "all of it is drawn"}, {mixed_colour, "some of it is drawn"}};
     const TileGrid grid = TileGrid::of(field.width(), field.height());
-    const ViewTiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
+    const ViewSurface::Tiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
     std::vector<PackedColour> colours(
         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
     for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
@@ -313,11 +314,11 @@ void Overlays::Painter::paint_validity(const HeightField& field, const FramePair
 Overlays::Overlays() : painter_(std::make_unique<Painter>()) {}
 Overlays::~Overlays() = default;
 
-const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+const Overlays::Picture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
     return painter_->paint(kind, field, pair);
 }
 
-void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface) {
+void quieten_light(Overlay kind, const Overlays::Picture& overlay, ViewSurface& surface) {
     const bool shows_relief =
         kind == Overlay::depth || kind == Overlay::depth_linear || kind == Overlay::normals;
     const unsigned lit_share = shows_relief ? 0 : 128;  // of 256

@@ -1,4 +1,18 @@
 #pragma once
+// Overlays: what a surface is made of, shown by colours, and the scale that says what the colours mean.
+//
+// An `Overlay` is what is shown (depth, stiffness, normals, ...); `overlay_after` reads its name, and steps
+// from one to the next. `Overlays` paints it frame after frame into an `Overlays::Picture`, which is handed
+// to a painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
+//
+//     Overlays overlays;
+//     const Picture& painted = overlays.paint(Overlay::depth, field, pair);
+//     drawing.show(field, pair, painted.view(), Lighting::plain);
+//     TRY(draw_scale_bar(painted.scale, image));
+//
+// The ramp of a scale goes from dark blue by green to light yellow (`ramp_colour`). `Overlays` remembers its
+// scales, so that they do not flicker, and belongs to one thread at a time; everything else any thread may
+// call.
 
 #include <array>
 #include <cstddef>
@@ -13,21 +27,6 @@
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/view.hpp"
-
-/// Overlays: what a surface is made of, shown by colours, and the scale that says what the colours mean.
-///
-/// An `Overlay` is what is shown (depth, stiffness, normals, ...); `overlay_after` reads its name, and steps
-/// from one to the next. `Overlays` paints it frame after frame into an `OverlayPicture`, which is handed to
-/// a painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
-///
-///     Overlays overlays;
-///     const OverlayPicture& painted = overlays.paint(Overlay::depth, field, pair);
-///     drawing.show(field, pair, painted.view(), Lighting::plain);
-///     TRY(draw_scale_bar(painted.scale, image));
-///
-/// The ramp of a scale goes from dark blue by green to light yellow (`ramp_colour`). `Overlays` remembers its
-/// scales, so that they do not flicker, and belongs to one thread at a time; everything else any thread may
-/// call.
 
 namespace touchable {
 
@@ -51,58 +50,59 @@ std::string name_of(Overlay overlay);
 /// with the right names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
-/// From least to greatest of something that is shown.
-struct ValueRange {
-    double least = 0, greatest = 0;
-    bool operator==(const ValueRange&) const = default;
-};
-
-/// What colours mean: a scale from `least` to `greatest` of colour_ramp, or a few classes.
-struct OverlayScale {
-    struct Class {
-        PackedColour colour;
-        std::string words;
-    };
-    std::string name{};    ///< "depth"
-    std::string unit{};    ///< "mm"; may be empty
-    std::string spread{};  ///< how values lie on the scale, where there are several ways; empty: evenly
-    ValueRange range{};    ///< in that unit; two equal ends: it is the same everywhere
-    /// Values at equal distances on the scale, from end to end; empty: values lie evenly.
-    std::vector<double> levels{};
-    bool least_is_light = false;
-    std::vector<Class> classes{};           ///< where there are any there is no scale
-    bool is_less = false, is_more = false;  ///< some of what is seen lies beyond that end, and has its colour
-    bool has_map = true;                    ///< false: no plane of the clip tells it
-    std::optional<double> at_holes{};       ///< what it is there, where the clip has no map and they differ
-
-    /// Where a value is on the ramp, 0 to 1, where values lie evenly; of what is the same everywhere, the
-    /// middle.
-    double share_of(double value) const;
-    /// "depth, mm: equalised", over the scale.
-    std::string title() const;
-    /// That it is the same everywhere, and whether the clip has a map of it; empty: it is not.
-    std::string everywhere() const;
-};
-
-/// A colour for every pixel of a field.
-struct OverlayPicture {
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> rgb;  ///< row-major
-    OverlayScale scale;
-
-    PlaneView view() const { return {rgb.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
-};
-
 /// Makes overlays, frame after frame: what is on the scales is remembered, so that they do not flicker.
 class Overlays {
 public:
+    /// From least to greatest of something that is shown.
+    struct Range {
+        double least = 0, greatest = 0;
+        bool operator==(const Range&) const = default;
+    };
+
+    /// What colours mean: a scale from `least` to `greatest` of colour_ramp, or a few classes.
+    struct Scale {
+        struct Class {
+            PackedColour colour;
+            std::string words;
+        };
+        std::string name{};    ///< "depth"
+        std::string unit{};    ///< "mm"; may be empty
+        std::string spread{};  ///< how values lie on the scale, where there are several ways; empty: evenly
+        Range range{};         ///< in that unit; two equal ends: it is the same everywhere
+        /// Values at equal distances on the scale, from end to end; empty: values lie evenly.
+        std::vector<double> levels{};
+        bool least_is_light = false;
+        std::vector<Class> classes{};  ///< where there are any there is no scale
+        bool is_less = false,
+             is_more = false;              ///< some of what is seen lies beyond that end, and has its colour
+        bool has_map = true;               ///< false: no plane of the clip tells it
+        std::optional<double> at_holes{};  ///< what it is there, where the clip has no map and they differ
+
+        /// Where a value is on the ramp, 0 to 1, where values lie evenly; of what is the same everywhere, the
+        /// middle.
+        double share_of(double value) const;
+        /// "depth, mm: equalised", over the scale.
+        std::string title() const;
+        /// That it is the same everywhere, and whether the clip has a map of it; empty: it is not.
+        std::string everywhere() const;
+    };
+
+    /// A colour for every pixel of a field.
+    struct Picture {
+        int width = 0, height = 0;
+        std::vector<std::uint8_t> rgb;  ///< row-major
+        Scale scale;
+
+        PlaneView view() const { return {rgb.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
+    };
+
     Overlays();
     ~Overlays();
 
     /// `kind` is not `colour`; `pair` is what `field` was made of. A scale goes over what is seen, but for
     /// 1 % of the depths at either end and all at the far plane. What it gives stays as it is until the next
     /// call. Milliseconds, on this thread.
-    const OverlayPicture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
+    const Picture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
 
 private:
     class Painter;
@@ -113,7 +113,7 @@ struct ViewSurface;
 
 /// Makes of a surface lit in the overlay's colours one in which they can be read: relief is left where the
 /// overlay has none of its own, and weaker.
-void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface);
+void quieten_light(Overlay kind, const Overlays::Picture& overlay, ViewSurface& surface);
 
 /// Colours from dark blue by green to light yellow, lightness growing evenly as eyes see it (OKLab), none of
 /// them grey: it is read without telling red from green, by its lightness and by blue and yellow.
@@ -124,6 +124,6 @@ PackedColour ramp_colour(double share);
 
 /// Draws into the lower right of `image` (RGB, 8 bits; upper right of a narrow one) what its colours mean.
 /// Nothing below 480x270 pixels, where it would hide the scene.
-Result<void> draw_scale_bar(const OverlayScale& scale, Image& image);
+Result<void> draw_scale_bar(const Overlays::Scale& scale, Image& image);
 
 }  // namespace touchable

@@ -103,7 +103,7 @@ Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const
 }
 
 /// Pixels of a side per pixel of the picture.
-int samples_for(const PictureSettings& settings) {
+int samples_for(const SurfacePainter::Settings& settings) {
     constexpr std::int64_t most_pixels = 16'000'000;
     const std::int64_t pixels = std::int64_t{settings.width} * settings.height;
     return pixels * 9 <= most_pixels ? 3 : (pixels * 4 <= most_pixels ? 2 : 1);
@@ -175,9 +175,10 @@ Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name, cons
     return painter;
 }
 
-Result<Image> make_picture(const PictureSettings& settings, const Scene& scene, const ViewSurface& surface,
-                           const Subject& subject, std::span<const FingerMark> fingers,
-                           const MarkSizes& sizes, SurfacePainter& painter) {
+Result<Image> make_picture(const SurfacePainter::Settings& settings, const Scene& scene,
+                           const ViewSurface& surface, const Viewpoint::Subject& subject,
+                           std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                           SurfacePainter& painter) {
     const int samples = samples_for(settings);
     Viewpoint viewpoint = settings.viewpoint;
     if (!viewpoint.zoom && !viewpoint.own)

@@ -1,4 +1,23 @@
 #pragma once
+// Pictures of a surface and of the fingers on it: the module's front door.
+//
+// For one picture, make a painter, let it make the surface of a moment, and put the picture together:
+//
+//     TRY_ASSIGN(const auto painter, make_painter("auto", open_gpu));
+//     TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour));
+//     TRY_ASSIGN(auto image,
+//                make_picture({viewpoint}, scene, surface, subject_of(field), {}, {}, *painter));
+//
+// The painters are `cpu` (vectors and threads), `raster` (compute shaders) and `mesh` (the GPU's triangles).
+// They draw the same pixels but for roundings of z.
+//
+// For pictures one after the other, as a window shows them, there are `SurfaceDrawing` on a GPU and
+// `CpuDrawing` without one: `show` a surface whenever it changes, `draw` it from any camera. Nothing is read
+// back from the GPU. `SurfaceDrawing::step_for` says how far a surface's vertices may be thinned where a
+// window has fewer pixels than the clip.
+//
+// `colour` is RGB of 8 bits a channel, of the field's size, or empty: clay in light. A painter and a
+// drawing each belong to one thread at a time; different ones are independent.
 
 #include <cstdint>
 #include <functional>
@@ -9,31 +28,11 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/base/vectors.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/view.hpp"
-
-/// Pictures of a surface and of the fingers on it: the module's front door.
-///
-/// For one picture, make a painter, let it make the surface of a moment, and put the picture together:
-///
-///     TRY_ASSIGN(const auto painter, make_painter("auto", open_gpu));
-///     TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour));
-///     TRY_ASSIGN(auto image, make_picture({viewpoint}, scene, surface, subject_of(field), {}, {},
-///     *painter));
-///
-/// The painters are `cpu` (vectors and threads), `raster` (compute shaders) and `mesh` (the GPU's triangles).
-/// They draw the same pixels but for roundings of z.
-///
-/// For pictures one after the other, as a window shows them, there are `SurfaceDrawing` on a GPU and
-/// `CpuDrawing` without one: `show` a surface whenever it changes, `draw` it from any camera. Nothing is read
-/// back from the GPU. `Decimation` thins a surface's vertices where a window has fewer pixels than the clip.
-///
-/// `colour` is RGB of 8 bits a channel, of the field's size, or empty: clay in light. A painter, a drawing
-/// and a decimation each belong to one thread at a time; different ones are independent.
 
 namespace touchable {
 
@@ -49,21 +48,21 @@ enum class Lighting {
     plain,  ///< as it is: of maps, whose colours say something
 };
 
-/// Tiles of TileGrid worth drawing, as row * tiles_x + column, ascending.
-struct ViewTiles {
-    std::vector<std::uint32_t> whole;  ///< no triangle in them is cut (shaders/cut_rule.h)
-    std::vector<std::uint32_t>
-        mixed;  ///< some are; there is one without a hole, which the clip's own view shows
-    bool operator==(const ViewTiles&) const = default;
-};
-
 /// What a painter draws: the lattice at one moment, with a colour at every vertex.
 struct ViewSurface {
+    /// Tiles of TileGrid worth drawing, as row * tiles_x + column, ascending.
+    struct Tiles {
+        std::vector<std::uint32_t> whole;  ///< no triangle in them is cut (shaders/cut_rule.h)
+        /// Some are; there is one without a hole, which the clip's own view shows.
+        std::vector<std::uint32_t> mixed;
+        bool operator==(const Tiles&) const = default;
+    };
+
     int width = 0, height = 0;
     std::vector<float> q;               ///< 1 / planar depth, height taken off; 0: invalid. Row-major
     std::vector<PackedColour> colours;  ///< row-major
     bool colours_are_values = false;    ///< of a scale: nothing may darken them
-    ViewTiles tiles;
+    Tiles tiles;
     std::shared_ptr<const GpuLattice> on_gpu;  ///< q and tiles once more, where they were made on a GPU
 
     std::size_t index(int x, int y) const {
@@ -75,6 +74,12 @@ struct ViewSurface {
 /// first. Painters differ in where they do it, not in what: pixels agree but for the roundings of z.
 class SurfacePainter {
 public:
+    /// A picture as asked for.
+    struct Settings {
+        Viewpoint viewpoint;
+        int width = 1280, height = 720;  ///< pixels, 1 to 8192
+    };
+
     virtual ~SurfacePainter() = default;
     virtual std::string_view name() const = 0;
     /// The GPU that draws; empty: none does.
@@ -95,19 +100,14 @@ std::unique_ptr<SurfacePainter> make_cpu_painter();
 Result<std::unique_ptr<SurfacePainter>> make_painter(
     std::string_view name, const std::function<Result<std::shared_ptr<GpuDevice>>()>& open_gpu);
 
-/// A picture as asked for.
-struct PictureSettings {
-    Viewpoint viewpoint;
-    int width = 1280, height = 720;  ///< pixels, 1 to 8192
-};
-
 /// The surface and the fingers on it, from anywhere, smooth at edges: painted two or three times as large (as
 /// memory allows) and averaged in light. An orbit goes round the middle of `subject`, and shows all of it
 /// unless the viewpoint has a zoom. Where there are fingers, and the picture is large enough, a legend
 /// explains them.
-Result<Image> make_picture(const PictureSettings& settings, const Scene& scene, const ViewSurface& surface,
-                           const Subject& subject, std::span<const FingerMark> fingers,
-                           const MarkSizes& sizes, SurfacePainter& painter);
+Result<Image> make_picture(const SurfacePainter::Settings& settings, const Scene& scene,
+                           const ViewSurface& surface, const Viewpoint::Subject& subject,
+                           std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                           SurfacePainter& painter);
 
 /// Draws a surface and the fingers on it picture after picture, on the device from codes to colours, into
 /// memory that stays: what a window shows. The same picture as `make_picture`'s of one sample a pixel, but
@@ -124,6 +124,10 @@ public:
     static Result<std::unique_ptr<SurfaceDrawing>> create(std::shared_ptr<GpuDevice> device,
                                                           std::string_view painter);
 
+    /// The greatest power of two for a `step` whose vertices lie at most 1.5 pixels apart; 1 where neighbours
+    /// lie `pixels_per_vertex` > 0.75 apart already.
+    static int step_for(double pixels_per_vertex);
+
     /// "raster" or "mesh".
     virtual std::string_view painter() const = 0;
 
@@ -132,7 +136,7 @@ public:
 
     /// From now on this surface is drawn: records what makes q and colours of the pair that `field` is of.
     /// For the raster of a software device the CPU makes them at once, and there no more than every `step`th
-    /// vertex across and down, a power of two: a level of detail (Decimation). `colour`: RGB of 8 bits, of
+    /// vertex across and down, a power of two: a level of detail (`step_for`). `colour`: RGB of 8 bits, of
     /// the field's size, or empty for light and depth alone. It is read at once; the pair's frames stay until
     /// what is recorded has completed. Fails (ErrorKind::gpu) where the surface is larger than a kernel may
     /// read.
@@ -168,32 +172,6 @@ public:
     /// size, RGB; stays readable until the next call.
     Result<const Image*> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes);
-
-private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
-};
-
-/// A moment's surface with every `step`th vertex across and down, for windows whose pixels do not tell more
-/// of them apart: a level of detail. It serves the eye alone; what is touched has all vertices.
-class Decimation {
-public:
-    /// `threads` with the one that calls. The same with any number of them, and any vectors.
-    explicit Decimation(int threads, VectorUnit vectors = usable_vector_units().front());
-    ~Decimation();
-
-    /// The greatest power of two whose vertices lie at most 1.5 pixels apart; 1 where neighbours lie
-    /// `pixels_per_vertex` > 0.75 apart already.
-    static int step_for(double pixels_per_vertex);
-
-    /// `pair`, whose frames have codes (SurfaceUnproject::has_codes), is what `field` was made of; `colour`:
-    /// RGB of 8 bits, of the field's size, or empty. Reads them now and not later.
-    void make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step);
-    /// Of what was made last; until the next `make`.
-    const HeightField& field() const;
-    const FramePair& pair() const;
-    /// Means of the pixels around each vertex; or empty.
-    const PlaneView& colour() const;
 
 private:
     struct Parts;

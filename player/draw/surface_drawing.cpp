@@ -54,10 +54,8 @@ private:
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
     Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera);
-    bool is_drawn(const GpuCommands& commands, const ViewCamera& camera) const;
     const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera);
-    Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera);
-    Result<void> list_tiles(GpuCommands& commands);
+    Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera);
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
     Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
     void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
@@ -90,9 +88,8 @@ private:
     GpuBuffer colours_, z_values_;  // the surface and its background, as they are copied into images
     UploadPool pictures_;           // of these, where the CPU writes them
     GpuMade drawn_;                 // these
-    glm::dmat4 drawn_from_{};       // clip_from_lattice that they are of
-    int drawn_width_ = 0, drawn_height_ = 0;
-    GpuBuffer rows_;  // colours of the background
+    ViewCamera drawn_from_;         // that they are of
+    GpuBuffer rows_;                // colours of the background
     int rows_height_ = 0;
     GpuImage z_;
 };
@@ -180,7 +177,7 @@ Result<void> DeviceDrawing::make_by_cpu(const HeightField& field, const FramePai
     if (SurfaceUnproject::has_codes(field, pair))
         by_cpu_->q_of(field, pair, q, lattice_.pitch);
     else
-        put_q(q_of(field), lattice_);
+        put_q(field, lattice_, lattice_.q);
     by_cpu_->light(field, q, lattice_.pitch, colour, lighting, lattice_.colours.mapped<PackedColour>().data(),
                    cut_ratio(step));
     return {};
@@ -233,22 +230,23 @@ Result<void> DeviceDrawing::reserve_pixels(const ViewCamera& camera) {
     return {};
 }
 
-/// Of a surface, once.
-Result<void> DeviceDrawing::list_tiles(GpuCommands& commands) {
-    if (listed_.is_there_for(commands)) return {};
-    TRY(lattices_.record_tiles(commands, lattice_));
-    listed_.by(commands);
+/// Tiles of a surface, once, and where its vertices at edges are drawn.
+Result<void> DeviceDrawing::list_triangles(GpuCommands& commands, const ViewCamera& camera) {
+    if (!listed_.is_there_for(commands)) {
+        TRY(lattices_.record_tiles(commands, lattice_));
+        listed_.by(commands);
+    }
+    if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
+    TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
+    edged_.by(commands);
     return {};
-}
-
-bool DeviceDrawing::is_drawn(const GpuCommands& commands, const ViewCamera& camera) const {
-    return drawn_.is_there_for(commands) && drawn_from_ == camera.clip_from_lattice &&
-           drawn_width_ == camera.width && drawn_height_ == camera.height;
 }
 
 /// Colours and z of the surface, if they are not of this surface from here already.
 Result<void> DeviceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
-    if (is_drawn(commands, camera)) return {};
+    if (drawn_.is_there_for(commands) && drawn_from_.clip_from_lattice == camera.clip_from_lattice &&
+        drawn_from_.width == camera.width && drawn_from_.height == camera.height)
+        return {};
     drawn_.reset();
     if (by_cpu_) {
         TRY(draw_by_cpu(commands, camera));
@@ -257,9 +255,7 @@ Result<void> DeviceDrawing::draw_surface(GpuCommands& commands, const ViewCamera
         TRY(record_raster(commands, camera));
     }
     drawn_.by(commands);
-    drawn_from_ = camera.clip_from_lattice;
-    drawn_width_ = camera.width;
-    drawn_height_ = camera.height;
+    drawn_from_ = camera;
     return {};
 }
 
@@ -301,17 +297,8 @@ const SurfaceEdges& DeviceDrawing::edges_of(const GpuCommands& commands, const V
     return *edges_;
 }
 
-/// The same on the device.
-Result<void> DeviceDrawing::record_edges(GpuCommands& commands, const ViewCamera& camera) {
-    if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
-    TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
-    edged_.by(commands);
-    return {};
-}
-
 Result<void> DeviceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
-    TRY(list_tiles(commands));
-    TRY(record_edges(commands, camera));
+    TRY(list_triangles(commands, camera));
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::transfer);
@@ -357,10 +344,7 @@ Result<void> DeviceDrawing::record_dents(GpuCommands& commands, const ViewCamera
 Result<void> DeviceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
                                         const GpuImage& target) {
     const bool is_shown = shown_.is_there_for(commands);
-    if (is_shown) {
-        TRY(list_tiles(commands));
-        TRY(record_edges(commands, camera));
-    }
+    if (is_shown) TRY(list_triangles(commands, camera));
     commands.barrier(GpuStage::compute, GpuStage::graphics);
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
@@ -407,6 +391,14 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
     auto made = std::make_unique<DeviceDrawing>(std::move(device), std::move(fingers));
     TRY(made->prepare(painter));
     return std::unique_ptr<SurfaceDrawing>(std::move(made));
+}
+
+int SurfaceDrawing::step_for(double pixels_per_vertex) {
+    constexpr double most_apart = 1.5;  // pixels
+    constexpr int most = 8;
+    int step = 1;
+    while (step < most && pixels_per_vertex * 2 * step <= most_apart) step *= 2;
+    return step;
 }
 
 }  // namespace touchable

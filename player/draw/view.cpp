@@ -164,9 +164,6 @@ double longest_ray(const HeightField& field, double left, double top, double rig
     return std::max({camera.ray_length(left, top), camera.ray_length(right, top),
                      camera.ray_length(left, bottom), camera.ray_length(right, bottom)});
 }
-double longest_ray(const HeightField& field) {
-    return longest_ray(field, 0, 0, field.width() - 1, field.height() - 1);
-}
 
 /// How near what is drawn over a cell may be.
 class NearestDrawn {
@@ -197,15 +194,17 @@ private:
     double q_ = never;
 };
 
-std::optional<LatticeWay> way_of(const ViewRay& ray, double near, double farthest, const HeightField& field) {
+/// The way of a line of sight from the eye, between two distances from there.
+std::optional<LatticeWay> way_of(const glm::dvec3& eye, const glm::dvec3& direction, double near,
+                                 double farthest, const HeightField& field) {
     const Camera& camera = field.scene().camera;
     const double width = field.width() - 1, height = field.height() - 1;
     // Planar depth k, and x and y times that, along the ray: linear in t.
     const auto lattice = [&](const glm::dvec3& p) {
         return glm::dvec3(camera.fx * p.x - camera.cx * p.z, -camera.fy * p.y - camera.cy * p.z, -p.z);
     };
-    const glm::dvec3 from = lattice(ray.eye), change = lattice(ray.direction);
-    const double least = 0.5 * field.nearest_depth_anywhere() / longest_ray(field),
+    const glm::dvec3 from = lattice(eye), change = lattice(direction);
+    const double least = 0.5 * field.nearest_depth_anywhere() / longest_ray(field, 0, 0, width, height),
                  most = 1.001 * field.scene().depth.far;
     double t0 = near, t1 = farthest;
     keep_positive(from.z - least, change.z, t0, t1);
@@ -257,7 +256,7 @@ std::array<int, 2> cell_at(int width, int height, double x, double y) {
             static_cast<int>(std::clamp(std::floor(y), 0.0, height - 2.0))};
 }
 
-/// Of what is felt.
+/// The triangle of what is felt.
 Triangle triangle_at(const HeightField& field, double x, double y) {
     const auto [i, j] = cell_at(field.width(), field.height(), x, y);
     const bool lower = x - i >= y - j;
@@ -305,18 +304,6 @@ void for_each_place(const LatticeWay& way, const Take& take) {
     }
 }
 
-SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meeting& met, bool drawn,
-                   const ViewRay& ray) {
-    const glm::dvec3 at = way.at(met.s);
-    return {unproject(field.scene().camera, at.x, at.y, 1 / at.z),
-            at.x,
-            at.y,
-            1 / at.z,
-            ray.direction,
-            met.front,
-            drawn};
-}
-
 /// Where the way goes through a triangle that does not lie where its pixels do, from s0 to s1.
 std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattice::Triangle& triangle,
                                         double s0, double s1) {
@@ -337,7 +324,7 @@ std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattic
     return Meeting{s0 + (s1 - s0) * share, first.z >= 0};
 }
 
-/// The first of those, of the cell under a place and those around it.
+/// The first meeting with such a triangle, of the cell under a place and those around it.
 std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattice, const glm::dvec3& at,
                                      double s0, double s1) {
     const auto [i, j] = cell_at(lattice.width, lattice.height, at.x, at.y);
@@ -404,6 +391,10 @@ glm::dvec3 ViewCamera::unproject(double x, double y, double z) const {
     return glm::dvec3(world) / world.w;
 }
 
+glm::dvec3 ViewCamera::direction(double x, double y) const {
+    return glm::normalize(unproject(x, y, 0.5) - eye);
+}
+
 ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     const Camera& camera = scene.camera;
     const double scale = fit(scene, width, height);
@@ -442,8 +433,8 @@ ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::
     return orbit_view(viewpoint, scene, centre, width, height);
 }
 
-Subject subject_of(const HeightField& field) {
-    Subject subject{{0, 0, -field.scene().depth.far}, {}};
+Viewpoint::Subject subject_of(const HeightField& field) {
+    Viewpoint::Subject subject{{0, 0, -field.scene().depth.far}, {}};
     // A hundred thousand pixels tell the middle as well as millions.
     const int step = 1 + std::max(field.width(), field.height()) / 512;
     const Scene& scene = field.scene();
@@ -466,21 +457,17 @@ Subject subject_of(const HeightField& field) {
     return subject;
 }
 
-ViewRay ray_of(const ViewCamera& camera, double x, double y) {
-    return {camera.eye, glm::normalize(camera.unproject(x, y, 0.5) - camera.eye)};
-}
-
-std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
-                                double farthest) {
+std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
+                                     double farthest) {
     if (field.width() < 2 || field.height() < 2) return std::nullopt;
-    const ViewRay ray = ray_of(camera, x, y);
+    const glm::dvec3 direction = camera.direction(x, y);
     // The near plane is across the middle of sight; unproject(.., 1) lies on it.
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
-    const auto way = way_of(ray, near, farthest, field);
+    const auto way = way_of(camera.eye, direction, near, farthest, field);
     if (!way) return std::nullopt;
     DrawnLattice lattice(field, !is_own_view(camera));
     NearestDrawn nearest(field);
-    std::optional<SurfacePick> found;  // first a wall, if there is one
+    std::optional<ViewCamera::Pick> found;  // first a wall, if there is one
     for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
         if (!(end > s)) return true;
         const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
@@ -494,7 +481,11 @@ std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& came
             met = edge;
             drawn = true;
         }
-        if (met && (!found || drawn)) found = picked(field, *way, *met, drawn, ray);
+        if (met && (!found || drawn)) {
+            const glm::dvec3 p = way->at(met->s);
+            const glm::dvec3 point = unproject(field.scene().camera, p.x, p.y, 1 / p.z);
+            found = {point, p.x, p.y, 1 / p.z, direction, met->front, drawn};
+        }
         return !found || !found->drawn;
     });
     return found;

@@ -1,4 +1,19 @@
 #pragma once
+// From where a surface is looked at, and what is seen at a place of a picture.
+//
+// A `Viewpoint` is what a person says: the clip's own view, or an orbit round the middle of what there is to
+// see (`subject_of`). `parse_viewpoint` reads it; `make_view` makes of it the `ViewCamera` of a picture of
+// some size, `own_view` that of the clip's camera. A picture and whatever asks what is seen in it share one
+// camera:
+//
+//     const auto subject = subject_of(field);
+//     const ViewCamera camera = make_view(viewpoint, scene, subject.middle, width, height);
+//     const auto seen = pick(field, camera, x, y);  // of the picture's pixel (x, y)
+//
+// `pick` finds the surface as painters draw it, edges and walls included; `surface_on_way` the surface as it
+// is felt; `values_at` everything that is known of a pixel. World coordinates and depths are in scene units.
+// All are functions of their arguments alone: any thread may call them, several at once, as long as the
+// field's frames stay. Only `parse_viewpoint` fails (ErrorKind::usage).
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -14,23 +29,6 @@
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/height_field.hpp"
 
-/// From where a surface is looked at, and what is seen at a place of a picture.
-///
-/// A `Viewpoint` is what a person says: the clip's own view, or an orbit round the middle of what there is to
-/// see
-/// (`subject_of`). `parse_viewpoint` reads it; `make_view` makes of it the `ViewCamera` of a picture of some
-/// size, `own_view` that of the clip's camera. A picture and whatever asks what is seen in it share one
-/// camera:
-///
-///     const Subject subject = subject_of(field);
-///     const ViewCamera camera = make_view(viewpoint, scene, subject.middle, width, height);
-///     const auto seen = pick(field, camera, x, y);  // of the picture's pixel (x, y)
-///
-/// `pick` finds the surface as painters draw it, edges and walls included; `surface_on_way` the surface as it
-/// is felt; `values_at` everything that is known of a pixel. World coordinates and depths are in scene units.
-/// All are functions of their arguments alone: any thread may call them, several at once, as long as the
-/// field's frames stay. Only `parse_viewpoint` fails (ErrorKind::usage).
-
 namespace touchable {
 
 /// A colour of 8 bits a channel: red in the lowest byte, then green and blue; the highest is 255.
@@ -45,6 +43,14 @@ inline constexpr const char* usual_viewpoint = "orbit:az=20,el=15";
 /// From where a surface is looked at, as a person says it: "own", the clip's camera, or like
 /// `usual_viewpoint`, round the middle of what is seen.
 struct Viewpoint {
+    /// What there is to look at, world: a hundred thousand points at most of the valid pixels that are not at
+    /// the far plane, where backgrounds are, and the lower medians of their X, Y and Z. Without any, the
+    /// middle is the point at the far plane on the optical axis.
+    struct Subject {
+        glm::dvec3 middle{0.0};
+        std::vector<glm::dvec3> points;
+    };
+
     bool own = false;
     double azimuth = 0;    ///< degrees to the right of the clip's camera, -180 to 180
     double elevation = 0;  ///< degrees above it, -89 to 89
@@ -63,6 +69,20 @@ Result<Viewpoint> parse_viewpoint(const std::string& words);
 /// With z = near / distance along the viewing direction, what is drawn has 0 < z <= 1, nearer is more, and 0
 /// is empty: in floating point equally precise relative to any distance, and linear on the screen.
 struct ViewCamera {
+    /// What is under a place of a picture.
+    struct Pick {
+        glm::dvec3 point;      ///< of the surface, world
+        double x, y;           ///< the point's pixel, 0 to width - 1 and height - 1
+        double depth;          ///< planar, scene units
+        glm::dvec3 direction;  ///< of sight, unit length
+        /// Seen from the side that a finger comes from. False: through the back, as from behind the clip's
+        /// scene.
+        bool from_front;
+        /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), where nothing that is drawn lies
+        /// behind.
+        bool drawn;
+    };
+
     glm::dmat4 clip_from_world{1.0};    ///< (X, Y, Z, 1) -> clip space, where 0 < z <= w is seen
     glm::dmat4 clip_from_lattice{1.0};  ///< (x, y, 1, q) -> clip space; q = 1 / planar depth
     glm::dvec3 eye{0.0};                ///< world
@@ -74,6 +94,8 @@ struct ViewCamera {
     std::optional<glm::dvec3> project(const glm::dvec3& world) const;
     /// The world point at a screen position and z > 0.
     glm::dvec3 unproject(double x, double y, double z) const;
+    /// Of sight from the eye, at a screen position: unit length, world.
+    glm::dvec3 direction(double x, double y) const;
 };
 
 /// The clip's own view, as large as fits into the picture. Nothing nearer than `nearest` (scene units, along
@@ -89,43 +111,15 @@ double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dve
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
                      int height);
 
-/// What there is to look at, world: a hundred thousand points at most of the valid pixels that are not at the
-/// far plane, where backgrounds are, and the lower medians of their X, Y and Z. Without any, the middle is
-/// the point at the far plane on the optical axis.
-struct Subject {
-    glm::dvec3 middle{0.0};
-    std::vector<glm::dvec3> points;
-};
-Subject subject_of(const HeightField& field);
-
-/// A line of sight: what is seen at a place of a picture lies on it.
-struct ViewRay {
-    glm::dvec3 eye;        ///< world
-    glm::dvec3 direction;  ///< unit length
-};
-/// Of the screen position (x, y) of a view (ViewCamera).
-ViewRay ray_of(const ViewCamera& camera, double x, double y);
-
-/// What is under a place of a picture.
-struct SurfacePick {
-    glm::dvec3 point;      ///< of the surface, world
-    double x, y;           ///< the point's pixel, 0 to width - 1 and height - 1
-    double depth;          ///< planar, scene units
-    glm::dvec3 direction;  ///< of sight, unit length
-    /// Seen from the side that a finger comes from. False: through the back, as from behind the clip's scene.
-    bool from_front;
-    /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), where nothing that is drawn lies
-    /// behind.
-    bool drawn;
-};
+Viewpoint::Subject subject_of(const HeightField& field);
 
 /// The first triangle of `field` on the line of sight that painters draw, from either side; where there is
 /// none, the first that they do not. Nothing where no triangle is met. It looks at every lattice line between
 /// the eye and there (the solver's cast would stop at walls, and does not see backs): microseconds for the
 /// clip's own view, fractions of a millisecond from the side. Nothing is looked for beyond `farthest` from
 /// the eye, scene units.
-std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
-                                double farthest = std::numeric_limits<double>::infinity());
+std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
+                                     double farthest = std::numeric_limits<double>::infinity());
 
 /// The surface that is felt along a straight way, as the clip's camera sees it: from there nothing of it is
 /// hidden. Depths are planar, scene units.

@@ -109,7 +109,7 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
         const PlaneView seen = tinted_ ? tint_.paint(tinted_, pair.prev.number, colour) : colour;
         shown = graphics_->show(field, pair, seen, Lighting::lit, step);
     } else {
-        const OverlayPicture& picture = overlays_->paint(overlay_, field, pair);
+        const Overlays::Picture& picture = overlays_->paint(overlay_, field, pair);
         scale_ = picture.scale;
         shown = graphics_->show(field, pair, picture.view(), Lighting::plain, step);
     }

@@ -108,7 +108,7 @@ public:
     /// Segments in place of the clip's own colours; null: those.
     void set_tint(std::shared_ptr<const PaintedSegments> painted) { tinted_ = std::move(painted); }
     /// What the overlay's colours mean; null where they are the clip's.
-    const OverlayScale* scale() const { return overlay_ == Overlay::colour ? nullptr : &scale_; }
+    const Overlays::Scale* scale() const { return overlay_ == Overlay::colour ? nullptr : &scale_; }
     /// Another clip: nothing of the last one serves.
     void forget();
 
@@ -130,7 +130,7 @@ private:
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
     int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;
-    OverlayScale scale_;
+    Overlays::Scale scale_;
     std::optional<Shown> shown_;
 };
 

@@ -187,7 +187,7 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::
     device_->set_refuge(workspace_.to_device({0, 0, 0}));
     fingers_.emplace(*device_, workspace_);
     TRY_ASSIGN(const auto first, s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0)));
-    const Subject subject = subject_of(HeightField(*scene_, first));
+    const Viewpoint::Subject subject = subject_of(HeightField(*scene_, first));
     view_.emplace(*scene_, subject.middle);
     middle_ = subject.middle;
     sizes_ = sizes_for(s.settings.guard.max_force);

@@ -132,12 +132,13 @@ struct PlaceFacts {
 struct KioskFacts {
     const KioskTexts& texts;
     TouchedBy by = TouchedBy::mouse;
-    std::optional<double> invited_s{};    ///< since when it invites to touch, seconds; nothing: it does not
-    std::string caption{};                ///< of what a finger rests on; empty: none
-    bool is_turned = false;               ///< the view is not the clip's own
-    bool has_bar = true;                  ///< KioskBar, while somebody does something
-    bool is_still = false;                ///< the clip is one picture
-    std::optional<OverlayScale> scale{};  ///< what colours mean, in its words; nothing: they are the clip's
+    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};              ///< of what a finger rests on; empty: none
+    bool is_turned = false;             ///< the view is not the clip's own
+    bool has_bar = true;                ///< KioskBar, while somebody does something
+    bool is_still = false;              ///< the clip is one picture
+    std::optional<Overlays::Scale>
+        scale{};  ///< what colours mean, in its words; nothing: they are the clip's
 };
 
 /// What the window's own words, bars and curves show.
@@ -153,8 +154,8 @@ struct PanelFacts {
     bool is_turning = false;  ///< dragging turns the view
     bool has_touch_screen = false;
     double speed = 1;
-    std::string overlay;                  ///< of the surface's colours
-    const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own
+    std::string overlay;                     ///< of the surface's colours
+    const Overlays::Scale* scale = nullptr;  ///< what those mean; null: they are the clip's own
     bool force_on = true;
     std::optional<HandFacts> hand;  ///< nothing: the pointer is the finger
     double pressed_mm = 0;          ///< how deep the finger is meant to be in the surface; below 0 above it

@@ -76,7 +76,7 @@ void draw_force(const PanelFacts& facts, float height, float scale);
 /// where it is small. Gives where something may end that lies above it.
 float draw_place(const PanelFacts& facts, float width, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
-void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);
+void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale);
 
 /// What was measured, or begun with the brush, over the picture and below all panels.
 void draw_measured_line(const MeasureFacts& facts, float scale);

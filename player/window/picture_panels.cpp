@@ -43,7 +43,7 @@ void draw_class(PackedColour colour, const char* words, float scale) {
 }
 
 /// The ramp, and below it its ends; the middle too where values do not lie evenly.
-void draw_ramp(const OverlayScale& scale_of, float scale) {
+void draw_ramp(const Overlays::Scale& scale_of, float scale) {
     const float wide = 220 * scale, tall = 12 * scale;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -329,12 +329,12 @@ float draw_place(const PanelFacts& facts, float width, float height, float scale
     return bottom - whole - m;
 }
 
-void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale) {
+void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale) {
     begin_box("scale",
               {.x = right, .y = bottom, .pivot_x = 1, .pivot_y = 1, .flags = ImGuiWindowFlags_NoInputs});
     const std::string everywhere = scale_of.everywhere();
     ImGui::TextUnformatted((everywhere.empty() ? scale_of.title() : scale_of.name).c_str());
-    for (const OverlayScale::Class& named : scale_of.classes)
+    for (const Overlays::Scale::Class& named : scale_of.classes)
         draw_class(named.colour, named.words.c_str(), scale);
     if (!everywhere.empty()) draw_class(ramp_colour(0.5), everywhere.c_str(), scale);
     if (scale_of.classes.empty() && everywhere.empty()) draw_ramp(scale_of, scale);

@@ -177,7 +177,7 @@ double PointerFingers::depth_m() const {
 std::optional<PointerFingers::Meant> PointerFingers::meant_at(std::size_t finger, const glm::dvec2& at,
                                                               const HeightField& field,
                                                               const ViewCamera& camera, const Contact* felt) {
-    const glm::dvec3 direction = ray_of(camera, at.x, at.y).direction;
+    const glm::dvec3 direction = camera.direction(at.x, at.y);
     const auto met = pick(field, camera, at.x, at.y);
     const bool is_there = met && met->drawn && met->from_front;
     if (is_there) distance_ = glm::length(met->point - camera.eye);

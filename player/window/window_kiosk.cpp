@@ -53,8 +53,8 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 }
 
 /// What colours mean to a visitor: its name, and where it lies; nothing more, as a kiosk has no words for it.
-OverlayScale in_kiosk_words(const OverlayScale& scale, Overlay overlay, const KioskTexts& texts) {
-    OverlayScale told = scale;
+Overlays::Scale in_kiosk_words(const Overlays::Scale& scale, Overlay overlay, const KioskTexts& texts) {
+    Overlays::Scale told = scale;
     told.spread.clear();
     told.has_map = true;
     told.at_holes.reset();
@@ -446,7 +446,7 @@ void WindowLoop::hide_forces(std::vector<FingerMark>& marks, const HeightField& 
         if (mark.touching)
             if (const auto under = under_finger(field, mark.goal, clip_->sizes().finger_radius)) {
                 mark.proxy = under->foot;
-                mark.under = UnderFinger{under->foot, under->normal, 0};
+                mark.under = FingerMark::Under{under->foot, under->normal, 0};
             }
         mark.goal = mark.proxy;
         mark.force = mark.given_way = glm::dvec3(0.0);

@@ -189,7 +189,7 @@ ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
 /// Which of the surface's vertices are drawn: while the clip plays no more than there is time for, at rest
 /// all.
 int WindowLoop::vertex_step(const ViewCamera& camera) {
-    const int coarse = Decimation::step_for(clip_->view().pixels_per_vertex(camera.width, camera.height));
+    const int coarse = SurfaceDrawing::step_for(clip_->view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
     const PlaybackState playback = clip_->session().playback();
     return governor_.coarse() && playback.playing && !playback.at_end ? coarse * governor_.step() : 1;
@@ -396,7 +396,7 @@ Result<void> WindowLoop::draw_opening() {
     scene.camera = {1, 1, 0.5, 0.5};
     const glm::dvec3 behind(0, 0, 10);
     FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
-    finger.under = UnderFinger{behind, {0, 0, 1}};
+    finger.under = FingerMark::Under{behind, {0, 0, 1}};
     finger.given_way = {0, 0, -1};
     const int part = graphics.can_stretch() ? 2 : 1;
     const ViewCamera camera =

@@ -99,12 +99,12 @@ TEST(Decimation, MeansColoursAroundEachVertex) {
 }
 
 TEST(Decimation, IsOfWhatAWindowDoesNotTellApart) {
-    EXPECT_EQ(Decimation::step_for(1280.0 / 720), 1);
-    EXPECT_EQ(Decimation::step_for(0.76), 1);
-    EXPECT_EQ(Decimation::step_for(1280.0 / 1920), 2);
-    EXPECT_EQ(Decimation::step_for(0.5), 2);
-    EXPECT_EQ(Decimation::step_for(0.3), 4);
-    EXPECT_EQ(Decimation::step_for(1e-9), 8);
+    EXPECT_EQ(SurfaceDrawing::step_for(1280.0 / 720), 1);
+    EXPECT_EQ(SurfaceDrawing::step_for(0.76), 1);
+    EXPECT_EQ(SurfaceDrawing::step_for(1280.0 / 1920), 2);
+    EXPECT_EQ(SurfaceDrawing::step_for(0.5), 2);
+    EXPECT_EQ(SurfaceDrawing::step_for(0.3), 4);
+    EXPECT_EQ(SurfaceDrawing::step_for(1e-9), 8);
 }
 
 TEST(Decimation, LooksFromTheSamePlace) {

@@ -82,7 +82,7 @@ protected:
         const Camera& camera = shown_->scene.camera;
         finger.proxy = finger.goal = unproject(camera, x, y, pixel_ * camera.fx);
         finger.touching = true;
-        finger.under = UnderFinger{finger.proxy, {0, 0, 1}, 0};
+        finger.under = FingerMark::Under{finger.proxy, {0, 0, 1}, 0};
         finger.given_way = pixels * pixel_;
         return finger;
     }

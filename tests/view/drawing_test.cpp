@@ -20,7 +20,7 @@ namespace {
 constexpr const char* gpu_painters[] = {"raster", "mesh"};
 
 /// Five fingers on the globe: two touch, one of them from behind, and one leaves a thread.
-std::vector<FingerMark> fingers_on(const Subject& subject, double size) {
+std::vector<FingerMark> fingers_on(const Viewpoint::Subject& subject, double size) {
     std::vector<FingerMark> fingers(5);
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         FingerMark& finger = fingers[k];
@@ -158,7 +158,7 @@ TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
 TEST_F(Drawing, HasATwinOnTheCpu) {
     const auto shown = shown_scene("globe", 203, 133), other = shown_scene("step", 60, 40);
     const HeightField field = shown->field(0.35);
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
     const ViewCamera camera =
@@ -191,7 +191,7 @@ TEST_F(Drawing, HasATwinOnTheCpu) {
 TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
@@ -217,7 +217,7 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
 TEST_F(Drawing, BallsAreRoundAndMeetTheSurfaceAsTheCpuHasIt) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     std::vector<FingerMark> fingers(3);
@@ -248,7 +248,7 @@ TEST_F(Drawing, BallsAreRoundAndMeetTheSurfaceAsTheCpuHasIt) {
 TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto firm = fingers_on(subject, sizes.finger_radius);
@@ -289,7 +289,7 @@ TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
 TEST_F(Drawing, RepeatsItself) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();
-    const Subject subject = subject_of(field);
+    const Viewpoint::Subject subject = subject_of(field);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
     const ViewCamera camera =
@@ -368,7 +368,7 @@ TEST_F(Drawing, GoesOnWithSurfacesAndPicturesOfOtherSizes) {
 
 TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
     auto shown = shown_scene("globe", 96, 64);
-    const Subject subject = subject_of(shown->field());
+    const Viewpoint::Subject subject = subject_of(shown->field());
     shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
     shown->prev.codes.clear();
     const HeightField field = shown->field();

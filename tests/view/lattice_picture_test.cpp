@@ -87,7 +87,7 @@ TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
         const bool has_gap = std::string_view(scene) == "rows without surface";
         const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
         const HeightField field = shown->field();
-        const Subject subject = subject_of(field);
+        const Viewpoint::Subject subject = subject_of(field);
         ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
         if (has_gap) std::fill(surface.q.begin() + 40 * 203, surface.q.begin() + 60 * 203, 0.0F);
         GpuLattices lattices(gpu);

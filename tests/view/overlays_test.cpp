@@ -132,7 +132,7 @@ TEST(ScalarRows, DoWithoutPlanesAndCodes) {
         }
 }
 
-glm::ivec3 colour_at(const OverlayPicture& picture, int x, int y) {
+glm::ivec3 colour_at(const Overlays::Picture& picture, int x, int y) {
     const PlaneView view = picture.view();
     return {view.sample(x, y, 0), view.sample(x, y, 1), view.sample(x, y, 2)};
 }
@@ -156,7 +156,7 @@ TEST(Overlays, AColourIsItsValuesPlaceOnTheScale) {
                  {Overlay::dynamic_friction, Scalar::dynamic_friction, 1}};
     Overlays overlays;
     for (const auto& [kind, scalar, per_unit] : kinds) {
-        const OverlayPicture& picture = overlays.paint(kind, field, pair);
+        const Overlays::Picture& picture = overlays.paint(kind, field, pair);
         EXPECT_GT(picture.scale.range.greatest, picture.scale.range.least);
         if (kind == Overlay::height) {
             EXPECT_EQ(picture.scale.unit, "mm of the scene");
@@ -187,7 +187,7 @@ TEST(Overlays, TheScaleOfDepthLeavesOutOutliersAndTheFarPlane) {
     painted.prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
     const FramePair pair = painted.pair(0);
     Overlays overlays;
-    const OverlayScale& scale =
+    const Overlays::Scale& scale =
         overlays.paint(Overlay::depth_linear, HeightField(painted.scene, pair), pair).scale;
     const double unit = painted.scene.metres_per_unit * (scale.unit == "m" ? 1 : 1000);
     EXPECT_NEAR(scale.range.least, 2 * coding.near * unit, 0.02 * coding.near * unit);
@@ -201,9 +201,9 @@ TEST(Overlays, WhatIsTheSameEverywhereIsOneColour) {
     painted.scene.hole_stiffness.reset();
     const FramePair pair = painted.pair(0);
     Overlays overlays;
-    const OverlayPicture& picture =
+    const Overlays::Picture& picture =
         overlays.paint(Overlay::stiffness, HeightField(painted.scene, pair), pair);
-    EXPECT_EQ(picture.scale.range, (ValueRange{0.6, 0.6}));
+    EXPECT_EQ(picture.scale.range, (Overlays::Range{0.6, 0.6}));
     EXPECT_EQ(picture.scale.everywhere(), "0.6 N/mm everywhere: this clip has no map");
     for (int x = 0; x < 77; ++x)
         if (painted.prev.is_valid(x, 20)) {
@@ -216,7 +216,7 @@ TEST(Overlays, StiffnessOfHolesIsNoMap) {
     painted.prev.haptic.clear();
     const FramePair pair = painted.pair(0);
     Overlays overlays;
-    const OverlayPicture& picture =
+    const Overlays::Picture& picture =
         overlays.paint(Overlay::stiffness, HeightField(painted.scene, pair), pair);
     EXPECT_EQ(picture.scale.everywhere(), "0.6 N/mm everywhere: this clip has no map; 0.05 N/mm at holes");
     for (int x = 0; x < 77; ++x)
@@ -251,10 +251,10 @@ struct WithOutliers : Painted {
         prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
     }
     /// Places on the ramp of each pixel, 0 (dark) to 255.
-    std::vector<int> places(Overlay kind, OverlayScale& scale) const {
+    std::vector<int> places(Overlay kind, Overlays::Scale& scale) const {
         const FramePair once{{0, 0, &prev}, {0, 0, &prev}, 0, 0};
         Overlays overlays;
-        const OverlayPicture& picture = overlays.paint(kind, HeightField(this->scene, once), once);
+        const Overlays::Picture& picture = overlays.paint(kind, HeightField(this->scene, once), once);
         scale = picture.scale;
         std::vector<int> places;
         for (int y = 0; y < 41; ++y)
@@ -273,7 +273,7 @@ struct WithOutliers : Painted {
 
 TEST(Overlays, DepthIsEqualisedSoThatFarOutliersLeaveContrast) {
     const WithOutliers painted;
-    OverlayScale equalised, linear;
+    Overlays::Scale equalised, linear;
     const std::vector<int> places = painted.places(Overlay::depth, equalised),
                            even = painted.places(Overlay::depth_linear, linear);
     int least = 255, greatest = 0, least_even = 255, greatest_even = 0;
@@ -357,7 +357,8 @@ TEST(Overlays, NormalsOfAPlaneAreThatPlanes) {
     painted.prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
     const FramePair pair = painted.pair(0);
     Overlays overlays;
-    const OverlayPicture& picture = overlays.paint(Overlay::normals, HeightField(painted.scene, pair), pair);
+    const Overlays::Picture& picture =
+        overlays.paint(Overlay::normals, HeightField(painted.scene, pair), pair);
     for (int y = 0; y < 41; ++y)
         for (int x = 0; x < 77; ++x) {
             const glm::dvec3 seen = (glm::dvec3(colour_at(picture, x, y)) - 127.5) / 127.5;
@@ -377,8 +378,8 @@ TEST(Overlays, TilesAreThoseThatAreDrawn) {
     const FramePair pair{{0, 0, &frame}, {0, 0, &frame}, 0, 0};
     const HeightField field(painted.scene, pair);
     Overlays overlays;
-    const OverlayPicture& picture = overlays.paint(Overlay::tiles, field, pair);
-    const ViewTiles tiles = classify_tiles(77, 41, q_of(field));
+    const Overlays::Picture& picture = overlays.paint(Overlay::tiles, field, pair);
+    const ViewSurface::Tiles tiles = classify_tiles(77, 41, q_of(field));
     ASSERT_FALSE(tiles.whole.empty() || tiles.mixed.empty());
     const auto holds = [](const std::vector<std::uint32_t>& some, std::uint32_t tile) {
         return std::count(some.begin(), some.end(), tile) > 0;
@@ -397,7 +398,7 @@ TEST(Overlays, ValidityTellsHolesTheirRimsAndWhatIsInOneFrameAlone) {
         const FramePair pair = painted.pair(blend);
         const HeightField field(painted.scene, pair);
         Overlays overlays;
-        const OverlayPicture& picture = overlays.paint(Overlay::validity, field, pair);
+        const Overlays::Picture& picture = overlays.paint(Overlay::validity, field, pair);
         const auto& classes = picture.scale.classes;
         ASSERT_EQ(classes.size(), blend > 0 ? 3U : 2U);
         for (int y = 0; y < 41; ++y)
@@ -428,7 +429,7 @@ TEST(Overlays, ValidityTellsDepthOfOtherFrames) {
         const FramePair pair = painted.pair(blend);
         const HeightField field(painted.scene, pair);
         Overlays overlays;
-        const OverlayPicture& picture = overlays.paint(Overlay::validity, field, pair);
+        const Overlays::Picture& picture = overlays.paint(Overlay::validity, field, pair);
         const auto& last = picture.scale.classes.back();
         EXPECT_EQ(last.words, "depth of another frame");
         int given = 0;
@@ -449,15 +450,15 @@ TEST(SteadyRange, WidensAtOnceAndNarrowsInSeconds) {
         return HeightField(painted.scene, {{0, time, &painted.prev}, {0, time, &painted.prev}, 0, epoch});
     };
     SteadyRange range;
-    EXPECT_EQ(range.update({2, 5}, field_at(0, 0)), (ValueRange{2, 5}));
-    EXPECT_EQ(range.update({1, 9}, field_at(0.033, 0)), (ValueRange{1, 9}));
-    EXPECT_EQ(range.update({2, 5}, field_at(0.033, 0)), (ValueRange{1, 9})) << "paused";
-    const ValueRange soon = range.update({2, 5}, field_at(0.233, 0));
+    EXPECT_EQ(range.update({2, 5}, field_at(0, 0)), (Overlays::Range{2, 5}));
+    EXPECT_EQ(range.update({1, 9}, field_at(0.033, 0)), (Overlays::Range{1, 9}));
+    EXPECT_EQ(range.update({2, 5}, field_at(0.033, 0)), (Overlays::Range{1, 9})) << "paused";
+    const Overlays::Range soon = range.update({2, 5}, field_at(0.233, 0));
     EXPECT_NEAR(soon.least, 1.1, 1e-9);
     EXPECT_NEAR(soon.greatest, 8.6, 1e-9);
     for (int k = 1; k < 300; ++k) range.update({2, 5}, field_at(0.233 + 0.033 * k, 0));
     EXPECT_NEAR(range.update({2, 5}, field_at(11, 0)).greatest, 5, 0.05);
-    EXPECT_EQ(range.update({3, 4}, field_at(0, 1)), (ValueRange{3, 4})) << "another epoch";
+    EXPECT_EQ(range.update({3, 4}, field_at(0, 1)), (Overlays::Range{3, 4})) << "another epoch";
 }
 
 TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
@@ -466,7 +467,7 @@ TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
     const HeightField field(painted.scene, pair);
     Overlays overlays;
     for (const auto kind : {Overlay::depth, Overlay::depth_linear, Overlay::stiffness}) {
-        const OverlayPicture& picture = overlays.paint(kind, field, pair);
+        const Overlays::Picture& picture = overlays.paint(kind, field, pair);
         ViewSurface surface = make_view_surface(field, picture.view());
         const std::vector<PackedColour> lit = surface.colours;
         quieten_light(kind, picture, surface);

@@ -11,7 +11,7 @@
 namespace touchable::test {
 namespace {
 
-Result<Image> picture(const Shown& shown, const PictureSettings& settings,
+Result<Image> picture(const Shown& shown, const SurfacePainter::Settings& settings,
                       std::span<const FingerMark> fingers) {
     const HeightField field = shown.field();
     const auto painter = make_cpu_painter();

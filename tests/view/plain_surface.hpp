@@ -14,9 +14,9 @@
 namespace touchable::test {
 
 /// Which tiles of a lattice of these q are worth drawing, by asking for every triangle.
-inline ViewTiles classify_tiles(int width, int height, const std::vector<float>& q) {
+inline ViewSurface::Tiles classify_tiles(int width, int height, const std::vector<float>& q) {
     const TileGrid grid = TileGrid::of(width, height);
-    ViewTiles tiles;
+    ViewSurface::Tiles tiles;
     auto at = [&](int x, int y) {
         return q[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
     };
@@ -42,7 +42,7 @@ inline ViewTiles classify_tiles(int width, int height, const std::vector<float>&
 /// With q_of(field), and classify_tiles of that.
 inline ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour) {
     std::vector<float> q = q_of(field);
-    ViewTiles tiles = classify_tiles(field.width(), field.height(), q);
+    ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q);
     return make_view_surface(field, std::move(q), std::move(tiles), colour);
 }
 

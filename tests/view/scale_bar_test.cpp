@@ -29,7 +29,7 @@ TEST(ScaleBar, NamesRoundValuesAsManyAsFit) {
     EXPECT_EQ(joined(scale_marks({1234.21, 1234.24}, five)), "1234.21 1234.22 1234.23 1234.24 ");
     EXPECT_EQ(scale_marks({3, 8}, [](const auto&) { return false; }).size(), 1U);
     for (double size = 1e-3; size < 1e6; size *= 1.37) {
-        const ValueRange range{0.7 * size, 1.7 * size};
+        const Overlays::Range range{0.7 * size, 1.7 * size};
         const auto marks = scale_marks(range, five);
         EXPECT_GE(marks.size(), 2U) << size;
         for (const ScaleMark& mark : marks) {
@@ -47,7 +47,7 @@ bool shows(const Image& image, PackedColour colour) {
 }
 
 TEST(ScaleBar, ShowsItsColours) {
-    OverlayScale scale{.name = "depth", .unit = "mm", .range = {64, 96}, .least_is_light = true};
+    Overlays::Scale scale{.name = "depth", .unit = "mm", .range = {64, 96}, .least_is_light = true};
     Image image = even_image(1280, 720);
     ASSERT_TRUE(draw_scale_bar(scale, image).ok());
     for (std::size_t k = 0; k < 256; k += 5) EXPECT_TRUE(shows(image, colour_ramp()[k])) << k;
@@ -63,7 +63,7 @@ TEST(ScaleBar, ShowsItsColours) {
 }
 
 TEST(ScaleBar, StaysInItsCornerAtEverySizeAndOutOfSmallPictures) {
-    const OverlayScale scale{.name = "dynamic friction", .range = {-1234.5, 98765.4}};
+    const Overlays::Scale scale{.name = "dynamic friction", .range = {-1234.5, 98765.4}};
     for (const auto& [width, height] :
          {std::pair(480, 270), std::pair(1280, 720), std::pair(3840, 2160), std::pair(600, 1800)}) {
         Image image = even_image(width, height);

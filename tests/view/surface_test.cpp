@@ -68,7 +68,7 @@ TEST(ViewTiles, WholeOnesKeepAllTheirTrianglesMixedOnesSomeInSomeView) {
                 const RandomDepths depths(seed, semantics, step);
                 const HeightField field = depths.field(seed % 2 ? 0.4 : 0.0);
                 const std::vector<float> q = q_of(field);
-                const ViewTiles tiles = classify_tiles(field.width(), field.height(), q);
+                const ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q);
                 whole += tiles.whole.size();
                 mixed += tiles.mixed.size();
                 const TileGrid grid = field.tiles();
@@ -84,7 +84,7 @@ TEST(ViewTiles, WholeOnesKeepAllTheirTrianglesMixedOnesSomeInSomeView) {
                             hole_of[tile].insert(!(a > 0 && b > 0 && c > 0));
                         }
                     }
-                ViewTiles expected;
+                ViewSurface::Tiles expected;
                 for (const auto& [tile, cut] : cut_of) {
                     if (cut == std::set{false}) expected.whole.push_back(tile);
                     // All may be cut: the clip's own view shows those without a hole.
@@ -107,7 +107,7 @@ TEST(ViewTiles, TilesWithoutAValidPixelAreLeftOut) {
     depths.prev.vertices =
         std::make_unique<ExactVertices>(depths.scene.width, depths.scene.height, with_hole);
     const HeightField field = depths.field(0);
-    const ViewTiles tiles = classify_tiles(field.width(), field.height(), q_of(field));
+    const ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q_of(field));
     EXPECT_EQ(std::count(tiles.whole.begin(), tiles.whole.end(), 1U), 0);
     EXPECT_EQ(std::count(tiles.mixed.begin(), tiles.mixed.end(), 1U), 0);
     EXPECT_EQ(tiles.whole.size() + tiles.mixed.size(), 11U);

@@ -18,17 +18,15 @@ namespace {
 class TileListsOnGpu : public GpuTest {
 protected:
     /// Lists by the kernels and by their twin, which are the same.
-    ViewTiles compare(int width, int height, const std::function<float()>& next_q) {
+    ViewSurface::Tiles compare(int width, int height, const std::function<float()>& next_q) {
         GpuLattice lattice;
         lattice.width = width;
         lattice.height = height;
         lattice.pitch = SurfaceUnproject::pitch(width);
         lattice.q =
             must(GpuBuffer::create(*gpu, "q", SurfaceUnproject::q_bytes(width, height), GpuMemory::shared));
-        lattice.tiles =
-            must(GpuBuffer::create(*gpu, "tiles", TileLists::list_bytes(width, height), GpuMemory::shared));
-        lattice.classes = must(
-            GpuBuffer::create(*gpu, "classes", TileLists::class_bytes(width, height), GpuMemory::shared));
+        lattice.tiles = must(
+            GpuBuffer::create(*gpu, "tiles", GpuLattices::tile_list_bytes(width, height), GpuMemory::shared));
         std::vector<float> q;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < lattice.pitch; ++x) {
@@ -36,11 +34,11 @@ protected:
                 stored = x < width ? next_q() : NAN;  // nothing depends on what lies beyond the width
                 if (x < width) q.push_back(stored);
             }
-        TileLists lists(gpu);
+        GpuLattices lattices(gpu);
         auto commands = must(GpuCommands::begin(gpu, "tile lists"));
-        must(lists.record(commands, lattice));
+        must(lattices.record_tiles(commands, lattice));
         must(must(std::move(commands).submit()).wait());
-        const ViewTiles tiles = read_tiles(lattice.tiles);
+        const ViewSurface::Tiles tiles = read_tiles(lattice.tiles);
         EXPECT_EQ(tiles, classify_tiles(width, height, q)) << width << "x" << height;
         return tiles;
     }
@@ -56,10 +54,10 @@ TEST_F(TileListsOnGpu, AreThoseOfTheirTwinWhateverTheQ) {
                                             std::nextafter(edge, 1.0F),
                                             std::nextafter(0.01F, 0.0F),
                                             std::nextafter(0.01F, 1.0F)};
-    ViewTiles all;
+    ViewSurface::Tiles all;
     for (const double holes : {0.0, 0.0005, 0.3, 1.0})
         for (const double odd : {0.0, 0.002, 0.5}) {
-            const ViewTiles tiles = compare(331, 203, [&] {
+            const ViewSurface::Tiles tiles = compare(331, 203, [&] {
                 if (random.unit() < holes) return 0.0F;
                 return random.unit() < odd ? about_the_edge[random.next() % about_the_edge.size()] : 0.01F;
             });
@@ -80,7 +78,7 @@ TEST_F(TileListsOnGpu, AreThoseOfTheirTwinAtAnySize) {
 }
 
 TEST_F(TileListsOnGpu, OfManyTiles) {
-    const ViewTiles tiles = compare(1920, 1080, [&] { return random.unit() < 0.002 ? 0.0F : 1.0F; });
+    const ViewSurface::Tiles tiles = compare(1920, 1080, [&] { return random.unit() < 0.002 ? 0.0F : 1.0F; });
     EXPECT_GT(tiles.whole.size(), 1000U);
     EXPECT_GT(tiles.mixed.size(), 1000U);
 }

@@ -21,7 +21,7 @@ Felt felt_where(bool is_dented) {
     CpuDrawing drawing;
     Felt felt;
     ForceHash forces;
-    const Subject subject = subject_of(HeightField(clip->scene, clip->pair(0)));
+    const Viewpoint::Subject subject = subject_of(HeightField(clip->scene, clip->pair(0)));
     const MarkSizes sizes = mark_sizes(clip->scene, subject.middle);
     const ViewCamera camera = finger.camera();
     finger.drag({560, 330}, {760, 390}, 600, [&](const TouchTick& tick) {

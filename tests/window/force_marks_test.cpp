@@ -29,7 +29,7 @@ TEST(Shadow, ClosesInAndDarkens) {
     FingerMark finger;
     const auto at = [&](double radii) {
         finger.proxy = {0, 0, 2 * radii - 100};
-        finger.under = UnderFinger{{0, 0, -100}, {0, 0, 1}, 2 * radii};
+        finger.under = FingerMark::Under{{0, 0, -100}, {0, 0, 1}, 2 * radii};
         return shadow_of(finger, 2);
     };
     const BallShadow far = at(4 / 3.2), near = at(0.5 / 3.2);
