@@ -86,7 +86,7 @@ struct Lens {
     }
 }
 
-/// Of one coordinate: the sum at each vertex, of what the cells above have left in `above` and of those
+/// For one coordinate the sum at each vertex, of what the cells above have left in `above` and of those
 /// below it, which leave there what they have for the next row.
 [[gnu::always_inline]] inline void sums_at_vertices(const float* right, const float* left, int width,
                                                     float* __restrict above, float* __restrict sums) {
@@ -226,7 +226,7 @@ struct FrameRow {
     }
 }
 
-/// As they are.
+/// Colours of rows [first, end) as they are.
 void copy_colours(const LightTerms& terms, int first, int end, PackedColour* colours) {
     for (int y = first; y < end; ++y) {
         const std::uint8_t* rgb = terms.colour.row(y);
@@ -241,7 +241,7 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     return -(static_cast<std::int32_t>(least > 0.0F) & static_cast<std::int32_t>(greatest <= ratio * least));
 }
 
-/// Of `count` vertices and those beside them.
+/// `joins` of `count` vertices with those beside them.
 [[gnu::always_inline]] inline void join_row(const float* row, const float* beside, int count, float ratio,
                                             std::int32_t* joined) {
     for (int x = 0; x < count; ++x) joined[x] = joins(row[x], beside[x], ratio);
@@ -253,7 +253,8 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     return any == 0;
 }
 
-/// Of every second one, so many that the last lies at the last vertex, or beyond it: it is that one then.
+/// The number of every second vertex, so many that the last lies at the last vertex, or beyond it: it is that
+/// one then.
 int half_of(int vertices) {
     return vertices / 2 + 1;
 }
@@ -284,7 +285,7 @@ std::uint32_t even_bits(std::uint64_t bits) {
     return static_cast<std::uint32_t>(bits | bits >> 16);
 }
 
-/// As many bytes as values of 16 bits.
+/// A vector of as many bytes as there are values of 16 bits.
 template <class Lanes>
 struct Bytes {
     typedef std::uint8_t Type __attribute__((vector_size(sizeof(Lanes) / 2)));

@@ -1,4 +1,5 @@
 #pragma once
+
 // Surfaces painted by the CPU's vectors and threads: from frames to a lattice (CpuLattices), the vertices at
 // its edges (SurfaceEdges), fewer vertices (Decimation), its triangles from any view (LatticeRaster), and
 // from the clip's own (OwnViewPicture). Each gives the same bits with any number of threads and any vectors.
@@ -34,7 +35,7 @@ public:
     /// (SurfaceUnproject::has_codes): the same pixels are 0, the others agree as SurfaceUnproject's. `pair`
     /// is what `field` was made of.
     void q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q);
-    /// Of frames that have codes, in rows of `pitch` floats, 0 beyond the width.
+    /// The same of frames that have codes, in rows of `pitch` floats, 0 beyond the width.
     void q_of(const HeightField& field, const FramePair& pair, float* q, int pitch);
     /// Which tiles of a lattice of these q are worth drawing.
     ViewSurface::Tiles tiles_of(int width, int height, const std::vector<float>& q);
@@ -71,20 +72,20 @@ public:
 
     explicit SurfaceEdges(int threads, VectorUnit vectors = usable_vector_units().front());
 
-    /// Of q in rows of `pitch`; 0 is no surface. `are_values`: colours are those of a scale, and are not
-    /// shaded.
+    /// Finds them in q, in rows of `pitch`; 0 is no surface. `are_values`: colours are those of a scale, and
+    /// are not shaded.
     void find(const float* q, int width, int height, int pitch, float cut_ratio = CUT_RULE_RATIO,
               bool are_values = false);
-    /// None any more.
+    /// Forgets all of them.
     void clear() { rows_.clear(); }
 
-    /// Those of a row, from left to right.
+    /// The vertices of a row, from left to right.
     std::span<const Vertex> row(int y) const;
-    /// One of them, or null where the vertex is drawn at its pixel.
+    /// The vertex of a pixel, or null where it is drawn at its pixel.
     const Vertex* at(int x, int y) const;
 
 private:
-    /// Of a thread: which pairs of neighbours are one surface, -1 or 0, for two rows of cells.
+    /// For one thread: which pairs of neighbours are one surface, -1 or 0, for two rows of cells.
     struct Scratch {
         std::vector<std::int32_t> right, down, aslant, upper_down, upper_aslant, candidates;
     };
@@ -107,7 +108,7 @@ public:
     /// `pair`, whose frames have codes (SurfaceUnproject::has_codes), is what `field` was made of; `colour`:
     /// RGB of 8 bits, of the field's size, or empty. Reads them now and not later.
     void make(const HeightField& field, const FramePair& pair, const PlaneView& colour, int step);
-    /// Of what was made last; until the next `make`.
+    /// The field that was made last; until the next `make`.
     const HeightField& field() const { return *field_; }
     const FramePair& pair() const { return pair_; }
     /// Means of the pixels around each vertex; or empty.
@@ -116,7 +117,7 @@ public:
 private:
     /// A frame's halves, and theirs.
     using Halves = std::array<SurfaceFrame, 2>;
-    /// Of a row of colours, by thread.
+    /// A row of colours, for one thread.
     struct Scratch {
         std::vector<std::uint16_t> sums;
         std::vector<std::uint8_t> means;
@@ -170,7 +171,7 @@ private:
 };
 
 /// The surface as the clip's own camera sees it, drawn by the CPU. From there a vertex is seen where it is
-/// whatever its depth: columns and rows of the lattice are upright and level on the screen. So the cell, the
+/// at any depth: columns and rows of the lattice are upright and level on the screen. So the cell, the
 /// triangle and the place in it that a pixel shows follow from its column and its row alone.
 class OwnViewPicture {
 public:
@@ -186,7 +187,7 @@ public:
               std::span<float> z);
 
 private:
-    /// Of each pixel along one side of the picture: the cell before it, and how far it is into that, 0 to 1.
+    /// For each pixel along one side of the picture: the cell before it, and how far it is into that, 0 to 1.
     struct Places {
         int first = 0, end = 0;  ///< pixels that are in any
         std::vector<int> cells;

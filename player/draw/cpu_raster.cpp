@@ -321,7 +321,7 @@ private:
 /// their neighbours waiting.
 constexpr int most_pixels = 4;
 
-/// Of two that are equally near the greater colour: no order of drawing decides.
+/// The greater colour of two that are equally near: no order of drawing decides.
 [[gnu::always_inline]] inline void keep_nearest(std::uint64_t& pixel, std::uint32_t z, PackedColour colour) {
     const std::uint64_t here = std::uint64_t{z} << 32 | colour;
     pixel = here > pixel ? here : pixel;
@@ -411,7 +411,7 @@ public:
 
     void draw(VectorUnit unit, Rows& rows) {
         const auto all = [&](auto kind) __attribute__((always_inline)) {
-            // Of 512 bits at once compilers make little that is good.
+            // Compilers make little that is good of 512 bits at once.
             constexpr int n = std::min<int>(sizeof(typename decltype(kind)::Lanes) / sizeof(float), 8);
             projection_.project<n>(0, rows.lower);
             for (int y = 0; y + 1 < lattice_.height; ++y) {
@@ -620,7 +620,7 @@ private:
         for (std::size_t k = 0; k < n; ++k) keep_nearest(pixels_[places[k]], depths[k], colours[k]);
     }
 
-    /// One that is larger on the screen, or in part before the near plane.
+    /// A cell that is larger on the screen, or in part before the near plane.
     void draw_cell(int x, int y, bool no_right, bool no_left) {
         const auto corner = [&](int i, int j) {
             const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
@@ -685,7 +685,7 @@ void LatticeRaster::draw(const MappedLattice& lattice, const SurfaceEdges& edges
     });
 }
 
-/// Of vertices that lie where `subpixels_of(n)` says, ascending.
+/// The places between vertices that lie where `subpixels_of(n)` says, ascending.
 template <class SubpixelsOf>
 void OwnViewPicture::find_places(int vertices, int pixels, SubpixelsOf subpixels_of, Places& places) {
     places.cells.resize(static_cast<std::size_t>(pixels));

@@ -1,4 +1,5 @@
 #pragma once
+
 // A surface as every painter draws it: which vertices it has between two frames, what light they are in, and
 // which pixels a triangle covers. Here it stands plainly, vertex by vertex; cpu_painting.hpp and
 // gpu_painting.hpp have it by vectors and by kernels.
@@ -41,7 +42,7 @@ inline ViewRows rows_of(const ViewCamera& camera) {
 }
 
 /// Whether a view is from where the clip's camera was, in its direction: from there a vertex is seen in the
-/// same place whatever its depth.
+/// same place at any depth.
 inline bool is_own_view(const ViewCamera& camera) {
     const auto [x, y, z, w] = rows_of(camera);
     const bool upright = x.y == 0 && x.w == 0 && y.x == 0 && y.w == 0 && x.x > 0 && y.y > 0;
@@ -103,12 +104,13 @@ public:
         bool cut;                           ///< it is not drawn (shaders/cut_rule.h)
         bool moved;                         ///< a corner is not at its pixel
     };
-    /// Of cell (i, j): the one to the right of the diagonal from its first corner, or the one below it.
+    /// A triangle of cell (i, j): the one to the right of the diagonal from its first corner, or the one
+    /// below it.
     Triangle triangle(int i, int j, bool right);
     /// Whether what is drawn over a cell may be a triangle of another one.
     bool is_near_edges(int i, int j);
 
-    // As shaders/edge_rule.h asks for a lattice.
+    // The interface that shaders/edge_rule.h asks of a lattice.
     const int width, height;
     const float ratio = CUT_RULE_RATIO;
     friend float edge_q(const DrawnLattice& lattice, const glm::ivec2& at) { return lattice.vertex(at).q; }

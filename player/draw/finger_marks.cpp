@@ -29,7 +29,7 @@ constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178), 
                                                       pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
                                                       pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
-/// Of the surface as it is felt; nothing in a hole and beside the picture.
+/// A point of the surface as it is felt; nothing in a hole and beside the picture.
 std::optional<glm::dvec3> felt_point(const WorldSpace& space, double x, double y) {
     const HeightField& field = space.field();
     if (!(x >= 0 && y >= 0 && x < field.width() - 1 && y < field.height() - 1)) return std::nullopt;
@@ -65,7 +65,7 @@ void draw_rings(const ViewCamera& camera, const Solid& solid, std::span<const Ri
             picture.light[at] = lit;
             return;
         }
-        // Of a closed solid only the front counts.
+        // Only the front of a closed solid counts.
         const float facing = glm::dot(normal, to_eye);
         if (facing > 0)
             picture.light[at] = glm::mix(picture.light[at], lit, veil(material.opacity, facing, hidden));
@@ -175,8 +175,8 @@ glm::vec3 arrow_light(const glm::vec3& light) {
     return glm::mix(vivid, glm::vec3(1.0F), 0.15F);
 }
 
-/// Its tip is no wider on the screen than its foot, however near the eye it comes, and an arrow that is seen
-/// end on is thinner: it would hide the finger, and its head the shaft.
+/// An arrow's tip is no wider on the screen than its foot, however near the eye it comes, and an arrow that
+/// is seen end on is thinner: it would hide the finger, and its head the shaft.
 void shape_arrow(const glm::dvec3& from, const glm::dvec3& arrow, double radius, const glm::dvec3& eye,
                  const glm::vec3& light, std::vector<Solid>& solids) {
     const glm::dvec3 sight = eye - from, to = from + arrow;
@@ -271,8 +271,8 @@ glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera
 
 BallShadow shadow_of(const FingerMark& finger, double radius) {
     if (!finger.under) return {finger.proxy, 2.6 * radius, 0.72F};
-    // Of the light that models the surface (shaders/surface_light.h), as it would fall on one that faces it
-    // from the front: at grazing light a shadow would be far away.
+    // The way of the light that models the surface (shaders/surface_light.h), as it would fall on one that
+    // faces it from the front: at grazing light a shadow would be far away.
     const glm::dvec3 from_light(0.78, -0.92, -0.78);
     const FingerMark::Under& under = *finger.under;
     const double height = finger.touching ? 0 : under.height, radii = height / radius;

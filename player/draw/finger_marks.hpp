@@ -1,4 +1,5 @@
 #pragma once
+
 // Fingers as a picture shows them.
 //
 // A `FingerMark` holds what is drawn of a finger: where its hand is (the goal), where the surface holds it
@@ -57,8 +58,8 @@ struct MarkSizes {
     double limit_newtons = 10;     ///< that no force is beyond
 };
 
-/// As large in every picture: a finger is 2 % of the width of what the clip's camera sees as far away as the
-/// middle, a newton's arrow 6 %.
+/// The same share of every picture: a finger is 2 % of the width of what the clip's camera sees as far away
+/// as the middle, a newton's arrow 6 %.
 MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle);
 
 /// How far a surface gives way under a finger, scene units: as a spring of `stiffness` (N/m of the hand) does

@@ -178,7 +178,7 @@ Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
     return buffer;
 }
 
-/// Of each dent what its pixels may show: they are no farther from what they show than it is dented.
+/// Copies for each dent what its pixels may show: they are no farther from what they show than it is dented.
 Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& camera, const GpuImage& colour) {
     if (!flat_ || flat_.extent().width != colour.extent().width ||
         flat_.extent().height != colour.extent().height) {
@@ -391,7 +391,7 @@ Result<GpuBuffer> FingerDrawing::upload(const ViewCamera& camera, Parts& parts) 
     add(parts.solids, shapes_.solids.size() + shapes_.veils.size(), sizeof(SolidRecord));
     add(parts.threads, shapes_.threads.size() + 1, sizeof(ThreadRecord));
     add(parts.shadows, shapes_.shadows.size(), sizeof(ShadowRecord));
-    // Room for what a finger's trail may grow to, so that the next pictures need no more.
+    // More than is needed now, as trails grow: so the next pictures need no other buffer.
     constexpr std::size_t step = 16384;
     TRY_ASSIGN(auto buffer, uploads_.take("fingers", (bytes + step - 1) / step * step));
     std::byte* to = buffer.mapped<std::byte>().data();

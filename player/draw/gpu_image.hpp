@@ -1,4 +1,5 @@
 #pragma once
+
 // Pictures in a GPU's memory, and what carries bytes to them.
 //
 // `GpuImage` is a handle like GpuBuffer: copies share one picture, which lives until the last handle and the
@@ -41,7 +42,7 @@ public:
     explicit operator bool() const { return state_ != nullptr; }
     VkImage handle() const { return state_->image; }
     VkImageView view() const { return state_->view; }
-    /// Of VK_FORMAT_R8G8B8A8_UNORM alone, else null: the same bytes as sRGB, so that what is drawn is light,
+    /// For VK_FORMAT_R8G8B8A8_UNORM alone, else null: the same bytes as sRGB, so that what is drawn is light,
     /// and light is what is mixed.
     VkImageView light_view() const { return state_->light_view; }
     VkImageAspectFlags aspect() const { return state_->aspect; }

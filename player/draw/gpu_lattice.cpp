@@ -42,7 +42,7 @@ constexpr std::size_t header_words = sizeof(TileListsHeader) / 4;
 constexpr GpuBindingKind storage_kind = GpuBindingKind::storage_buffer,
                          texel_kind = GpuBindingKind::uniform_texels;
 
-/// Of what kernels write and read.
+/// The memory of what kernels write and read.
 GpuMemory kernel_memory(const GpuDevice& device) {
     return device.facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
 }
@@ -79,7 +79,7 @@ void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstan
     push.step = static_cast<float>(step);
 }
 
-/// How many parts of a size hold so many.
+/// How many parts of a size hold `count`.
 std::size_t parts_of(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }

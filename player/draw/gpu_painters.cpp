@@ -155,7 +155,8 @@ public:
     }
 
 private:
-    /// Room for a picture and for large cells; what the last one had serves again where it is large enough.
+    /// Buffers for a picture and for large cells; those of the last picture serve again where they are large
+    /// enough.
     Result<void> reserve(std::size_t bytes, std::size_t large_bytes) {
         if (!large_ || large_.bytes() < large_bytes) {
             TRY_ASSIGN(large_, GpuBuffer::create(*device_, "large cells", large_bytes, GpuMemory::device));

@@ -1,4 +1,5 @@
 #pragma once
+
 // Surfaces and fingers painted by a GPU: from a pair of frames to a lattice in its memory (GpuLattices), the
 // lattice's colours (SurfaceLighting), its triangles by compute (SurfaceRaster) or by the triangle hardware
 // (MeshPipeline), and over such a picture dents and fingers. All of it records commands, which the caller
@@ -77,7 +78,7 @@ private:
     std::map<Constants, GpuProgram> programs_;  // made when first needed
 };
 
-/// Of lists in mapped memory, as kernels and indirect commands read them (shaders/tile_lists.h).
+/// The tiles of lists in mapped memory, as kernels and indirect commands read them (shaders/tile_lists.h).
 ViewSurface::Tiles read_tiles(const GpuBuffer& buffer);
 
 /// q of a field without codes, in rows of the lattice's pitch, into a mapped buffer as large as its q.
@@ -94,13 +95,13 @@ public:
     /// read them have been recorded before, and a barrier after them.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         GpuLattice& lattice);
-    /// And the tiles worth drawing, once q is written: the kernels cut_tiles and list_tiles, the twin of
-    /// `CpuLattices::tiles_of`. From the same q, the same lists.
+    /// Records what makes the tiles worth drawing, once q is written: the kernels cut_tiles and list_tiles,
+    /// the twin of `CpuLattices::tiles_of`. From the same q, the same lists.
     Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
     static std::size_t tile_list_bytes(int width, int height);
 
-    /// And where vertices at edges are drawn, once q is written: the twin of SurfaceEdges, the same bits. For
-    /// the clip's own view nothing. `are_values`: as there.
+    /// Records what finds where vertices at edges are drawn, once q is written: the twin of SurfaceEdges, the
+    /// same bits. For the clip's own view nothing. `are_values`: as there.
     Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
                               GpuLattice& lattice);
 
@@ -112,7 +113,7 @@ public:
     /// One at a time into the same buffers: the caller has waited for what reads the last one.
     Result<GpuLattice> lattice_of(const ViewSurface& surface);
 
-    /// Room for colours of a lattice, if it has none that are large enough.
+    /// A buffer for the colours of a lattice, if it has none that is large enough.
     Result<void> reserve_colours(GpuLattice& lattice);
 
     /// q and colours for a field that the CPU writes; the last ones stay for commands that still read them.

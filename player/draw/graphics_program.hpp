@@ -1,5 +1,9 @@
 #pragma once
 
+// Graphics pipelines: a GraphicsProgram is made of a GraphicsLook (shaders, what is bound, what becomes of z
+// and colour) and draws between begin_drawing and end_drawing into a DrawTarget. A program is a handle that
+// any thread may use; commands belong to one thread at a time.
+
 #include <vulkan/vulkan.h>
 
 #include <cstddef>
@@ -16,7 +20,7 @@
 
 namespace touchable {
 
-/// What drawing does with z, of which the greatest is the nearest. All but `keeps` need an image of z.
+/// What drawing does with z, of which the greatest is the nearest. All but `ignored` need an image of z.
 enum class DrawDepth {
     ignored,
     replaced,  ///< by what the fragment shader says
@@ -98,7 +102,7 @@ struct DrawTarget {
     const GpuImage& colour;
     const GpuImage* z = nullptr;
     bool as_light = false;  ///< through the colour's `light_view`
-    /// Of what is there: kept, cleared to zeroes, or of no matter because all of it is replaced.
+    /// What is there is kept, cleared to zeroes, or of no matter because all of it is replaced.
     VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
 };
 

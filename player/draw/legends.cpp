@@ -179,15 +179,14 @@ std::vector<ScaleMark> marks_at(const Overlays::Range& range, double step) {
     return marks;
 }
 
-/// Where a panel goes: the lower right; the upper one where the legend would be in its way.
-struct Corner {
-    double left, top;
-};
-Corner corner_for(double width, double height, const panel::Frame& frame) {
+/// A ground in the lower right; in the upper right where the legend would be in its way. Gives its upper
+/// left.
+glm::dvec2 draw_ground(cairo_t* c, double width, double height, const panel::Frame& frame) {
     constexpr double beside_the_legend = 820;
-    const double left = frame.width - panel::margin - width;
-    if (frame.width < beside_the_legend) return {left, panel::margin};
-    return {left, frame.height - panel::margin - height};
+    const double left = frame.width - panel::margin - width, low = frame.height - panel::margin - height,
+                 top = frame.width < beside_the_legend ? panel::margin : low;
+    panel::ground(c, left, top, width, height);
+    return {left, top};
 }
 
 void draw_classes(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
@@ -196,10 +195,9 @@ void draw_classes(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& 
         widest = std::max(widest, swatch + 10 + panel::text_width(c, one.words));
     const double rows = 1.0 + static_cast<double>(scale.classes.size());
     const double width = widest + 2 * panel::padding, height = rows * panel::row_height + 2 * panel::padding;
-    const auto [left, top] = corner_for(width, height, frame);
-    panel::ground(c, left, top, width, height);
-    const double x = left + panel::padding;
-    double y = top + panel::padding + 0.5 * panel::row_height;
+    const glm::dvec2 corner = draw_ground(c, width, height, frame);
+    const double x = corner.x + panel::padding;
+    double y = corner.y + panel::padding + 0.5 * panel::row_height;
     draw_words(c, x, y + 5, scale.name);
     for (const auto& one : scale.classes) {
         y += panel::row_height;
@@ -268,9 +266,8 @@ void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& fram
     const double side = panel::padding + std::max(0.0, over);
     const double width = bar_width + 2 * side,
                  height = 2 * panel::row_height + bar_height + mark_height + 2 * panel::padding;
-    const auto [left, top] = corner_for(width, height, frame);
-    panel::ground(c, left, top, width, height);
-    const double x = left + side, y = top + panel::padding + panel::row_height;
+    const glm::dvec2 corner = draw_ground(c, width, height, frame);
+    const double x = corner.x + side, y = corner.y + panel::padding + panel::row_height;
     draw_words(c, x, y - 8, scale.title());
     draw_ramp(c, x, y, scale.least_is_light);
     cairo_set_line_width(c, 1.5);

@@ -1,4 +1,5 @@
 #pragma once
+
 // Panels of words and signs in a corner of a picture: a legend of fingers, and the marks of a scale.
 
 #include <cstddef>
@@ -33,8 +34,8 @@ struct ScaleMark {
     std::string text;
 };
 
-/// Round values within a range (1, 2 or 5 times a power of ten apart), as many as find room: `fits` says
-/// whether some do. Never none: where not even two fit, the one nearest to the middle.
+/// Round values within a range (1, 2 or 5 times a power of ten apart), as many as there is space for: `fits`
+/// says whether some do. Never none: where not even two fit, the one nearest to the middle.
 std::vector<ScaleMark> scale_marks(const Overlays::Range& range,
                                    const std::function<bool(const std::vector<ScaleMark>&)>& fits);
 

@@ -1,4 +1,5 @@
 #pragma once
+
 // A picture while it is put together in light: the painted surface on its background, the shapes that fingers
 // are drawn as, and the dents that they make. make_picture and CpuDrawing draw them plainly; the GPU draws
 // the same shapes (gpu_painting.hpp).
@@ -32,7 +33,7 @@ struct LightPicture {
 
 /// Light of a colour of three bytes.
 glm::vec3 light_of(PackedColour colour);
-/// Of brightness as eyes see it, 0 to 1 a channel, beyond which it is cut off; and the other way round.
+/// Light of brightness as eyes see it, 0 to 1 a channel, beyond which it is cut off; and the other way round.
 glm::vec3 light_of_brightness(const glm::vec3& brightness);
 glm::vec3 brightness_of(const glm::vec3& light);
 
@@ -52,7 +53,7 @@ glm::dmat4 clip_from_pixel(const ViewCamera& camera);
 struct PixelBounds {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
-/// Those that a ball (world, scene units) may cover; nothing where its middle is not in sight.
+/// The pixels that a ball (world, scene units) may cover; nothing where its middle is not in sight.
 std::optional<PixelBounds> bounds_of_ball(const ViewCamera& camera, const glm::dvec3& centre, double radius);
 /// Their corners in clip space: least x and y, greatest x and y; all 0 for nothing.
 glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera& camera);
@@ -95,9 +96,9 @@ struct BallShadow {
     float darkness = 0;  ///< in its middle, 0 to 1
 };
 
-/// Of a finger: on the surface under it, away from the light, the farther the higher the finger is, and then
-/// the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; a radius above it
-/// is 2.5 radii wide, 0.34 dark, and 1.2 radii aside.
+/// The shadow of a finger: on the surface under it, away from the light, the farther the higher the finger
+/// is, and then the wider and the fainter. It closes in to 1.5 radii and 0.75 where the finger touches; a
+/// radius above it is 2.5 radii wide, 0.34 dark, and 1.2 radii aside.
 BallShadow shadow_of(const FingerMark& finger, double radius);
 
 /// What fingers are drawn as, by any painter, in this order.
@@ -126,8 +127,8 @@ struct SurfaceDent {
     double reach = 0;
 };
 
-/// Of the fingers that touch and whose surface gives way (FingerMark::given_way). What is drawn ends at
-/// `most_dented` of a finger's radius. `dents` is written anew.
+/// The dents of the fingers that touch and whose surface gives way (FingerMark::given_way). What is drawn
+/// ends at `most_dented` of a finger's radius. `dents` is written anew.
 inline constexpr double dent_reach = 2.6, most_dented = 1.3;  // radii of a finger
 void shape_dents(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                  std::vector<SurfaceDent>& dents);

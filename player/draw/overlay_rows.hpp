@@ -1,4 +1,5 @@
 #pragma once
+
 // What overlays are made of, row by row: the numbers of a pixel, their places on a scale that does not
 // flicker, and the surface's normals.
 
@@ -16,7 +17,7 @@
 
 namespace touchable {
 
-/// Of pixels without depth: grey in stripes, like nothing else.
+/// The colour of pixels without depth: grey in stripes, like nothing else.
 PackedColour hole_colour(int x, int y);
 
 /// What a pixel has one number of.
@@ -32,8 +33,8 @@ public:
     /// the surface has no depth. Depth as the coding has it (range or planar), height taken off, and height:
     /// scene units. Stiffness N/m.
     void read(int y, float* values);
-    /// Of each pixel of row y: 0 where the surface has no depth, 1 where both frames have it, 2 where one
-    /// has, 3 where one of those that have it was given it by another frame of the clip.
+    /// The state of each pixel of row y: 0 where the surface has no depth, 1 where both frames have it, 2
+    /// where one has, 3 where one of those that have it was given it by another frame of the clip.
     void read_validity(int y, std::uint8_t* states);
     /// Whether a frame was given any by others.
     bool has_filled() const {
@@ -103,7 +104,7 @@ public:
 
     /// Depths of one bin have one place. A bin is up to 1/4096 of its depth wide.
     std::size_t bins() const { return shares_.size(); }
-    /// Of each value of a row its bin; `bins()` of what is NaN.
+    /// The bin of each value of a row; `bins()` where it is NaN.
     void find_bins(const float* depths, int width, std::uint32_t* bins) const;
     /// The share of the pixels that are nearer than those of bin k, and half of those; 0 to 1.
     double share_of_bin(std::size_t k) const { return shares_[k]; }

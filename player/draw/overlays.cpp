@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-// Of classes: told apart by those who do not tell red from green (Okabe and Ito 2008).
+// Colours of classes: different also without telling red from green (Okabe and Ito 2008).
 constexpr PackedColour whole_colour = pack_colour(0, 114, 178), mixed_colour = pack_colour(230, 159, 0),
                        valid_colour = pack_colour(86, 180, 233), rim_colour = pack_colour(213, 94, 0),
                        once_colour = pack_colour(240, 228, 66), filled_colour = pack_colour(204, 121, 167);
@@ -89,7 +89,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
     return seen;
 }
 
-/// Whether a plane of the clip tells it.
+/// Whether a plane of the clip has the values.
 bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
     const auto has = [scalar](const SurfaceFrame& frame) {
         return scalar == Scalar::depth ||
@@ -281,7 +281,7 @@ void Overlays::Painter::paint_validity(const HeightField& field, const FramePair
     if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
     const int width = field.width(), height = field.height();
     const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
-    // Of three rows what read_validity says; beyond the picture there is no hole.
+    // What read_validity says of three rows; beyond the picture there is no hole.
     std::array<std::vector<std::uint8_t>, 3> states;
     const auto line = [&](int y) -> std::vector<std::uint8_t>& {
         return states[static_cast<std::size_t>((y + 3) % 3)];

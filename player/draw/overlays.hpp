@@ -1,4 +1,5 @@
 #pragma once
+
 // Overlays: what a surface is made of, shown by colours, and the scale that says what the colours mean.
 //
 // An `Overlay` is what is shown (depth, stiffness, normals, ...); `overlay_after` reads its name, and steps
@@ -44,10 +45,10 @@ enum class Overlay {
     validity  ///< where there is no depth, what is next to that, and what other frames gave depth to
 };
 
-/// As options and scripts call it.
+/// The name that options and scripts have for it.
 std::string name_of(Overlay overlay);
-/// Of that name; after `now` where there is none, and from the last to the first. Refused (ErrorKind::usage)
-/// with the right names.
+/// The overlay of that name; the one after `now` where the name is empty, and from the last to the first.
+/// Refused (ErrorKind::usage) with the right names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
 /// Makes overlays, frame after frame: what is on the scales is remembered, so that they do not flicker.
@@ -83,7 +84,7 @@ public:
         double share_of(double value) const;
         /// "depth, mm: equalised", over the scale.
         std::string title() const;
-        /// That it is the same everywhere, and whether the clip has a map of it; empty: it is not.
+        /// Says that it is the same everywhere, and whether the clip has a map of it; empty: it is not.
         std::string everywhere() const;
     };
 

@@ -1,4 +1,5 @@
 #pragma once
+
 // Pictures of a surface and of the fingers on it: the module's front door.
 //
 // For one picture, make a painter, let it make the surface of a moment, and put the picture together:

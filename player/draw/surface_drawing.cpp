@@ -284,7 +284,7 @@ Result<void> DeviceDrawing::draw_by_cpu(const GpuCommands& commands, const ViewC
     return {};
 }
 
-/// Of the surface as a camera is shown it; found once for each.
+/// The edges of the surface as a camera is shown it; found once for each surface.
 const SurfaceEdges& DeviceDrawing::edges_of(const GpuCommands& commands, const ViewCamera& camera) {
     if (is_own_view(camera)) {
         edges_->clear();

@@ -77,7 +77,7 @@ ViewCamera view_of(const Sight& sight, const Scene& scene, int width, int height
     return view;
 }
 
-/// Of an orbit's eye: unit vectors to the right, up, and back to the eye from what it looks at.
+/// The axes of an orbit's eye: unit vectors to the right, up, and back to the eye from what it looks at.
 struct Axes {
     glm::dvec3 right, up, back;
 };

@@ -1,9 +1,10 @@
 #pragma once
+
 // From where a surface is looked at, and what is seen at a place of a picture.
 //
 // A `Viewpoint` is what a person says: the clip's own view, or an orbit round the middle of what there is to
 // see (`subject_of`). `parse_viewpoint` reads it; `make_view` makes of it the `ViewCamera` of a picture of
-// some size, `own_view` that of the clip's camera. A picture and whatever asks what is seen in it share one
+// some size, `own_view` that of the clip's camera. A picture and what asks what is seen in it share one
 // camera:
 //
 //     const auto subject = subject_of(field);
@@ -94,7 +95,7 @@ struct ViewCamera {
     std::optional<glm::dvec3> project(const glm::dvec3& world) const;
     /// The world point at a screen position and z > 0.
     glm::dvec3 unproject(double x, double y, double z) const;
-    /// Of sight from the eye, at a screen position: unit length, world.
+    /// The direction of sight at a screen position: unit length, world.
     glm::dvec3 direction(double x, double y) const;
 };
 
@@ -142,7 +143,7 @@ struct PixelValues {
     double height_mm;             ///< the same, as the scene says what its unit is
     HapticProperties properties;  ///< stiffness N/m
 };
-/// Of pixel (x, y), 0 <= x < width, 0 <= y < height. `pair` is what `field` was made of.
+/// The values of pixel (x, y), 0 <= x < width, 0 <= y < height. `pair` is what `field` was made of.
 PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y);
 
 }  // namespace touchable

@@ -134,7 +134,7 @@ private:
     std::vector<std::string> on_, off_;
 };
 
-/// `depth`: where its noise is told, scene units; 0: not known.
+/// `depth`: that the noise is given for, scene units; 0: not known.
 std::string temporal_name(const Scene& scene, double depth) {
     if (!scene.filter.temporal) return "temporal";
     const DepthLength& noise = scene.filter.temporal_noise;

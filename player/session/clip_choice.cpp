@@ -47,7 +47,7 @@ Result<InTheHand> in_the_hand(ClipReader& clip) {
     return hand;
 }
 
-/// What a finger gets of it: no detail is finer than two pixels.
+/// How fine relief can be felt: no detail is finer than two pixels.
 std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
     const double mm = hand.pixel * hand.metres_per_unit * 1000;
     std::string words = formatted(
@@ -120,11 +120,12 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
     apply(choice.fill_holes, filter.fill_holes, unstated.fill_holes);
     apply(choice.terraces, filter.terraces, unstated.terraces);
     if (choice.temporal) apply(*choice.temporal, scene, unstated);
-    // Who asks for it says nothing of its reach.
+    // Enabling terrace removal does not state a reach, so it is measured.
     if ((choice.filters || choice.terraces) && filter.terrace_reach == least_terrace_reach)
         unstated.terrace_reach = true;
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
-    // Levels, which decide whether there is room for terrace removal, and noise are still to be measured.
+    // Levels, which decide whether they are apart enough for terrace removal, and noise are still to be
+    // measured.
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
     without.filter.temporal = false;
@@ -180,7 +181,7 @@ public:
         return frame;
     }
     Result<void> rewind() override { return seek(0); }
-    /// The clip itself is led there only when a frame is wanted that nobody has read.
+    /// The clip itself goes there only when a frame is wanted that no reader has read.
     Result<void> seek(std::int64_t frame) override {
         const auto count = frame_count();
         if (frame < 0 || (count && frame > *count))
@@ -291,7 +292,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
     return painted && reader.ok() ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
 }
 
-/// As it feels by itself.
+/// The clip as it feels without painted materials.
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
@@ -299,7 +300,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const
                        : std::move(reader);
 }
 
-/// Without what is made of it.
+/// The clip without relief and painted materials.
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_stored(Colour colour) const {
     if (!shared_clip) return open_anew(colour);
     return shared_clip->open([this, colour] { return open_anew(colour); });

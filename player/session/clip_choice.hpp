@@ -1,4 +1,5 @@
 #pragma once
+
 // Which clip a run touches, and as what: a file, a stream or a camera, and what a person says of it.
 //
 // A ClipChoice is all of that in plain values. open_chosen opens it: a ClipReader with its readers around it
@@ -103,7 +104,7 @@ public:
     const std::filesystem::path& file() const { return file_; }
     /// All that were kept; once it is finished.
     const Frames& frames() const { return frames_; }
-    /// Of them the last one's number; -1: there is none.
+    /// The number of the last of them; -1: there is none.
     std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
 
 private:

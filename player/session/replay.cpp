@@ -101,7 +101,7 @@ double number(const Json& facts, const char* name) {
     return member<double>(facts, name, "a number");
 }
 
-/// Of versions that did not know it, the default.
+/// Recordings of versions that did not know a member have the default.
 double number_or(const Json& facts, const char* name, double otherwise) {
     return facts.contains(name) ? number(facts, name) : otherwise;
 }
@@ -125,7 +125,7 @@ TouchMetric metric_named(const std::string& name) {
     throw std::out_of_range("metric must be world, pixel or scaled");
 }
 
-/// Of a single depth picture, what stood in for its scene file.
+/// The lens that stood in for the scene file of a single depth picture.
 Intrinsics intrinsics_of(const Json& facts) {
     const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
     if (numbers.size() != 2 && numbers.size() != 4)
@@ -166,7 +166,7 @@ std::vector<DroppedFrames> dropped_frames(const Json& facts) {
     return dropped;
 }
 
-/// Of a camera: its frames, in the order of its film.
+/// The frames of a camera, in the order of its film.
 CameraCapture::Frames filmed_frames(const Json& facts) {
     constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
     const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);

@@ -1,4 +1,5 @@
 #pragma once
+
 // What is kept and told of a run: the figures of its report, the facts that its recording keeps, and whether
 // a replay's forces came out the same to the bit.
 //
@@ -39,7 +40,7 @@ public:
     /// hand's, and so counts as put in by the surface, as the guard's ramp does.
     class SentEnergy {
     public:
-        /// Of a tick: the guard's books up to it, and the share of its force that is sent and held. As long
+        /// Takes the guard's books up to a tick, and the share of its force that is sent and held. As long
         /// as all is sent, the figures are the guard's own to the bit.
         void take(const EnergyFigures& guarded, double share);
         const EnergyFigures& figures() const { return sent_; }
@@ -71,7 +72,7 @@ private:
     nlohmann::ordered_json energy_mj() const;
     nlohmann::ordered_json hole_contact() const;
 
-    /// Of those that were led somewhere, or touched.
+    /// The fingers that were led somewhere, or touched.
     std::int64_t fingers_led() const;
 
     std::int64_t ticks_ = 0;
@@ -80,7 +81,7 @@ private:
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;
-    // That the clip asked for in contact, N/m.
+    // What the clip asked for in contact, N/m.
     double largest_stiffness_ = 0, smallest_stiffness_ = std::numeric_limits<double>::infinity();
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
@@ -103,7 +104,7 @@ private:
 /// hash.
 nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
 
-/// Of which frames the `planes_hash` of such facts is; nothing where they do not say. Throws
+/// The frames that the `planes_hash` of such facts is of; nothing where they do not say. Throws
 /// std::out_of_range, with the member's name, where what they say cannot be.
 std::optional<std::vector<FrameRun>> built_frames(const nlohmann::ordered_json& facts);
 

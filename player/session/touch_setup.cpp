@@ -42,7 +42,7 @@ std::optional<std::int64_t> number_of(const std::string& word, double per_unit) 
     return static_cast<std::int64_t>(value * per_unit + 0.5);
 }
 
-/// Of one line's words; a text is why not.
+/// Reads one line's words; a text says why not.
 std::optional<std::string> read_words(const std::vector<std::string>& words, PlaybackCommand& command) {
     const auto tick = number_of(words[0], thousandths);
     if (!tick) return in_quotes(words[0]) + " must be a time in seconds, 0 to 1e6";
@@ -141,7 +141,7 @@ Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const Session
     return {};
 }
 
-/// As many fingers as the hand or the device has, `of` whose name they are.
+/// The run has as many fingers as `of`, a hand or a device.
 Result<void> take_fingers(int fingers, const std::string& of, const SessionOptions& options,
                           TouchSetup& setup) {
     if (options.fingers != 1 && options.fingers != fingers)
@@ -184,7 +184,7 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
         {{Setting::seconds}});
 }
 
-/// Where a device stands over the clip: as somebody says, as the clip's first frame says, or fitted to what
+/// Where a device stands over the clip: as the options say, as the clip's first frame says, or fitted to what
 /// the device reaches.
 Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     if (options.workspace) {
@@ -234,7 +234,7 @@ void keep_within(const DeviceLimits& can, GuardSettings& guard) {
     guard.max_stiffness = std::min(guard.max_stiffness, can.max_stiffness);
 }
 
-/// Of a device that a person holds: as many fingers as it has handles.
+/// A device that a person holds has a finger for each handle.
 Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.held_device) return {};
     const int fingers = options.held_device->fingers();

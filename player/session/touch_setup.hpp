@@ -1,4 +1,5 @@
 #pragma once
+
 // What a run is made of, in words that options, a window and a recording share; and a live run with a
 // watcher.
 //
@@ -59,7 +60,7 @@ public:
     explicit RunGpu(std::string request, std::vector<std::string> window_extensions = {})
         : request_(std::move(request)), window_extensions_(std::move(window_extensions)) {}
     Result<std::shared_ptr<GpuDevice>> open();
-    /// What it calls itself; empty before it is open.
+    /// The name that the GPU gives; empty before it is open.
     std::string name() const;
 
 private:
@@ -114,10 +115,10 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
 
 /// What a person may have set to give these commands.
 Hints settings_of(const std::vector<PlaybackCommand>& commands);
-/// As such lines, with ", " between them.
+/// The commands as such lines, with ", " between them.
 std::string in_words(const std::vector<PlaybackCommand>& commands);
 
-/// What a run is made of: what is touched, by whom, and how forces come about.
+/// What a run is made of: what is touched, with what, and how forces come about.
 struct SessionOptions {
     ClipChoice clip;
     std::string hand = "wander";  ///< as make_hand reads it
@@ -140,7 +141,7 @@ struct SessionOptions {
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
     std::shared_ptr<HapticDevice> held_device;
-    /// Of that device: asks for its forces, repositions it. Nothing: it is there as it is, with all forces.
+    /// Asks for that device's forces, repositions it. Nothing: it is there as it is, with all forces.
     std::shared_ptr<HandControl> control;
     std::optional<glm::dmat4> world_from_camera;  ///< rigid, metres: that device's places are the world's
     double hand_scale = 1;                        ///< a finger's way for that of the hand, of the fitted one
@@ -177,8 +178,8 @@ struct TouchSetup {
     std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
     std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
     std::shared_ptr<HandControl> control;       ///< of that device; nothing: it is there as it is
-    /// Of a device that has motors; nullptr: no force reaches a person's hand, and what is told is the
-    /// scene's.
+    /// The control of a device that has motors; nullptr: no force reaches a person's hand, and what is
+    /// reported is the scene's force.
     const HandControl* exerting_control() const {
         return control && held_device->capabilities().axes_driven > 0 ? control.get() : nullptr;
     }
@@ -188,7 +189,7 @@ struct TouchSetup {
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
     std::vector<DroppedFrames> dropped{};  ///< that a recorded run left out
-    /// That a filter with a memory sees before an epoch's first frame.
+    /// How many frames a filter with a memory sees before an epoch's first.
     int warm_up_frames = temporal_warm_up_frames;
     bool live = false;  ///< on the wall clock, or recorded so
 
@@ -273,7 +274,7 @@ public:
     Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
     /// Whether a command is still to take effect; after the end it never will.
     bool is_asked() const { return log_->is_waiting(); }
-    /// That have taken effect so far.
+    /// How many have taken effect so far.
     std::size_t commands() const { return log_->size(); }
     /// What the hand was at last; nothing before the first tick. Waits for nothing but a copy of the same.
     const WatchedMoment* look();

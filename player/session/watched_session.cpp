@@ -58,7 +58,7 @@ public:
         return works;
     }
 
-    /// All of it where the device has no motors: what is told is the scene's then.
+    /// All of it where the device has no motors: what is reported is the scene's force then.
     double share(std::size_t finger) const override {
         if (!has_motors_) return 1;
         return has_place(finger) ? control_.share(finger) : 0;
