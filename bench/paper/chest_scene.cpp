@@ -55,7 +55,7 @@ RawFrame noisy_chest_frame(const Scene& scene, double noise_levels, std::int64_t
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x)
             ranges.push_back(chest_range(scene.camera, x, y) + deviation * normal(random));
-    auto planes = std::make_shared<FramePlanes>();
+    auto planes = std::make_shared<AnalyticScene::Planes>();
     RowBands rows(1);
     quantise(scene, ranges, rows, *planes);
     return view_of(std::move(planes), scene, number);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct GlobeSphere {
 
 using MadeScene = Result<std::unique_ptr<AnalyticScene>>;
 
+/// An error of kind usage that names the scene.
+Error refuse_scene(std::string_view name, const std::string& what);
+
 MadeScene make_globe(std::string_view name, const SceneOptions& options);
 MadeScene make_height_field(std::string_view name, const SceneOptions& options);
 MadeScene make_primitive(std::string_view name, const SceneOptions& options);
@@ -30,7 +34,7 @@ MadeScene make_noise(std::string_view name, const SceneOptions& options);
 /// What every family starts from: name, size, bits, code_max; camera and planes are still to be set.
 Scene blank_scene(std::string_view name, const SceneOptions& options);
 
-/// That share work on so many pixels: as SceneOptions has them, or as many as pay.
+/// How many threads share work on so many pixels: as SceneOptions has them, or as many as pay.
 int threads_for_pixels(int threads, std::int64_t pixels);
 
 /// The camera of the height fields and primitives: 200 mm wide at 1000 mm, metres_per_unit 0.001, device one
@@ -51,9 +55,11 @@ inline constexpr double globe_device_radius = 0.032;
 std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows);
 
 /// Writes each depth's nearest code as the scene's plane of 8 or 16 bits.
-void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes);
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows,
+              AnalyticScene::Planes& planes);
 
 /// The planes seen as a frame that keeps them alive.
-RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number);
+RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scene& scene,
+                 std::int64_t number);
 
 }  // namespace touchable

@@ -1,14 +1,16 @@
+// What maps a globe can be made of, and where their shore is.
 #include "engine/content/globe_maps.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <string>
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/content/mapped_ground.hpp"
 
 namespace touchable {
 namespace {
@@ -127,13 +129,8 @@ double mask_brightness(const GlobeMap& mask, int x, int y) {
     return sum;
 }
 
-bool is_land(const GlobeMap& mask, const Shore& shore, int x, int y) {
+bool is_land(const GlobeMap& mask, const GlobeMaps::Shore& shore, int x, int y) {
     return (mask_brightness(mask, x, y) > shore.mask_middle) == shore.bright_is_land;
-}
-
-MapPlace map_place(const glm::dvec3& direction) {
-    const double length = std::sqrt(glm::dot(direction, direction));
-    return {0.5 + arctangent2(direction.x, direction.z) / (2 * pi), 0.5 - arcsine(direction.y / length) / pi};
 }
 
 Result<void> check_globe_maps(const GlobeMaps& maps) {
@@ -142,9 +139,8 @@ Result<void> check_globe_maps(const GlobeMaps& maps) {
         return input_error("the elevation map has colours; must be grey");
     for (const auto& [map, which] : {std::pair{&maps.colour, "colour"},
                                      std::pair{&maps.elevation, "elevation"}, std::pair{&maps.mask, "mask"}})
-        if (auto checked = check_map(*map, which); !checked.ok()) return checked;
-    if (!maps.haptic.empty())
-        if (auto checked = check_map(maps.haptic, "haptic"); !checked.ok()) return checked;
+        TRY(check_map(*map, which));
+    if (!maps.haptic.empty()) TRY(check_map(maps.haptic, "haptic"));
     if (!maps.colour.values.empty() || !maps.haptic.values.empty())
         return input_error(std::string("the ") + (maps.colour.values.empty() ? "haptic" : "colour") +
                            " map holds numbers; must be a picture of 8 or 16 bits");
@@ -159,13 +155,14 @@ Result<void> check_globe_maps(const GlobeMaps& maps) {
     return {};
 }
 
-Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::optional<double> told) {
+Result<GlobeMaps::Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask,
+                                    std::optional<double> given) {
     const Range light = range_of(mask, [&](int x, int y) { return mask_brightness(mask, x, y); });
     const Range heights = range_of(elevation, [&](int x, int y) { return elevation.at(x, y, 0); });
     if (!(light.least < light.most))
         return input_error("the mask map is the same everywhere; must tell land from ocean");
     if (!(heights.least < heights.most)) return input_error("the elevation map is level everywhere");
-    Shore shore;
+    GlobeMaps::Shore shore;
     shore.mask_middle = 0.5 * (light.least + light.most);
     shore.top = heights.most;
     const std::vector<Sample> samples = samples_of(elevation, mask, shore.mask_middle);
@@ -174,8 +171,8 @@ Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::o
             "the elevation map has too few numbers to find land by; must have them all over the globe");
 
     double sense = 0;
-    if (told) {
-        shore.sea_level = *told;
+    if (given) {
+        shore.sea_level = *given;
         sense = areas_at(samples, shore.sea_level).sense();
     } else {
         each_level(samples, [&](double, const Areas& areas) {
@@ -194,7 +191,7 @@ Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::o
     constexpr double least_sense = 0.6;
     if (std::fabs(sense) < least_sense)
         return input_error(std::string("the elevation map and the mask do not agree where land is: at ") +
-                           (told ? "" : "the best ") + "sea level, " + level + ", on " +
+                           (given ? "" : "the best ") + "sea level, " + level + ", on " +
                            percent(shore.agreement) +
                            " of the globe; must both have longitude -180 to 180 degrees from left to right, "
                            "and north up");

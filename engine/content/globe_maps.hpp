@@ -5,10 +5,8 @@
 // pixels, which have to outlive the scene's making.
 //
 // check_globe_maps refuses what no globe can be made of, find_shore finds the sea level and which side of the
-// mask is land. between_pixels reads a map between its pixels, over the date line and the poles. Pure
-// functions, for any thread.
+// mask is land. Both only read, for any thread.
 
-#include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 
@@ -35,29 +33,17 @@ struct GlobeMap {
     }
 };
 
-/// A place on a globe, each from 0 to 1: from west to east, and from north to south.
-struct MapPlace {
-    double east, south;
-};
-/// Of a direction of any length but 0 in the globe's own frame: +Y north, +Z longitude 0, +X 90 degrees east.
-MapPlace map_place(const glm::dvec3& direction);
-
-/// Bilinear between the pixels of one channel, across the date line and the poles too. `value` is what counts
-/// of a pixel: value(x, y).
-template <class Value>
-double between_pixels(const GlobeMap& map, const MapPlace& place, Value&& value);
-
-/// Where the ocean ends.
-struct Shore {
-    double sea_level = 0;         ///< elevation up to this, land or not, is level with the ocean
-    double top = 0;               ///< the highest elevation, above it
-    bool bright_is_land = false;  ///< in the mask
-    double mask_middle = 0;       ///< of the mask's range; what is brighter is bright
-    double agreement = 0;         ///< share of the globe's area where mask and elevation say the same
-};
-
-/// The maps that a globe is made of, and what is told of them.
+/// The maps that a globe is made of, and what is known of them.
 struct GlobeMaps {
+    /// Where the ocean ends.
+    struct Shore {
+        double sea_level = 0;         ///< elevation up to this, land or not, is level with the ocean
+        double top = 0;               ///< the highest elevation, above it
+        bool bright_is_land = false;  ///< in the mask
+        double mask_middle = 0;       ///< of the mask's range; what is brighter is bright
+        double agreement = 0;         ///< share of the globe's area where mask and elevation say the same
+    };
+
     GlobeMap colour;     ///< 3 channels, or 1
     GlobeMap elevation;  ///< 1 channel, in any unit
     GlobeMap mask;       ///< land and ocean, told apart by half of its range
@@ -67,39 +53,13 @@ struct GlobeMaps {
     double smoothing_degrees = 1;  ///< what is narrower is in the height plane, not in the shape; 0 to 10
 };
 
-/// Of all channels of a pixel together.
-double mask_brightness(const GlobeMap& mask, int x, int y);
-/// What the mask says of a pixel.
-bool is_land(const GlobeMap& mask, const Shore& shore, int x, int y);
-
 /// Refuses what no globe can be made of: a map that is missing, of the wrong kind, or not twice as wide as
 /// high, within a hundredth, and a relief or smoothing out of range. Does not look at the shore.
 Result<void> check_globe_maps(const GlobeMaps& maps);
 
-/// The sea level, unless it is told (in the elevation map's own unit), and the sense of the mask by which
+/// The sea level, unless it is given (in the elevation map's own unit), and the sense of the mask by which
 /// both maps agree best. Refused where they do not agree. The maps are of shapes that check_globe_maps takes.
-Result<Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask, std::optional<double> told);
-
-template <class Value>
-double between_pixels(const GlobeMap& map, const MapPlace& place, Value&& value) {
-    const double column = place.east * map.width - 0.5, row = place.south * map.height - 0.5;
-    const double left = column < 0 ? -1 : static_cast<int>(column),
-                 upper = row < 0 ? -1 : static_cast<int>(row);
-    const double right_share = column - left, lower_share = row - upper;
-    // Beyond a pole lies the same row, half a turn further.
-    const auto pixel = [&](int x, int y) {
-        if (y < 0 || y >= map.height) {
-            y = y < 0 ? 0 : map.height - 1;
-            x += map.width / 2;
-        }
-        if (x < 0) x += map.width;
-        if (x >= map.width) x -= map.width;
-        return static_cast<double>(value(x, y));
-    };
-    const int x = static_cast<int>(left), y = static_cast<int>(upper);
-    const double above = (1 - right_share) * pixel(x, y) + right_share * pixel(x + 1, y);
-    const double below = (1 - right_share) * pixel(x, y + 1) + right_share * pixel(x + 1, y + 1);
-    return (1 - lower_share) * above + lower_share * below;
-}
+Result<GlobeMaps::Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask,
+                                    std::optional<double> given);
 
 }  // namespace touchable

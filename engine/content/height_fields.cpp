@@ -1,3 +1,4 @@
+// Height fields, and the strokes over them and over the globe.
 #include "engine/content/height_fields.hpp"
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// amplitude sin(2 pi (kx x + ky y)/period + phase); lengths in scene units (millimetres).
@@ -48,35 +48,6 @@ Slope slope_at(const Waves& waves, double x, double y) {
     return sum;
 }
 
-class HeightFieldScene final : public AnalyticScene {
-public:
-    HeightFieldScene(Scene scene, Relief relief) : AnalyticScene(std::move(scene)), relief_(relief) {}
-
-    double depth(double x, double y, double t) const override;
-    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                        double t) const override;
-
-private:
-    bool moves() const override { return relief_ == Relief::moving; }
-    Relief relief_;
-};
-
-/// d = 1000 - b(d u, d v): the left side less the right grows with d as long as |slope| |(u, v)| < 1, so
-/// there is one root and Newton finds it.
-double HeightFieldScene::depth(double x, double y, double t) const {
-    const Waves& waves = waves_of(relief_);
-    const double u = scene().camera.u(x), v = scene().camera.v(y),
-                 base = tabletop_distance - lift(relief_, t);
-    double d = base;
-    for (int round = 0; round < 32; ++round) {
-        const Slope s = slope_at(waves, d * u, d * v);
-        const double step = (d - base + s.b) / (1 + u * s.bx + v * s.by);
-        d -= step;
-        if (std::fabs(step) <= 1e-12) break;
-    }
-    return d;
-}
-
 struct Step {
     double x, y;
 };
@@ -93,39 +64,63 @@ Step descent_step(const ReliefPoint& s, double dx, double dy, double dz) {
     return length <= longest ? step : Step{step.x / length * longest, step.y / length * longest};
 }
 
-std::optional<SurfaceTruth> HeightFieldScene::closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                                      double t) const {
-    const auto half_square = [&](double x, double y, double z) {
-        const double dx = x - goal.x, dy = y - goal.y, dz = z - goal.z;
-        return 0.5 * (dx * dx + dy * dy + dz * dz);
-    };
-    double x = start.x, y = start.y;
-    ReliefPoint s = relief_at(relief_, x, y, t);
-    double value = half_square(x, y, s.z);
-    for (int round = 0; round < 20000; ++round) {
-        Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
-        double length = std::sqrt(step.x * step.x + step.y * step.y);
-        bool taken = false;
-        for (int halving = 0; halving < 40 && !taken; ++halving) {
-            const ReliefPoint next = relief_at(relief_, x + step.x, y + step.y, t);
-            const double next_value = half_square(x + step.x, y + step.y, next.z);
-            // The last, quadratic steps lower the distance by less than its own rounding.
-            taken = next_value < value || length < 1e-6;
-            if (taken) {
-                x += step.x;
-                y += step.y;
-                s = next;
-                value = next_value;
-            } else {
-                step = {0.5 * step.x, 0.5 * step.y};
-                length *= 0.5;
-            }
+class HeightFieldScene final : public AnalyticScene {
+public:
+    HeightFieldScene(Scene scene, Relief relief) : AnalyticScene(std::move(scene)), relief_(relief) {}
+
+    /// d = 1000 - b(d u, d v): the left side less the right grows with d as long as |slope| |(u, v)| < 1, so
+    /// there is one root and Newton finds it.
+    double depth(double x, double y, double t) const override {
+        const Waves& waves = waves_of(relief_);
+        const double u = scene().camera.u(x), v = scene().camera.v(y),
+                     base = tabletop_distance - lift(relief_, t);
+        double d = base;
+        for (int round = 0; round < 32; ++round) {
+            const Slope s = slope_at(waves, d * u, d * v);
+            const double step = (d - base + s.b) / (1 + u * s.bx + v * s.by);
+            d -= step;
+            if (std::fabs(step) <= 1e-12) break;
         }
-        if (length < 1e-12) break;
+        return d;
     }
-    const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
-    return SurfaceTruth{{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
-}
+    std::optional<AnalyticScene::Truth> closest(const glm::dvec3& goal, const glm::dvec3& start,
+                                                double t) const override {
+        const auto half_square = [&](double x, double y, double z) {
+            const double dx = x - goal.x, dy = y - goal.y, dz = z - goal.z;
+            return 0.5 * (dx * dx + dy * dy + dz * dz);
+        };
+        double x = start.x, y = start.y;
+        ReliefPoint s = relief_at(relief_, x, y, t);
+        double value = half_square(x, y, s.z);
+        for (int round = 0; round < 20000; ++round) {
+            Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
+            double length = std::sqrt(step.x * step.x + step.y * step.y);
+            bool taken = false;
+            for (int halving = 0; halving < 40 && !taken; ++halving) {
+                const ReliefPoint next = relief_at(relief_, x + step.x, y + step.y, t);
+                const double next_value = half_square(x + step.x, y + step.y, next.z);
+                // The last, quadratic steps lower the distance by less than its own rounding.
+                taken = next_value < value || length < 1e-6;
+                if (taken) {
+                    x += step.x;
+                    y += step.y;
+                    s = next;
+                    value = next_value;
+                } else {
+                    step = {0.5 * step.x, 0.5 * step.y};
+                    length *= 0.5;
+                }
+            }
+            if (length < 1e-12) break;
+        }
+        const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
+        return Truth{{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
+    }
+
+private:
+    bool moves() const override { return relief_ == Relief::moving; }
+    Relief relief_;
+};
 
 constexpr double tick_seconds = 0.001;
 
@@ -183,9 +178,9 @@ MadeScene make_height_field(std::string_view name, const SceneOptions& options) 
     // The roughest slope is 1.6 along Y: beyond four times as high as wide a ray could meet the surface
     // twice.
     if (options.height > 4 * options.width)
-        return usage_error("scene '" + std::string(name) + "': a picture of " +
-                           std::to_string(options.width) + "x" + std::to_string(options.height) +
-                           " is too tall; its height must be at most 4 widths");
+        return refuse_scene(name, "a picture of " + std::to_string(options.width) + "x" +
+                                      std::to_string(options.height) +
+                                      " is too tall; its height must be at most 4 widths");
     const Relief relief = name == "rough" ? Relief::rough : name == "moving" ? Relief::moving : Relief::bumps;
     const double reach = relief == Relief::moving ? 40 : 20;
     Scene scene = tabletop_scene(name, options, tabletop_distance - reach, tabletop_distance + reach);

@@ -1,7 +1,7 @@
 #pragma once
 
-/// Paths of a goal that tests and benchmarks share (docs/scenes.md), one goal per tick of 1 ms, world, scene
-/// units.
+// The height fields' surfaces, and the paths of a goal that tests and benchmarks share (docs/scenes.md): one
+// goal per tick of 1 ms, world, scene units.
 
 #include <cstdint>
 #include <glm/vec3.hpp>

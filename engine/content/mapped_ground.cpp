@@ -1,9 +1,9 @@
+// A globe of maps: lakes, shape, colours and what is felt, from the maps' pixels.
 #include "engine/content/mapped_ground.hpp"
 
 #include "engine/base/try.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// The tangent of an evened one, 0 to 1, by Newton; `evened` rises everywhere there.
@@ -241,7 +241,7 @@ private:
     }
 
     const GlobeMaps& maps_;
-    const Shore& shore_;
+    const GlobeMaps::Shore& shore_;
     const std::vector<bool> lakes_;
 };
 
@@ -353,6 +353,11 @@ double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, in
 }
 
 }  // namespace
+
+MapPlace map_place(const glm::dvec3& direction) {
+    const double length = std::sqrt(glm::dot(direction, direction));
+    return {0.5 + arctangent2(direction.x, direction.z) / (2 * pi), 0.5 - arcsine(direction.y / length) / pi};
+}
 
 CubeGrid::CubeGrid(int cells)
     : cells_(cells),

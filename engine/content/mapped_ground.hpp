@@ -1,5 +1,8 @@
 #pragma once
 
+// What a globe of maps is made of: maps read between their pixels, values all over a sphere on the grids of a
+// cube, a sphere with relief and where a ray meets it, and the smooth ground under mountains.
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +20,42 @@
 #include "engine/content/globe_maps.hpp"
 
 namespace touchable {
+
+/// Of all channels of a pixel together.
+double mask_brightness(const GlobeMap& mask, int x, int y);
+/// What the mask says of a pixel.
+bool is_land(const GlobeMap& mask, const GlobeMaps::Shore& shore, int x, int y);
+
+/// A place on a globe, each from 0 to 1: from west to east, and from north to south.
+struct MapPlace {
+    double east, south;
+};
+/// Of a direction of any length but 0 in the globe's own frame: +Y north, +Z longitude 0, +X 90 degrees east.
+MapPlace map_place(const glm::dvec3& direction);
+
+/// Bilinear between the pixels of one channel, across the date line and the poles too. `value` is what counts
+/// of a pixel: value(x, y).
+template <class Value>
+double between_pixels(const GlobeMap& map, const MapPlace& place, Value&& value) {
+    const double column = place.east * map.width - 0.5, row = place.south * map.height - 0.5;
+    const double left = column < 0 ? -1 : static_cast<int>(column),
+                 upper = row < 0 ? -1 : static_cast<int>(row);
+    const double right_share = column - left, lower_share = row - upper;
+    // Beyond a pole lies the same row, half a turn further.
+    const auto pixel = [&](int x, int y) {
+        if (y < 0 || y >= map.height) {
+            y = y < 0 ? 0 : map.height - 1;
+            x += map.width / 2;
+        }
+        if (x < 0) x += map.width;
+        if (x >= map.width) x -= map.width;
+        return static_cast<double>(value(x, y));
+    };
+    const int x = static_cast<int>(left), y = static_cast<int>(upper);
+    const double above = (1 - right_share) * pixel(x, y) + right_share * pixel(x + 1, y);
+    const double below = (1 - right_share) * pixel(x, y + 1) + right_share * pixel(x + 1, y + 1);
+    return (1 - lower_share) * above + lower_share * below;
+}
 
 namespace cube_grid {
 

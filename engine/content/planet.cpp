@@ -1,3 +1,4 @@
+// A planet of seeded noise, and the light on it.
 #include "engine/content/planet.hpp"
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <vector>
 
 namespace touchable {
-
 namespace {
 
 constexpr double land_share = 0.38;

@@ -1,7 +1,7 @@
 #pragma once
 
-/// How the planet looks. Colours are linear light, 0 to 1; only the picture, never the touch, depends on
-/// them.
+// The procedural planet: what lies where on it, and how that looks. Colours are linear light, 0 to 1; only
+// the picture, never the touch, depends on them.
 
 #include <array>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Scenes by their names, what their families share, and their frames.
 #include "engine/content/scenes.hpp"
 
 #include <algorithm>
@@ -11,7 +12,6 @@
 #include "engine/content/families.hpp"
 
 namespace touchable {
-
 namespace {
 
 struct Family {
@@ -34,9 +34,7 @@ Error unknown(std::string_view name) {
 }
 
 Result<void> check(std::string_view name, const SceneOptions& options) {
-    const auto refuse = [&](std::string what) {
-        return usage_error("scene '" + std::string(name) + "': " + what);
-    };
+    const auto refuse = [&](const std::string& what) { return refuse_scene(name, what); };
     if (options.width < 2 || options.width > 16384 || options.height < 2 || options.height > 16384)
         return refuse("size " + std::to_string(options.width) + "x" + std::to_string(options.height) +
                       " is impossible; each side must be 2 to 16384 pixels");
@@ -75,14 +73,13 @@ double pixel_width(const Preset& preset, int width) {
 
 PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_per_sample, int channels) {
     if (!present) return {};
-    PlaneView view;
-    view.data = static_cast<const std::uint8_t*>(data);
-    view.width = scene.width;
-    view.height = scene.height;
-    view.bytes_per_sample = bytes_per_sample;
-    view.channels = channels;
-    view.stride = static_cast<std::ptrdiff_t>(scene.width) * bytes_per_sample * channels;
-    return view;
+    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(scene.width) * bytes_per_sample * channels;
+    return {static_cast<const std::uint8_t*>(data),
+            stride,
+            scene.width,
+            scene.height,
+            bytes_per_sample,
+            channels};
 }
 
 }  // namespace
@@ -95,8 +92,8 @@ int AnalyticScene::threads_of_a_frame() const {
     return threads_for_pixels(threads_, std::int64_t{scene_.width} * scene_.height);
 }
 
-std::shared_ptr<const FramePlanes> AnalyticScene::planes(double t) const {
-    auto made = std::make_shared<FramePlanes>();
+std::shared_ptr<const AnalyticScene::Planes> AnalyticScene::planes(double t) const {
+    auto made = std::make_shared<AnalyticScene::Planes>();
     RowBands rows(threads_of_a_frame());
     const std::vector<double> depths = sample_depths(*this, t, rows);
     quantise(scene_, depths, rows, *made);
@@ -121,13 +118,17 @@ void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
         static_cast<std::size_t>(out.validity_words_per_row()) * static_cast<std::size_t>(out.height), 0);
     for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) out.validity_row(y)[x >> 5] |= std::uint32_t{1} << (x & 31);
-    auto touch = std::make_shared<FramePlanes>();
+    auto touch = std::make_shared<AnalyticScene::Planes>();
     RowBands rows(threads_of_a_frame());
     std::vector<double> depths = sample_depths(*this, t, rows);
     paint(t, depths, rows, *touch);
     copy_touch_planes(view_of(std::move(touch), scene_, n), out);
     out.raw = {};
     out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
+}
+
+Error refuse_scene(std::string_view name, const std::string& what) {
+    return usage_error("scene '" + std::string(name) + "': " + what);
 }
 
 int threads_for_pixels(int threads, std::int64_t pixels) {
@@ -212,7 +213,8 @@ std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands
     return depths;
 }
 
-void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows, FramePlanes& planes) {
+void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows,
+              AnalyticScene::Planes& planes) {
     const auto fill = [&](auto& codes) {
         codes.resize(depths.size());
         const auto width = static_cast<std::size_t>(scene.width);
@@ -229,7 +231,8 @@ void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& r
         fill(planes.depth16);
 }
 
-RawFrame view_of(std::shared_ptr<const FramePlanes> planes, const Scene& scene, std::int64_t number) {
+RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scene& scene,
+                 std::int64_t number) {
     RawFrame frame;
     frame.number = number;
     frame.time_ns = scene.rate.time_ns(number);

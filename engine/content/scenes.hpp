@@ -43,28 +43,26 @@ struct SceneOptions {
     bool properties = false;                ///< globe: rotating planet with land and ocean, heights, friction
     const GlobeMaps* maps = nullptr;  ///< globe with properties: in place of the planet, until it is made
     double seconds_per_turn = 12;     ///< globe with properties: above 0
-    std::optional<double> axial_tilt_degrees{};       ///< likewise: of the pole from upright, -90 to 90
-    std::optional<double> first_longitude_degrees{};  ///< likewise: that faces the camera at time 0
+    std::optional<double> axial_tilt_degrees{};       ///< the same: of the pole from upright, -90 to 90
+    std::optional<double> first_longitude_degrees{};  ///< the same: that faces the camera at time 0
     FrameRate rate{};                                 ///< frames come evenly
     int threads = 0;  ///< that share a frame's rows; 0: one for each core. No bit depends on them
-};
-
-/// The analytic surface's nearest point to a goal under it, and the outward unit normal there.
-struct SurfaceTruth {
-    glm::dvec3 point, normal;
-};
-
-/// The planes of one generated frame, row-major; colour and haptic interleaved by three. Empty: no such
-/// plane.
-struct FramePlanes {
-    std::vector<std::uint8_t> depth8;    ///< 8-bit codes
-    std::vector<std::uint16_t> depth16;  ///< codes of 9 to 16 bits
-    std::vector<std::uint8_t> colour, haptic, height;
 };
 
 /// A scene whose surface is known in closed form (docs/scenes.md). Everything is the same bits everywhere.
 class AnalyticScene {
 public:
+    /// The surface's nearest point to a goal under it, and the outward unit normal there.
+    struct Truth {
+        glm::dvec3 point, normal;
+    };
+    /// The planes of one frame, row-major; colour and haptic interleaved by three. Empty: no such plane.
+    struct Planes {
+        std::vector<std::uint8_t> depth8;    ///< 8-bit codes
+        std::vector<std::uint16_t> depth16;  ///< codes of 9 to 16 bits
+        std::vector<std::uint8_t> colour, haptic, height;
+    };
+
     virtual ~AnalyticScene() = default;
     const Scene& scene() const { return scene_; }
     /// Time of frame n in seconds: the scene's integer nanoseconds, divided once.
@@ -79,8 +77,10 @@ public:
     /// Nearest surface point to `goal`, searched by descent from `start` (a point on or near the surface)
     /// where the surface has several. Nothing for scenes without a truth: noise, cliffs, grain, the planet's
     /// relief, and a globe of maps, whose facets between pixels have no tangent.
-    virtual std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                                double t) const = 0;
+    virtual std::optional<Truth> closest(const glm::dvec3& /*goal*/, const glm::dvec3& /*start*/,
+                                         double /*t*/) const {
+        return std::nullopt;
+    }
 
     /// All planes of frame n, quantised.
     RawFrame frame(std::int64_t n) const;
@@ -96,17 +96,17 @@ protected:
 private:
     /// Adds colour, haptic and height planes at time t, where the scene has them, whose depths are these.
     virtual void paint(double /*t*/, const std::vector<double>& /*depths*/, RowBands& /*rows*/,
-                       FramePlanes& /*planes*/) const {}
+                       Planes& /*planes*/) const {}
     /// False where every frame is the same picture.
     virtual bool moves() const { return false; }
-    std::shared_ptr<const FramePlanes> planes(double t) const;
+    std::shared_ptr<const Planes> planes(double t) const;
     int threads_of_a_frame() const;
     friend Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view, const SceneOptions&);
 
     Scene scene_;
     int threads_ = 0;                    // as SceneOptions has them
     mutable std::once_flag still_once_;  // a picture that never changes is made once
-    mutable std::shared_ptr<const FramePlanes> still_;
+    mutable std::shared_ptr<const Planes> still_;
 };
 
 /// "globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs", "grain".

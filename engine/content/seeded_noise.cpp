@@ -1,10 +1,10 @@
+// Gradient noise.
 #include "engine/content/seeded_noise.hpp"
 
 #include <cmath>
 #include <utility>
 
 namespace touchable {
-
 namespace {
 
 /// Turns an octave off the lattice of the one before, so that their zeros do not meet.

@@ -1,5 +1,11 @@
 #pragma once
 
+// Numbers drawn by lot that are the same on every machine: single ones, and smooth noise in space.
+//
+// SplitMix64 gives numbers one by one from a seed, mix64 one of a given number, so that pixels can be drawn
+// in any order. GradientNoise is smooth in space, in octaves or with ridges. A SplitMix64 is used by one
+// thread, a GradientNoise by any number.
+
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Primitives and noise.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +10,6 @@
 #include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
-
 namespace {
 
 double square(double a) {
@@ -25,9 +25,9 @@ public:
         const double u = scene().camera.u(x), v = scene().camera.v(y);
         return tabletop_distance * normal_.z / (normal_.z - normal_.x * u - normal_.y * v);
     }
-    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
+    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
         const double above = glm::dot(normal_, goal - glm::dvec3(0, 0, -tabletop_distance));
-        return SurfaceTruth{goal - above * normal_, normal_};
+        return Truth{goal - above * normal_, normal_};
     }
 
 private:
@@ -52,9 +52,8 @@ public:
 
     /// Of the nearest point of each ball and of the wall, the nearest; whether the camera sees it is not
     /// asked.
-    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                        double) const override {
-        SurfaceTruth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
+    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3& start, double) const override {
+        Truth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
         double least = std::fabs(goal.z + wall);
         for (const Ball& ball : balls) {
             const glm::dvec3 outward = goal == ball.centre ? start - ball.centre : goal - ball.centre;
@@ -93,8 +92,8 @@ public:
         return band_depth(static_cast<int>(std::clamp(band, 0.0, bands - 1.0)));
     }
 
-    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
-        SurfaceTruth best{};
+    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
+        Truth best{};
         double least = -1;
         for (int band = 0; band < bands; ++band) {
             const double d = band_depth(band);
@@ -122,7 +121,7 @@ private:
         return scene().camera.u(static_cast<double>(band) * scene().width / bands - 0.5);
     }
     /// Keeps the nearest point of one straight piece, from its left end to its right as the camera sees it.
-    static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, SurfaceTruth& best) {
+    static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, Truth& best) {
         const double dx = b.x - a.x, dd = b.d - a.d, squared = dx * dx + dd * dd;
         const double along = std::clamp(((goal.x - a.x) * dx + (-goal.z - a.d) * dd) / squared, 0.0, 1.0);
         const Corner point{a.x + along * dx, a.d + along * dd};
@@ -134,17 +133,13 @@ private:
     }
 };
 
-Error refuse(std::string_view name, const std::string& what) {
-    return usage_error("scene '" + std::string(name) + "': " + what);
-}
-
 MadeScene make_plane(std::string_view name, const SceneOptions& options) {
     if (!(options.tilt_degrees >= 0 && options.tilt_degrees <= 60))
-        return refuse(name, "tilt " + std::to_string(options.tilt_degrees) +
-                                " is impossible; it must be 0 to 60 degrees");
+        return refuse_scene(name, "tilt " + std::to_string(options.tilt_degrees) +
+                                      " is impossible; it must be 0 to 60 degrees");
     if (!(std::fabs(options.tilt_direction_degrees) <= 360))
-        return refuse(name, "tilt direction " + std::to_string(options.tilt_direction_degrees) +
-                                " is impossible; it must be -360 to 360 degrees");
+        return refuse_scene(name, "tilt direction " + std::to_string(options.tilt_direction_degrees) +
+                                      " is impossible; it must be -360 to 360 degrees");
     const double tilt = options.tilt_degrees * pi / 180,
                  direction = options.tilt_direction_degrees * pi / 180;
     const glm::dvec3 normal{sine(tilt) * cosine(direction), sine(tilt) * sine(direction), cosine(tilt)};
@@ -154,10 +149,10 @@ MadeScene make_plane(std::string_view name, const SceneOptions& options) {
         for (const double y : {0.0, options.height - 1.0}) {
             const double depth = plane->depth(x, y, 0);
             if (!(depth >= scene.depth.near && depth <= scene.depth.far))
-                return refuse(name,
-                              "a picture of " + std::to_string(options.width) + "x" +
-                                  std::to_string(options.height) +
-                                  " is too tall for this tilt: the plane would leave depths 750 to 1350");
+                return refuse_scene(
+                    name, "a picture of " + std::to_string(options.width) + "x" +
+                              std::to_string(options.height) +
+                              " is too tall for this tilt: the plane would leave depths 750 to 1350");
         }
     return std::unique_ptr<AnalyticScene>(std::move(plane));
 }
@@ -185,10 +180,6 @@ public:
         return coding.depth(static_cast<std::uint16_t>(bits * (coding.code_max + std::uint64_t{1}) >> 32));
     }
 
-    std::optional<SurfaceTruth> closest(const glm::dvec3&, const glm::dvec3&, double) const override {
-        return {};
-    }
-
 private:
     NoiseKind kind_;
     std::uint64_t seed_;
@@ -202,8 +193,8 @@ MadeScene make_primitive(std::string_view name, const SceneOptions& options) {
         return std::unique_ptr<AnalyticScene>(
             std::make_unique<SpheresScene>(tabletop_scene(name, options, 900, 1100)));
     if (options.width < 2 * StepScene::bands)
-        return refuse(name, "width " + std::to_string(options.width) +
-                                " is too small; 11 bands need at least 22 pixels");
+        return refuse_scene(name, "width " + std::to_string(options.width) +
+                                      " is too small; 11 bands need at least 22 pixels");
     return std::unique_ptr<AnalyticScene>(
         std::make_unique<StepScene>(tabletop_scene(name, options, 980, 1020)));
 }

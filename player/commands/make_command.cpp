@@ -64,7 +64,7 @@ StoredImage mask_of(const GlobeMap& elevation, double level) {
     return mask;
 }
 
-std::string shore_in_words(const Shore& shore, bool told, bool has_mask) {
+std::string shore_in_words(const GlobeMaps::Shore& shore, bool told, bool has_mask) {
     const std::string level = formatted("sea level %.9g", shore.sea_level);
     if (!has_mask)
         return level +

@@ -1,4 +1,4 @@
-#include "engine/content/globe_maps.hpp"
+#include "engine/content/mapped_ground.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 
-#include "engine/content/mapped_ground.hpp"
 #include "engine/content/seeded_noise.hpp"
 #include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
