@@ -188,7 +188,7 @@ Result<void> SurfaceRecording::check_limits() const {
 
 Result<void> SurfaceRecording::make_buffers() {
     const std::size_t codes_bytes = std::size_t{16} * pitch_ * height_;
-    const HoleFilling* filling = filters_.find<HoleFilling>();
+    const FilterPlan::HoleFilling* filling = filters_.find<FilterPlan::HoleFilling>();
     const bool fills = filling != nullptr, levels = filters_.find<TerraceFilter>() != nullptr,
                smooths = filters_.find<TemporalFilter>() != nullptr,
                lands = filters_.find<FlyingPixels>() != nullptr;
@@ -226,8 +226,8 @@ Result<void> SurfaceRecording::make_table() {
 std::optional<int> SurfaceRecording::reach() const {
     const bool one_kernel =
         !is_hue() &&
-        std::all_of(filters_.filters.begin(), filters_.filters.end(), [](const PlannedFilter& planned) {
-            return std::holds_alternative<MedianWindow>(planned.filter);
+        std::all_of(filters_.filters.begin(), filters_.filters.end(), [](const FilterPlan::Stage& stage) {
+            return std::holds_alternative<FilterPlan::MedianWindow>(stage.filter);
         });
     return one_kernel ? filters_.reach() : std::nullopt;
 }
@@ -237,9 +237,9 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
     Frame frame{commands, list, begins, slot, stored};
     if (is_hue())
         if (auto decoded = record_hue(frame); !decoded.ok()) return decoded;
-    for (const PlannedFilter& planned : filters_.filters) {
+    for (const FilterPlan::Stage& stage : filters_.filters) {
         const auto recorded =
-            std::visit([&](const auto& filter) { return record(filter, frame); }, planned.filter);
+            std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter);
         if (!recorded.ok()) return recorded;
     }
     if (auto ended = record_codes(frame, nullptr, slot.codes.gpu); !ended.ok()) return ended;
@@ -295,7 +295,7 @@ Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& 
     return {};
 }
 
-Result<void> SurfaceRecording::record(const MedianWindow& window, Frame& frame) {
+Result<void> SurfaceRecording::record(const FilterPlan::MedianWindow& window, Frame& frame) {
     frame.kernel = window.side == 3 ? StripKernel::median3 : StripKernel::median5;
     return {};
 }
@@ -378,7 +378,7 @@ Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) 
     return {};
 }
 
-Result<void> SurfaceRecording::record(const HoleFilling& filling, Frame& frame) {
+Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Frame& frame) {
     StoredRows& rows = frame.rows;
     if (!rows.may_be_invalid()) return {};
     GpuCommands& commands = frame.commands;

@@ -43,7 +43,7 @@ public:
     const GpuBuffer& buffer() const { return buffer_; }
 
 private:
-    void list(const StaleBlocks& stale);
+    void list(const FrameChanges::StaleBlocks& stale);
 
     std::uint32_t height_ = 0;
     double most_ = 0, share_ = 1;
@@ -137,8 +137,8 @@ private:
                                    const WorkingCodes* working = nullptr);
     Result<void> record_hue(Frame& frame);
     Result<void> record(const FlyingPixels& filter, Frame& frame);
-    Result<void> record(const HoleFilling& filling, Frame& frame);
-    Result<void> record(const MedianWindow& window, Frame& frame);
+    Result<void> record(const FilterPlan::HoleFilling& filling, Frame& frame);
+    Result<void> record(const FilterPlan::MedianWindow& window, Frame& frame);
     Result<void> record(const TemporalFilter& filter, Frame& frame);
     Result<void> record(const TerraceFilter& filter, Frame& frame);
     Result<void> record_finer(const WorkingCodes& working, Frame& frame);

@@ -172,12 +172,12 @@ BuildNumber BlockList::advance(const RawFrame& raw, const BuildNumber& held) {
     return newest;
 }
 
-void BlockList::list(const StaleBlocks& stale) {
+void BlockList::list(const FrameChanges::StaleBlocks& stale) {
     const BlockGrid grid = stale.grid();
     const auto listed = buffer_.mapped<ListedBlocks>();
     int first = grid.rows, last = 0;
     for (int row = 0; row < grid.rows; ++row) {
-        BlockRun run;
+        BlockGrid::Run run;
         while (!(run = stale.next_run(row, row + 1, run.last)).empty()) {
             run.last = std::min(run.last, run.first + run_);
             listed[count_++] = {static_cast<std::uint32_t>(grid.index(run.first, row)),

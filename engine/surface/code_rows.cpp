@@ -1,3 +1,4 @@
+// Rows of codes and validity as vectors read them, and the stack of filters of a plan.
 #include "engine/surface/code_rows.hpp"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include "engine/surface/terrace_filter.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// Whether every code is valid, of whole strips: minima and maxima alone, so that this is as fast as memory.
@@ -67,11 +67,11 @@ struct FilterStack {
         assert(lines);
         lines = std::make_unique<FlyingPixelFilter>(std::move(lines), filter, stored, unit);
     }
-    void add(const HoleFilling& filling) {
+    void add(const FilterPlan::HoleFilling& filling) {
         assert(lines);
         lines = std::make_unique<HoleFiller>(std::move(lines), filling.passes);
     }
-    void add(const MedianWindow& window) {
+    void add(const FilterPlan::MedianWindow& window) {
         assert(lines);
         bands = std::make_unique<MedianFilter>(std::move(lines), window.side, unit);
     }
@@ -120,10 +120,7 @@ void CodeLine::decode(const PlaneView& depth, const DepthCoding& coding, int y, 
         unit, [&](auto kind) __attribute__((always_inline)) {
             all = all_valid<typename decltype(kind)::Lanes>(coding, codes(), pixels);
         });
-    if (all) {
-        set_clean();
-        return;
-    }
+    if (all) return set_clean();
     clean_ = false;
     run_vectors(
         unit, [&](auto kind) __attribute__((always_inline)) {
@@ -143,10 +140,7 @@ void CodeLine::copy(const SurfaceFrame& decoded, int y) {
     const std::uint32_t* validity = decoded.validity_row(y);
     std::uint32_t any = 0;
     for (int w = 0; w < strips(); ++w) any |= ~validity[w] & inside_bits(width_, w);
-    if (any == 0) {
-        set_clean();
-        return;
-    }
+    if (any == 0) return set_clean();
     clean_ = false;
     for (int w = 0; w < strips(); ++w) {
         holes_[static_cast<std::size_t>(w)] = ~validity[w] & inside_bits(width_, w);
@@ -222,8 +216,8 @@ void UnfilteredBands::make(const RowBand& band, SurfaceFrame& out) {
 
 std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit) {
     FilterStack stack{plan.stored, unit, std::make_unique<StoredLines>(plan.stored, unit), nullptr};
-    for (const PlannedFilter& planned : plan.filters)
-        std::visit([&](const auto& filter) { stack.add(filter); }, planned.filter);
+    for (const FilterPlan::Stage& stage : plan.filters)
+        std::visit([&](const auto& filter) { stack.add(filter); }, stage.filter);
     return stack.take_bands();
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #ifdef __SSE2__
+#include <emmintrin.h>
 #endif
 
-#include <emmintrin.h>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -23,11 +23,20 @@ namespace touchable {
 /// vectorise.
 inline constexpr int strip_pixels = 32;
 
+/// Pixels [left, right) x [top, bottom).
+struct PixelBox {
+    int left = 0, top = 0, right = 0, bottom = 0;
+};
+
 /// The bits of word `word` that lie inside a row of `width` pixels.
 inline std::uint32_t inside_bits(int width, int word) {
     const int left = width - word * strip_pixels;
     return left >= strip_pixels ? ~std::uint32_t{0} : (std::uint32_t{1} << left) - 1;
 }
+
+/// Of 16 pixels, by their place in a word.
+inline constexpr std::uint16_t bit_of_pixel[16] = {
+    1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
 
 inline std::uint32_t bits_of_masks(const std::uint16_t* masks) {
 #ifdef __SSE2__
@@ -37,21 +46,17 @@ inline std::uint32_t bits_of_masks(const std::uint16_t* masks) {
     const auto high = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(values[2], values[3])));
     return low | high << 16;
 #else
-    static constexpr std::uint16_t bit[16] = {1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
-                                              0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
     std::uint16_t low = 0, high = 0;
-    for (int k = 0; k < 16; ++k) low = static_cast<std::uint16_t>(low | (masks[k] & bit[k]));
-    for (int k = 0; k < 16; ++k) high = static_cast<std::uint16_t>(high | (masks[16 + k] & bit[k]));
+    for (int k = 0; k < 16; ++k) low = static_cast<std::uint16_t>(low | (masks[k] & bit_of_pixel[k]));
+    for (int k = 0; k < 16; ++k) high = static_cast<std::uint16_t>(high | (masks[16 + k] & bit_of_pixel[k]));
     return low | std::uint32_t{high} << 16;
 #endif
 }
 
 inline void masks_of_bits(std::uint32_t bits, std::uint16_t* masks) {
-    static constexpr std::uint16_t bit[16] = {1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
-                                              0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
     const auto low = static_cast<std::uint16_t>(bits), high = static_cast<std::uint16_t>(bits >> 16);
-    for (int k = 0; k < 16; ++k) masks[k] = (low & bit[k]) ? 0xFFFF : 0;
-    for (int k = 0; k < 16; ++k) masks[16 + k] = (high & bit[k]) ? 0xFFFF : 0;
+    for (int k = 0; k < 16; ++k) masks[k] = (low & bit_of_pixel[k]) ? 0xFFFF : 0;
+    for (int k = 0; k < 16; ++k) masks[16 + k] = (high & bit_of_pixel[k]) ? 0xFFFF : 0;
 }
 
 /// As many values of 32 bits.
@@ -163,7 +168,7 @@ public:
 
     /// All codes and validity of a frame. No allocation where `out` has had the size.
     void make_all(const RawFrame& raw, RowBands& bands, SurfaceFrame& out, const BandFinished& finished = {});
-    /// Of a frame that nobody is shown no more than what later ones remember of it; `scratch` is any frame.
+    /// Of a frame that is not shown, no more than what later ones remember of it; `scratch` is any frame.
     virtual void remember(const RawFrame& raw, RowBands& bands, SurfaceFrame& scratch) {
         make_all(raw, bands, scratch);
     }

@@ -1,3 +1,5 @@
+// The fast builder: rows on several threads, filters in vectors, and frames that changed little built in
+// part.
 #include <algorithm>
 #include <cstdint>
 #include <deque>
@@ -5,13 +7,13 @@
 #include <utility>
 
 #include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
 #include "engine/surface/code_rows.hpp"
 #include "engine/surface/frame_changes.hpp"
 #include "engine/surface/patches.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// They take about 50 us.
@@ -31,7 +33,7 @@ VectorUnit unit_for(VectorUnit most) {
 /// A patch is written twice, so that its pixels cost more than those of a whole picture, the more the less
 /// there is to filter.
 double what_pays(const FilterPlan& filters) {
-    return filters.find<MedianWindow>() == nullptr ? 0.45 : 0.65;
+    return filters.find<FilterPlan::MedianWindow>() == nullptr ? 0.45 : 0.65;
 }
 
 /// Filtered vertices that know which build their frame holds. No other builder keeps them in a slot of its
@@ -44,12 +46,11 @@ public:
 
 /// Those of a slot, new ones where it has none.
 TrackedVertices& tracked_vertices(SurfaceFrame& slot) {
-    auto* vertices = dynamic_cast<TrackedVertices*>(slot.vertices.get());
-    if (vertices != nullptr) return *vertices;
+    if (auto* const there = dynamic_cast<TrackedVertices*>(slot.vertices.get())) return *there;
     auto made = std::make_unique<TrackedVertices>(slot);
-    vertices = made.get();
+    TrackedVertices& vertices = *made;
     slot.vertices = std::move(made);
-    return *vertices;
+    return vertices;
 }
 
 class CpuBuilder final : public SurfaceBuilder {
@@ -73,7 +74,7 @@ public:
     double built_share() const override { return built_share_; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        TRY(check_raw_frame(raw, scene_));
         const BuildNumber newest = changes_ ? changes_->advance(raw, bands_) : BuildNumber{};
         TrackedVertices& vertices = tracked_vertices(out);
         const BuildNumber held = std::exchange(vertices.build, {});
@@ -90,7 +91,7 @@ public:
     }
 
 private:
-    bool pays(const StaleBlocks& stale) {
+    bool pays(const FrameChanges::StaleBlocks& stale) {
         patches_.cover(stale, scene_.width, scene_.height, *plan_.reach());
         const bool cheaper = static_cast<double>(patches_.cost) < break_even_ * scene_.width * scene_.height;
         if (!cheaper) changes_->comparing_was_in_vain();
@@ -133,9 +134,6 @@ private:
 
 }  // namespace
 
-std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene) {
-    return make_cpu_builder(scene, {});
-}
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan) {
     return std::make_unique<CpuBuilder>(scene, plan);
 }

@@ -1,3 +1,4 @@
+// What was measured of the first frames, put together, and the filters chosen by it.
 #include "engine/surface/depth_estimator.hpp"
 
 #include <algorithm>
@@ -6,7 +7,6 @@
 #include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// Share of pixels from which on they are no chance.

@@ -1,3 +1,4 @@
+// Levels and contours, counted.
 #include "engine/surface/estimators.hpp"
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// Value and weight.
@@ -132,11 +132,8 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
 
 std::vector<LevelEstimator::Window> LevelEstimator::windows() const {
     std::vector<Window> found;
-    for (int first = 0; first < 65536;) {
-        const int end = end_of_window(first);
-        if (const auto one = window(first, end)) found.push_back(*one);
-        first = end;
-    }
+    for (int first = 0; first < 65536; first = end_of_window(first))
+        if (const auto one = window(first, end_of_window(first))) found.push_back(*one);
     return found;
 }
 

@@ -1,5 +1,12 @@
 #pragma once
 
+// What pictures of depth tell of the camera that took them: levels in which codes lie, terraces and how wide
+// they are, noise, and places that are smooth enough to try filters on.
+//
+// Each estimator is given the stored codes of frames, one by one, and answers when asked; all count in
+// integers or with + - x / sqrt alone, so that the answers are the same on every machine. One thread at a
+// time.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -140,14 +147,14 @@ public:
     /// 0 for unrelated pictures.
     double dropouts() const;
     /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
-    double tiny_holes() const;
+    double tiny_holes() const { return share(tiny_holes_); }
     /// Share of the pixels that hang between two surfaces, at edges (landed, flying_pixels.hpp).
-    double flying() const;
+    double flying() const { return share(flying_); }
     /// Of those, share of the pixels that are a quarter of the way or more from both: no rounded rim is.
-    double midway() const;
+    double midway() const { return share(midway_); }
     /// Share of the pixels, at edges, from which depth goes from one surface to another in one step, to the
     /// right or down.
-    double clean_edges() const;
+    double clean_edges() const { return share(clean_edges_); }
 
 private:
     struct Window {
@@ -156,6 +163,7 @@ private:
         ClippedSums bends;
     };
 
+    double share(std::int64_t pixels) const;
     Place place_of(const CodePicture& picture, int x, int y) const;
     /// Codes at a pixel's depth that differ by no more are one surface.
     int flat_codes(const Window& window) const;
@@ -265,8 +273,8 @@ struct TriedFilters {
     double left_deg = 0;    ///< how far faces of the surface are off the smooth surface around them, RMS
 };
 
-/// What the temporal filter is told of a noise that was measured: more, so that two levels beside each other,
-/// too, are averaged (docs/real-depth.md).
+/// The noise that the temporal filter is given where this was measured: more, so that two levels beside each
+/// other, too, are averaged (docs/real-depth.md).
 DepthLength stated_noise(const DepthLength& measured, int median);
 
 /// Every median, without terrace removal and with it, of levels as far apart as these, or as rough depths

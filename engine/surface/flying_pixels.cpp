@@ -1,3 +1,4 @@
+// Holes filled from their rims, and pixels between two surfaces pulled to one.
 #include "engine/surface/flying_pixels.hpp"
 
 #include <atomic>
@@ -8,7 +9,6 @@
 #include "engine/surface/median.hpp"
 
 namespace touchable {
-
 namespace {
 
 /// A picture's validity bits; rows and words outside it hold no valid pixel.
@@ -123,7 +123,7 @@ bool HoleFiller::fill_once(RowBands& bands) {
     return filled_any.load(std::memory_order_relaxed);
 }
 
-// Codes change in place: a pixel filled in this pass is not valid in `before_`, so nobody reads it yet.
+// Codes change in place: a pixel filled in this pass is not valid in `before_`, so it is not read yet.
 bool HoleFiller::fill_rows(const RowBand& band) {
     const int words = picture_.validity_words_per_row();
     const ValidityBits before{before_, words, picture_.height};

@@ -1,3 +1,4 @@
+// Frames compared block by block.
 #include "engine/surface/frame_changes.hpp"
 
 #include <algorithm>
@@ -6,25 +7,6 @@
 #include <iterator>
 
 namespace touchable {
-
-int StaleBlocks::count() const {
-    return static_cast<int>(std::count_if(changed_->begin(), changed_->end(),
-                                          [this](std::uint64_t frame) { return frame > since_; }));
-}
-
-BlockRun StaleBlocks::next_run(int first_row, int last_row, int from) const {
-    const auto any = [&](int x) {
-        for (int y = first_row; y < last_row; ++y)
-            if (contains(x, y)) return true;
-        return false;
-    };
-    int first = from;
-    while (first < grid_.columns && !any(first)) ++first;
-    int last = first;
-    while (last < grid_.columns && any(last)) ++last;
-    return {first, last};
-}
-
 namespace {
 
 /// Where more of all blocks have changed, the frame is built as a whole, so that no more needs to be known.
@@ -72,6 +54,24 @@ int bytes_of_pixel(const PlaneView& plane) {
 }
 
 }  // namespace
+
+int FrameChanges::StaleBlocks::count() const {
+    return static_cast<int>(std::count_if(changed_->begin(), changed_->end(),
+                                          [this](std::uint64_t frame) { return frame > since_; }));
+}
+
+BlockGrid::Run FrameChanges::StaleBlocks::next_run(int first_row, int last_row, int from) const {
+    const auto any = [&](int x) {
+        for (int y = first_row; y < last_row; ++y)
+            if (contains(x, y)) return true;
+        return false;
+    };
+    int first = from;
+    while (first < grid_.columns && !any(first)) ++first;
+    int last = first;
+    while (last < grid_.columns && any(last)) ++last;
+    return {first, last};
+}
 
 FrameChanges::FrameChanges(int width, int height, int reach, VectorUnit unit)
     : builder_(new_builder()),
@@ -167,7 +167,7 @@ void FrameChanges::mark(const PixelBox& changed) {
             std::atomic_ref(changed_[grid_.index(x, y)]).store(frame_, std::memory_order_relaxed);
 }
 
-std::optional<StaleBlocks> FrameChanges::stale_blocks(const BuildNumber& held) const {
+std::optional<FrameChanges::StaleBlocks> FrameChanges::stale_blocks(const BuildNumber& held) const {
     if (held.builder != builder_ || held.frame < all_) return std::nullopt;
     return StaleBlocks(grid_, changed_, held.frame);
 }

@@ -4,8 +4,8 @@
 // (docs/mechanisms.md, Frames that change in part).
 //
 // FrameChanges compares depth in blocks and widens what changed by the filters' reach; StaleBlocks are the
-// blocks that one slot of the ring lacks. Both the CPU's builder and the GPU's go by them. Used by the
-// thread that builds.
+// blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the thread that
+// builds.
 
 #include <cstdint>
 #include <optional>
@@ -18,15 +18,16 @@
 
 namespace touchable {
 
-/// Pixels [left, right) x [top, bottom).
-struct PixelBox {
-    int left = 0, top = 0, right = 0, bottom = 0;
-};
-
 /// Blocks of 32x16 pixels, a validity word wide and a tile high; those at the right and lower edge of a
 /// picture may be smaller.
 struct BlockGrid {
     static constexpr int width = strip_pixels, height = TileGrid::cells;
+    /// Neighbours in a row of blocks (or of tiles): [first, last).
+    struct Run {
+        int first = 0, last = 0;
+        bool empty() const { return last <= first; }
+    };
+
     int columns = 0, rows = 0;
 
     static BlockGrid of(int width, int height) {
@@ -40,32 +41,6 @@ struct BlockGrid {
     }
 };
 
-/// Neighbours in a row of blocks (or of tiles): [first, last).
-struct BlockRun {
-    int first = 0, last = 0;
-    bool empty() const { return last <= first; }
-};
-
-/// Those of a picture's blocks that have changed since some frame.
-class StaleBlocks {
-public:
-    /// `changed`: of each block the frame in which it last changed, which has to outlive this.
-    StaleBlocks(const BlockGrid& grid, const std::vector<std::uint64_t>& changed, std::uint64_t since)
-        : grid_(grid), changed_(&changed), since_(since) {}
-
-    const BlockGrid& grid() const { return grid_; }
-    bool contains(int column, int row) const { return (*changed_)[grid_.index(column, row)] > since_; }
-    int count() const;
-    /// The first run of blocks at or after column `from`, in any of the rows [first_row, last_row); empty
-    /// where there is none.
-    BlockRun next_run(int first_row, int last_row, int from) const;
-
-private:
-    BlockGrid grid_;
-    const std::vector<std::uint64_t>* changed_;
-    std::uint64_t since_;
-};
-
 /// Which frame of which builder a slot holds; by default none. A builder keeps it beside the slot's vertices,
 /// which are its own, takes it off before it changes the slot and puts it back, newer, when it has done.
 struct BuildNumber {
@@ -76,6 +51,26 @@ struct BuildNumber {
 /// that holds an older frame: of each block it is known in which frame it last changed.
 class FrameChanges {
 public:
+    /// Those of a picture's blocks that have changed since some frame.
+    class StaleBlocks {
+    public:
+        /// `changed`: of each block the frame in which it last changed, which has to outlive this.
+        StaleBlocks(const BlockGrid& grid, const std::vector<std::uint64_t>& changed, std::uint64_t since)
+            : grid_(grid), changed_(&changed), since_(since) {}
+
+        const BlockGrid& grid() const { return grid_; }
+        bool contains(int column, int row) const { return (*changed_)[grid_.index(column, row)] > since_; }
+        int count() const;
+        /// The first run of blocks at or after column `from`, in any of the rows [first_row, last_row); empty
+        /// where there is none.
+        BlockGrid::Run next_run(int first_row, int last_row, int from) const;
+
+    private:
+        BlockGrid grid_;
+        const std::vector<std::uint64_t>* changed_;
+        std::uint64_t since_;
+    };
+
     /// `reach`: pixels as far from one another as this, along x and y, may depend on each other.
     FrameChanges(int width, int height, int reach, VectorUnit unit);
 
@@ -86,8 +81,7 @@ public:
     /// Of a slot that holds `held`: the blocks with a pixel that may be another one in the newest frame,
     /// until that is another. Nothing: any may.
     std::optional<StaleBlocks> stale_blocks(const BuildNumber& held) const;
-    /// To be told where a frame was built as a whole though its blocks were known: the next few are not
-    /// compared.
+    /// Called where a frame was built as a whole though its blocks were known: the next few are not compared.
     void comparing_was_in_vain();
     /// Whether `held` had the newest frame's haptic and height planes.
     bool same_touch_planes(const BuildNumber& held) const;
@@ -107,7 +101,7 @@ private:
     RawFrame newest_;                                 // nothing where it does not keep its planes
     std::uint64_t frame_ = 0;                         // its number
     std::uint64_t all_ = 0, touch_planes_ = 0;        // in which frame all, and those, last changed
-    std::vector<std::uint64_t> changed_;              // of each block, likewise
+    std::vector<std::uint64_t> changed_;              // the same of each block
     std::vector<std::vector<std::uint8_t>> columns_;  // work space of each thread
 };
 

@@ -1,3 +1,4 @@
+// The paper's builder: filters a pixel when it is asked for.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -7,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/median.hpp"
@@ -15,51 +17,6 @@
 
 namespace touchable {
 namespace {
-
-/// Filters a pixel of `frame.raw.depth` when it is asked for: the same depth and validity as a filtered
-/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of pixels
-/// (terrace_block), each when one of it is asked for first. Any number of readers.
-class LazyVertices final : public VertexSource {
-public:
-    /// `frame` must outlive it. None of the filters may remember frames before.
-    LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan);
-    /// To be called once the frame holds another raw plane, before anyone reads it.
-    void restart();
-    /// Whether frames are filtered so.
-    bool serves(const FilterPlan& plan) const { return plan_ == plan; }
-
-    DepthSample at(int x, int y) const override;
-    /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
-    TileDepths tile(int tx, int ty) const override;
-
-private:
-    /// Before terrace removal, and after; nothing: invalid.
-    std::optional<std::uint16_t> filtered_code(int x, int y) const;
-    std::optional<std::uint16_t> recent_code(int x, int y) const;
-    std::optional<std::uint16_t> finer_code(int x, int y) const;
-    void level_block(int bx, int by) const;
-    template <int reach>
-    void level_block_within(int bx, int by) const;
-    TileBounds raw_bounds(int tx, int ty) const;
-    TileBounds finer_bounds(const TileBounds& stored) const;
-
-    const SurfaceFrame& frame_;
-    const FilterPlan plan_;
-    const DepthCoding& stored_;
-    const FlyingPixels* flying_;     // null: no filter
-    const int passes_, radius_;      // of hole filling; of the median
-    const TerraceFilter* terraces_;  // null: no filter
-    // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
-    mutable std::vector<std::atomic<std::uint64_t>> tiles_;
-    // Of a pixel in every place of a square that repeats over the picture the filtered code, packed likewise
-    // with where that pixel is: a finger asks for the same few again and again.
-    static constexpr int recent_side = 32;
-    mutable std::array<std::atomic<std::uint64_t>, recent_side * recent_side> recent_{};
-    // With terrace removal: which blocks are done, and the codes of those.
-    int block_ = 0, blocks_x_ = 0;
-    mutable std::vector<std::atomic<bool>> blocks_;
-    mutable std::vector<std::atomic<std::uint16_t>> finer_;
-};
 
 constexpr int largest_radius = 2, most_passes = 16;
 constexpr int largest_side = 2 * (largest_radius + most_passes) + 1;
@@ -224,6 +181,207 @@ TileBounds unpacked(std::uint64_t word) {
             ((word >> 1) & 1) != 0};
 }
 
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+static_assert(std::variant_size_v<FilterPlan::Filter> == 5,
+              "a new filter has to be done here too, or refused");
+
+/// Filters a pixel of `frame.raw.depth` when it is asked for: the same depth and validity as a filtered
+/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of pixels
+/// (terrace_block), each when one of it is asked for first. Any number of readers.
+class LazyVertices final : public VertexSource {
+public:
+    /// `frame` must outlive it. None of the filters may remember frames before.
+    LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan)
+        : frame_(frame),
+          plan_(plan),
+          stored_(plan_.stored),
+          flying_(plan_.find<FlyingPixels>()),
+          passes_(plan_.find<FilterPlan::HoleFilling>() ? plan_.find<FilterPlan::HoleFilling>()->passes : 0),
+          radius_(plan_.find<FilterPlan::MedianWindow>() ? plan_.find<FilterPlan::MedianWindow>()->side / 2
+                                                         : 0),
+          terraces_(plan_.find<TerraceFilter>()) {
+        assert(!plan_.remembers() && passes_ <= most_passes && radius_ <= largest_radius);
+        restart();
+    }
+    /// To be called once the frame holds another raw plane, before it is read.
+    void restart() {
+        const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
+        restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+        for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
+        if (!terraces_) return;
+        block_ = terrace_block(terraces_->reach);
+        blocks_x_ = (frame_.width + block_ - 1) / block_;
+        const int blocks_y = (frame_.height + block_ - 1) / block_;
+        restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
+        const std::size_t pixels = frame_.index(0, frame_.height);
+        if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
+    }
+
+    /// Whether frames are filtered so.
+    bool serves(const FilterPlan& plan) const { return plan_ == plan; }
+
+    DepthSample at(int x, int y) const override {
+        const std::optional<std::uint16_t> code = terraces_ ? finer_code(x, y) : recent_code(x, y);
+        if (!code) return {};
+        return {frame_.coding.depth(*code), true};
+    }
+
+    /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
+    TileDepths tile(int tx, int ty) const override {
+        const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
+        auto& kept = tiles_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
+                            static_cast<std::size_t>(tx)];
+        // Relaxed: the word is the whole answer, and two readers who compute it at once compute the same.
+        std::uint64_t word = kept.load(std::memory_order_relaxed);
+        if (word == 0) {
+            const TileBounds bounds = raw_bounds(tx, ty);
+            word = packed(terraces_ ? finer_bounds(bounds) : bounds);
+            kept.store(word, std::memory_order_relaxed);
+        }
+        return depths_of(unpacked(word), frame_.coding);
+    }
+
+private:
+    /// Before terrace removal, and after; nothing: invalid.
+    std::optional<std::uint16_t> filtered_code(int x, int y) const {
+        const std::uint16_t stored = landed_code(frame_.raw.depth, stored_, flying_, x, y);
+        const bool stored_valid = stored_.is_valid(stored);
+        if (!stored_valid && passes_ == 0) return std::nullopt;
+        if (stored_valid && radius_ == 0) return stored;
+        if (stored_valid && stored_.kind != DepthCodingKind::hue && !flying_) {
+            const auto median = radius_ == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
+                                             : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
+            if (median) return median;
+        }
+        Neighbourhood around(frame_, stored_, flying_, x, y);
+        if (!around.load(radius_) && passes_ > 0) {
+            around.load(radius_ + passes_);
+            around.fill_holes(passes_, radius_);
+        }
+        if (!around.valid(x, y)) return std::nullopt;
+        return around.median(radius_);
+    }
+
+    /// `filtered_code`, kept where that is work.
+    std::optional<std::uint16_t> recent_code(int x, int y) const {
+        if (radius_ == 0 && passes_ == 0 && !flying_) return filtered_code(x, y);
+        constexpr std::uint64_t is_valid = 1U << 16;
+        const std::uint64_t place = (static_cast<std::uint64_t>(y) + 1) << 40 | static_cast<std::uint64_t>(x)
+                                                                                    << 17;
+        auto& kept = recent_[static_cast<std::size_t>(y % recent_side * recent_side + x % recent_side)];
+        std::uint64_t word = kept.load(std::memory_order_relaxed);
+        if (word >> 17 != place >> 17) {
+            const auto code = filtered_code(x, y);
+            word = place | (code ? is_valid | *code : 0);
+            kept.store(word, std::memory_order_relaxed);
+        }
+        if ((word & is_valid) == 0) return std::nullopt;
+        return static_cast<std::uint16_t>(word);
+    }
+
+    std::optional<std::uint16_t> finer_code(int x, int y) const {
+        const int bx = x / block_, by = y / block_;
+        auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
+                                 static_cast<std::size_t>(bx)];
+        // Two readers who level a block at once write the same.
+        if (!levelled.load(std::memory_order_acquire)) {
+            level_block(bx, by);
+            levelled.store(true, std::memory_order_release);
+        }
+        const std::uint16_t code = finer_[frame_.index(x, y)].load(std::memory_order_relaxed);
+        if (code == no_code) return std::nullopt;
+        return code;
+    }
+
+    void level_block(int bx, int by) const {
+        switch (terraces_->reach) {
+            case 128:
+                return level_block_within<128>(bx, by);
+            case 64:
+                return level_block_within<64>(bx, by);
+            case 32:
+                return level_block_within<32>(bx, by);
+            default:
+                return level_block_within<16>(bx, by);
+        }
+    }
+
+    /// Not inlined, so that a patch is on the stack only where it is one of that reach.
+    template <int reach>
+    [[gnu::noinline]] void level_block_within(int bx, int by) const {
+        TerracePatch<reach> patch(frame_.width, frame_.height, bx, by);
+        for (int y = patch.top(); y <= patch.bottom(); ++y)
+            for (int x = patch.left(); x <= patch.right(); ++x)
+                if (const auto code = filtered_code(x, y)) patch.set(x, y, *code, *terraces_);
+        patch.level(*terraces_);
+        const int right = std::min((bx + 1) * block_, frame_.width);
+        const int bottom = std::min((by + 1) * block_, frame_.height);
+        for (int y = by * block_; y < bottom; ++y)
+            for (int x = bx * block_; x < right; ++x)
+                finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y) : no_code,
+                                                 std::memory_order_relaxed);
+    }
+
+    // A landed pixel, a median and a filled hole are codes of pixels within reach, so no filtered code of the
+    // tile is missed. Filling may leave fewer invalid pixels than are stored, never more.
+    TileBounds raw_bounds(int tx, int ty) const {
+        const int reach = radius_ + passes_ + (flying_ ? flying_reach : 0);
+        const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame_.width - 1);
+        const int top = ty * TileGrid::cells, bottom = std::min(top + TileGrid::cells, frame_.height - 1);
+        const int from_x = std::max(left - reach, 0), to_x = std::min(right + reach, frame_.width - 1);
+        const int from_y = std::max(top - reach, 0), to_y = std::min(bottom + reach, frame_.height - 1);
+        if (stored_.kind != DepthCodingKind::hue)
+            if (const auto clean =
+                    bounds_of_clean_area(frame_.raw.depth, stored_, from_x, from_y, to_x, to_y))
+                return *clean;
+        TileBounds bounds;
+        for (int y = from_y; y <= to_y; ++y)
+            for (int x = from_x; x <= to_x; ++x) {
+                const std::uint16_t code = stored_code(frame_.raw.depth, stored_, x, y);
+                if (stored_.is_valid(code)) {
+                    bounds.least = std::min(bounds.least, code);
+                    bounds.greatest = std::max(bounds.greatest, code);
+                } else if (x >= left && x <= right && y >= top && y <= bottom) {
+                    bounds.any_invalid = true;
+                }
+            }
+        return bounds;
+    }
+
+    // No finer code is farther from its stored one, nor beyond the finer ones of valid codes.
+    TileBounds finer_bounds(const TileBounds& stored) const {
+        if (stored.least > stored.greatest) return stored;
+        const WorkingCodes& working = terraces_->working;
+        // Levels grow towards one end or the other.
+        const int most = std::max(terraces_->most_at(working.of(stored.least)),
+                                  terraces_->most_at(working.of(stored.greatest)));
+        const int least = 2 * (working.of(stored.least) - most);
+        const int greatest = 2 * (working.of(stored.greatest) + most);
+        return {static_cast<std::uint16_t>(std::max<int>(least, terraces_->coding.valid_min)),
+                static_cast<std::uint16_t>(std::min<int>(greatest, terraces_->coding.valid_max)),
+                stored.any_invalid};
+    }
+
+    const SurfaceFrame& frame_;
+    const FilterPlan plan_;
+    const DepthCoding& stored_;
+    const FlyingPixels* flying_;     // null: no filter
+    const int passes_, radius_;      // of hole filling; of the median
+    const TerraceFilter* terraces_;  // null: no filter
+    // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
+    mutable std::vector<std::atomic<std::uint64_t>> tiles_;
+    // Of a pixel in every place of a square that repeats over the picture the filtered code, packed the same
+    // way with where that pixel is: a finger asks for the same few again and again.
+    static constexpr int recent_side = 32;
+    mutable std::array<std::atomic<std::uint64_t>, recent_side * recent_side> recent_{};
+    // With terrace removal: which blocks are done, and the codes of those.
+    int block_ = 0, blocks_x_ = 0;
+    mutable std::vector<std::atomic<bool>> blocks_;
+    mutable std::vector<std::atomic<std::uint16_t>> finer_;
+};
+
 class LazyBuilder final : public SurfaceBuilder {
 public:
     explicit LazyBuilder(const Scene& scene) : scene_(scene), plan_(scene) {}
@@ -235,7 +393,7 @@ public:
             return input_error(
                 "the lazy builder cannot filter in time (filter.temporal is on), because it has no history "
                 "of pixels that nobody touched; must be another builder");
-        if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        TRY(check_raw_frame(raw, scene_));
         out.width = scene_.width;
         out.height = scene_.height;
         out.coding = plan_.coding();
@@ -259,174 +417,6 @@ private:
 };
 
 }  // namespace
-
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
-static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
-
-static_assert(std::variant_size_v<Filter> == 5, "a new filter has to be done here too, or refused");
-
-LazyVertices::LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan)
-    : frame_(frame),
-      plan_(plan),
-      stored_(plan_.stored),
-      flying_(plan_.find<FlyingPixels>()),
-      passes_(plan_.find<HoleFilling>() ? plan_.find<HoleFilling>()->passes : 0),
-      radius_(plan_.find<MedianWindow>() ? plan_.find<MedianWindow>()->side / 2 : 0),
-      terraces_(plan_.find<TerraceFilter>()) {
-    assert(!plan_.remembers() && passes_ <= most_passes && radius_ <= largest_radius);
-    restart();
-}
-
-void LazyVertices::restart() {
-    const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-    restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
-    for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
-    if (!terraces_) return;
-    block_ = terrace_block(terraces_->reach);
-    blocks_x_ = (frame_.width + block_ - 1) / block_;
-    const int blocks_y = (frame_.height + block_ - 1) / block_;
-    restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
-    const std::size_t pixels = frame_.index(0, frame_.height);
-    if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
-}
-
-DepthSample LazyVertices::at(int x, int y) const {
-    const std::optional<std::uint16_t> code = terraces_ ? finer_code(x, y) : recent_code(x, y);
-    if (!code) return {};
-    return {frame_.coding.depth(*code), true};
-}
-
-std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
-    const std::uint16_t stored = landed_code(frame_.raw.depth, stored_, flying_, x, y);
-    const bool stored_valid = stored_.is_valid(stored);
-    if (!stored_valid && passes_ == 0) return std::nullopt;
-    if (stored_valid && radius_ == 0) return stored;
-    if (stored_valid && stored_.kind != DepthCodingKind::hue && !flying_) {
-        const auto median = radius_ == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
-                                         : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
-        if (median) return median;
-    }
-    Neighbourhood around(frame_, stored_, flying_, x, y);
-    if (!around.load(radius_) && passes_ > 0) {
-        around.load(radius_ + passes_);
-        around.fill_holes(passes_, radius_);
-    }
-    if (!around.valid(x, y)) return std::nullopt;
-    return around.median(radius_);
-}
-
-/// `filtered_code`, kept where that is work.
-std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
-    if (radius_ == 0 && passes_ == 0 && !flying_) return filtered_code(x, y);
-    constexpr std::uint64_t is_valid = 1U << 16;
-    const std::uint64_t place = (static_cast<std::uint64_t>(y) + 1) << 40 | static_cast<std::uint64_t>(x)
-                                                                                << 17;
-    auto& kept = recent_[static_cast<std::size_t>(y % recent_side * recent_side + x % recent_side)];
-    std::uint64_t word = kept.load(std::memory_order_relaxed);
-    if (word >> 17 != place >> 17) {
-        const auto code = filtered_code(x, y);
-        word = place | (code ? is_valid | *code : 0);
-        kept.store(word, std::memory_order_relaxed);
-    }
-    if ((word & is_valid) == 0) return std::nullopt;
-    return static_cast<std::uint16_t>(word);
-}
-
-std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
-    const int bx = x / block_, by = y / block_;
-    auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
-                             static_cast<std::size_t>(bx)];
-    // Two readers who level a block at once write the same.
-    if (!levelled.load(std::memory_order_acquire)) {
-        level_block(bx, by);
-        levelled.store(true, std::memory_order_release);
-    }
-    const std::uint16_t code = finer_[frame_.index(x, y)].load(std::memory_order_relaxed);
-    if (code == no_code) return std::nullopt;
-    return code;
-}
-
-void LazyVertices::level_block(int bx, int by) const {
-    switch (terraces_->reach) {
-        case 128:
-            return level_block_within<128>(bx, by);
-        case 64:
-            return level_block_within<64>(bx, by);
-        case 32:
-            return level_block_within<32>(bx, by);
-        default:
-            return level_block_within<16>(bx, by);
-    }
-}
-
-/// Not inlined, so that a patch is on the stack only where it is one of that reach.
-template <int reach>
-[[gnu::noinline]] void LazyVertices::level_block_within(int bx, int by) const {
-    TerracePatch<reach> patch(frame_.width, frame_.height, bx, by);
-    for (int y = patch.top(); y <= patch.bottom(); ++y)
-        for (int x = patch.left(); x <= patch.right(); ++x)
-            if (const auto code = filtered_code(x, y)) patch.set(x, y, *code, *terraces_);
-    patch.level(*terraces_);
-    const int right = std::min((bx + 1) * block_, frame_.width);
-    const int bottom = std::min((by + 1) * block_, frame_.height);
-    for (int y = by * block_; y < bottom; ++y)
-        for (int x = bx * block_; x < right; ++x)
-            finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y) : no_code,
-                                             std::memory_order_relaxed);
-}
-
-TileDepths LazyVertices::tile(int tx, int ty) const {
-    const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-    auto& kept = tiles_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
-                        static_cast<std::size_t>(tx)];
-    // Relaxed: the word is the whole answer, and two readers who compute it at once compute the same.
-    std::uint64_t word = kept.load(std::memory_order_relaxed);
-    if (word == 0) {
-        const TileBounds bounds = raw_bounds(tx, ty);
-        word = packed(terraces_ ? finer_bounds(bounds) : bounds);
-        kept.store(word, std::memory_order_relaxed);
-    }
-    return depths_of(unpacked(word), frame_.coding);
-}
-
-// A landed pixel, a median and a filled hole are codes of pixels within reach, so no filtered code of the
-// tile is missed. Filling may leave fewer invalid pixels than are stored, never more.
-TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
-    const int reach = radius_ + passes_ + (flying_ ? flying_reach : 0);
-    const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame_.width - 1);
-    const int top = ty * TileGrid::cells, bottom = std::min(top + TileGrid::cells, frame_.height - 1);
-    const int from_x = std::max(left - reach, 0), to_x = std::min(right + reach, frame_.width - 1);
-    const int from_y = std::max(top - reach, 0), to_y = std::min(bottom + reach, frame_.height - 1);
-    if (stored_.kind != DepthCodingKind::hue)
-        if (const auto clean = bounds_of_clean_area(frame_.raw.depth, stored_, from_x, from_y, to_x, to_y))
-            return *clean;
-    TileBounds bounds;
-    for (int y = from_y; y <= to_y; ++y)
-        for (int x = from_x; x <= to_x; ++x) {
-            const std::uint16_t code = stored_code(frame_.raw.depth, stored_, x, y);
-            if (stored_.is_valid(code)) {
-                bounds.least = std::min(bounds.least, code);
-                bounds.greatest = std::max(bounds.greatest, code);
-            } else if (x >= left && x <= right && y >= top && y <= bottom) {
-                bounds.any_invalid = true;
-            }
-        }
-    return bounds;
-}
-
-// No finer code is farther from its stored one, nor beyond the finer ones of valid codes.
-TileBounds LazyVertices::finer_bounds(const TileBounds& stored) const {
-    if (stored.least > stored.greatest) return stored;
-    const WorkingCodes& working = terraces_->working;
-    // Levels grow towards one end or the other.
-    const int most = std::max(terraces_->most_at(working.of(stored.least)),
-                              terraces_->most_at(working.of(stored.greatest)));
-    const int least = 2 * (working.of(stored.least) - most);
-    const int greatest = 2 * (working.of(stored.greatest) + most);
-    return {static_cast<std::uint16_t>(std::max<int>(least, terraces_->coding.valid_min)),
-            static_cast<std::uint16_t>(std::min<int>(greatest, terraces_->coding.valid_max)),
-            stored.any_invalid};
-}
 
 std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene) {
     return std::make_unique<LazyBuilder>(scene);

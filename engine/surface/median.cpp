@@ -1,9 +1,9 @@
+// Medians of 3x3 and 5x5 pixels by networks, in vectors.
 #include "engine/surface/median.hpp"
 
 #include <cstring>
 
 namespace touchable {
-
 namespace {
 
 /// Pixels whose columns are sorted at once: few enough that they are still in the fastest cache when windows

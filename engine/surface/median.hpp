@@ -1,6 +1,7 @@
 #pragma once
 
-// `lesser` and `greater`, before the networks that use them.
+// Medians of windows, by networks (shaders/median_network.h) of `lesser` and `greater`, of single codes and
+// of vectors of them (engine/base/vectors.hpp).
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "engine/surface/mesh.hpp"
+// A frame's surface as triangles, and these as a PLY file.
 
 #include <bit>
 #include <cerrno>
@@ -7,8 +7,10 @@
 #include <string>
 #include <system_error>
 
-namespace touchable {
+#include "engine/base/try.hpp"
+#include "engine/surface/surface_builder.hpp"
 
+namespace touchable {
 namespace {
 
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
@@ -129,7 +131,7 @@ Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour,
                            ": the colours are not three channels of 8 bits of the mesh's picture, " +
                            std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
 
-    if (auto usable = file.check(); !usable.ok()) return usable;
+    TRY(file.check());
     std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);
     if (stream) {
         stream << header(mesh, !colour.empty(), coordinates);
@@ -140,13 +142,6 @@ Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour,
         return input_error(file.target().string() + ": cannot be written: " +
                            std::error_code(errno, std::generic_category()).message());
     return {};
-}
-
-Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour,
-                       PlyCoordinates coordinates) {
-    NewFile out(file);
-    if (auto written = write_ply(out, mesh, colour, coordinates); !written.ok()) return written;
-    return out.commit();
 }
 
 }  // namespace touchable

@@ -1,3 +1,4 @@
+// Noise from frame to frame and from pixel to pixel, holes, and pixels between surfaces, counted.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -7,28 +8,6 @@
 #include "engine/surface/flying_pixels.hpp"
 
 namespace touchable {
-
-DepthLength fitted_length(const std::vector<LengthAtDepth>& all) {
-    double ones = 0, squares = 0, fourths = 0, lengths = 0, products = 0;
-    for (const LengthAtDepth& one : all) {
-        const double weight = one.weight / (one.length * one.length), z2 = one.depth * one.depth;
-        ones += weight;
-        squares += weight * z2;
-        fourths += weight * z2 * z2;
-        lengths += weight * one.length;
-        products += weight * z2 * one.length;
-    }
-    if (all.empty()) return {};
-    const double determinant = ones * fourths - squares * squares;
-    if (determinant > 1e-9 * ones * fourths) {
-        const double constant = (lengths * fourths - products * squares) / determinant;
-        const double quadratic = (ones * products - squares * lengths) / determinant;
-        if (constant >= 0 && quadratic >= 0) return {constant, quadratic};
-        if (constant < 0) return {0, products / fourths};
-    }
-    return {lengths / ones, 0};
-}
-
 namespace {
 
 /// Larger pictures are looked at in some of their rows.
@@ -82,6 +61,27 @@ int code_of(const CodePicture& picture, int x, int y) {
 }
 
 }  // namespace
+
+DepthLength fitted_length(const std::vector<LengthAtDepth>& all) {
+    double ones = 0, squares = 0, fourths = 0, lengths = 0, products = 0;
+    for (const LengthAtDepth& one : all) {
+        const double weight = one.weight / (one.length * one.length), z2 = one.depth * one.depth;
+        ones += weight;
+        squares += weight * z2;
+        fourths += weight * z2 * z2;
+        lengths += weight * one.length;
+        products += weight * z2 * one.length;
+    }
+    if (all.empty()) return {};
+    const double determinant = ones * fourths - squares * squares;
+    if (determinant > 1e-9 * ones * fourths) {
+        const double constant = (lengths * fourths - products * squares) / determinant;
+        const double quadratic = (ones * products - squares * lengths) / determinant;
+        if (constant >= 0 && quadratic >= 0) return {constant, quadratic};
+        if (constant < 0) return {0, products / fourths};
+    }
+    return {lengths / ones, 0};
+}
 
 void ClippedSums::add(int size, std::int64_t product, std::int64_t square) {
     Sum& sum = sums_[size_class(size)];
@@ -281,20 +281,8 @@ double NoiseEstimator::dropouts() const {
     return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
 }
 
-double NoiseEstimator::flying() const {
-    return pixels_ > 0 ? static_cast<double>(flying_) / static_cast<double>(pixels_) : 0;
-}
-
-double NoiseEstimator::midway() const {
-    return pixels_ > 0 ? static_cast<double>(midway_) / static_cast<double>(pixels_) : 0;
-}
-
-double NoiseEstimator::clean_edges() const {
-    return pixels_ > 0 ? static_cast<double>(clean_edges_) / static_cast<double>(pixels_) : 0;
-}
-
-double NoiseEstimator::tiny_holes() const {
-    return pixels_ > 0 ? static_cast<double>(tiny_holes_) / static_cast<double>(pixels_) : 0;
+double NoiseEstimator::share(std::int64_t pixels) const {
+    return pixels_ > 0 ? static_cast<double>(pixels) / static_cast<double>(pixels_) : 0;
 }
 
 }  // namespace touchable

@@ -1,10 +1,10 @@
+// The parts of a frame that are built again, and the bounds of tiles.
 #include "engine/surface/patches.hpp"
 
 #include <algorithm>
 #include <cstring>
 
 namespace touchable {
-
 namespace {
 
 /// Rows of blocks that a patch goes over: where filters reach far, a higher one has less around it for what
@@ -18,9 +18,9 @@ int rows_of_patch(int reach) {
 constexpr int pixels_per_row = 256;
 
 /// The next patch of some rows of blocks.
-BlockRun next_patch(const StaleBlocks& blocks, int top, int bottom, int from) {
-    BlockRun all = blocks.next_run(top, bottom, from);
-    BlockRun next = all;
+BlockGrid::Run next_patch(const FrameChanges::StaleBlocks& blocks, int top, int bottom, int from) {
+    BlockGrid::Run all = blocks.next_run(top, bottom, from);
+    BlockGrid::Run next = all;
     while (!(next = blocks.next_run(top, bottom, next.last)).empty() &&
            (next.first - all.last) * BlockGrid::width <= pixels_per_row)
         all.last = next.last;
@@ -106,14 +106,14 @@ bool any_bit(const std::vector<std::uint32_t>& words, int first, int last) {
 
 }  // namespace
 
-void Patches::cover(const StaleBlocks& blocks, int width, int height, int reach) {
+void Patches::cover(const FrameChanges::StaleBlocks& blocks, int width, int height, int reach) {
     patches.clear();
     tile_runs.clear();
     cost = tiles = 0;
     const int rows = blocks.grid().rows, step = rows_of_patch(reach);
     for (int top = 0; top < rows; top += step) {
         const int bottom = std::min(top + step, rows);
-        BlockRun run;
+        BlockGrid::Run run;
         while (!(run = next_patch(blocks, top, bottom, run.last)).empty()) {
             const PixelBox inner{run.first * BlockGrid::width, top * BlockGrid::height,
                                  std::min(run.last * BlockGrid::width, width),
@@ -129,9 +129,10 @@ void Patches::cover(const StaleBlocks& blocks, int width, int height, int reach)
     static_assert(BlockGrid::width == 2 * TileGrid::cells && BlockGrid::height == TileGrid::cells);
     const TileGrid grid = TileGrid::of(width, height);
     for (int row = 0; row < grid.tiles_y; ++row) {
-        BlockRun run;
+        BlockGrid::Run run;
         while (!(run = blocks.next_run(row, std::min(row + 2, rows), run.last)).empty()) {
-            const BlockRun run_of_tiles{std::max(2 * run.first - 1, 0), std::min(2 * run.last, grid.tiles_x)};
+            const BlockGrid::Run run_of_tiles{std::max(2 * run.first - 1, 0),
+                                              std::min(2 * run.last, grid.tiles_x)};
             tile_runs.push_back({row, run_of_tiles});
             tiles += run_of_tiles.last - run_of_tiles.first;
         }

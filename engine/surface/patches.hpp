@@ -20,7 +20,7 @@ struct Patch {
 /// Tiles [first, last) of a row of tiles.
 struct TileRun {
     int row = 0;
-    BlockRun tiles;
+    BlockGrid::Run tiles;
 };
 
 /// What has to be done so that a set of blocks is built again.
@@ -32,7 +32,7 @@ struct Patches {
 
     /// Of a picture of that size, in which pixels up to `reach` away may depend on each other. No allocation
     /// where it has had as many.
-    void cover(const StaleBlocks& blocks, int width, int height, int reach);
+    void cover(const FrameChanges::StaleBlocks& blocks, int width, int height, int reach);
 };
 
 /// Filters patches of frames, where no filter remembers frames before; one for each thread that does.

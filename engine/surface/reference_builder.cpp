@@ -1,8 +1,10 @@
+// The plain builder, by which the others are tested: docs/conventions.md, step by step, without any haste.
 #include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/surface/surface_builder.hpp"
 
@@ -231,12 +233,11 @@ public:
     std::string_view name() const override { return "reference"; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        TRY(check_raw_frame(raw, scene_));
         Picture picture = decoded(raw.depth, plan_.stored);
-        for (const PlannedFilter& planned : plan_.filters)
-            picture =
-                std::visit([&](const auto& filter) { return filtered(std::move(picture), filter, raw); },
-                           planned.filter);
+        for (const FilterPlan::Stage& stage : plan_.filters)
+            picture = std::visit(
+                [&](const auto& filter) { return filtered(std::move(picture), filter, raw); }, stage.filter);
         store(picture, out);
         copy_touch_planes(raw, out);
         out.filled = raw.filled;
@@ -247,11 +248,11 @@ private:
     static Picture filtered(Picture picture, const FlyingPixels& filter, const RawFrame&) {
         return flying_pixels_landed(picture, filter);
     }
-    static Picture filtered(Picture picture, const HoleFilling& filling, const RawFrame&) {
+    static Picture filtered(Picture picture, const FilterPlan::HoleFilling& filling, const RawFrame&) {
         for (int pass = 0; pass < filling.passes; ++pass) picture = holes_filled_once(picture);
         return picture;
     }
-    static Picture filtered(Picture picture, const MedianWindow& window, const RawFrame&) {
+    static Picture filtered(Picture picture, const FilterPlan::MedianWindow& window, const RawFrame&) {
         return median_filtered(picture, window.side);
     }
     Picture filtered(Picture picture, const TemporalFilter& filter, const RawFrame& raw) {

@@ -1,3 +1,4 @@
+// Smooth places of a recording, and filters tried on them.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -14,7 +15,6 @@
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr int border = (SmoothPatches::side - SmoothPatches::core) / 2;
@@ -139,7 +139,7 @@ constexpr double most_after_median[] = {1.4, 0, 0, 1, 0, 0.7};
 /// Levels count, even in noise that is somewhat rougher, where they are seen; codes where little else is
 /// rough.
 constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_from = 0.75;
-/// What the temporal filter is told, over the noise that was measured, by the median before it.
+/// The noise that the temporal filter is given, over the one that was measured, by the median before it.
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// What leaves this much more than the best, or so few degrees, is as good.
 constexpr double as_good = 1.10, good_deg = 0.7;

@@ -1,3 +1,5 @@
+// The plan of a scene's filters, what a raw frame has to be, the fallback from one builder to another, and a
+// frame's depths.
 #include "engine/surface/surface_builder.hpp"
 
 #include <algorithm>
@@ -7,28 +9,6 @@
 #include "engine/base/threads.hpp"
 
 namespace touchable {
-
-FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
-    const FilterSettings& asked = scene.filter;
-    assert(asked.median == 0 || asked.median == 3 || asked.median == 5);
-    if (const auto filter = flying_pixels(scene)) filters.push_back({*filter, flying_reach, coding()});
-    if (asked.fill_holes > 0) filters.push_back({HoleFilling{asked.fill_holes}, asked.fill_holes, coding()});
-    if (asked.median > 0) filters.push_back({MedianWindow{asked.median}, asked.median / 2, coding()});
-    if (const auto filter = temporal_filter(scene))
-        filters.push_back({*filter, std::nullopt, filter->coding});
-    if (const auto filter = terrace_filter(scene))
-        filters.push_back({*filter, filter->reach, filter->coding});
-}
-
-std::optional<int> FilterPlan::reach() const {
-    int sum = 0;
-    for (const PlannedFilter& planned : filters) {
-        if (!planned.reach) return std::nullopt;
-        sum += *planned.reach;
-    }
-    return sum;
-}
-
 namespace {
 
 std::string size_text(int width, int height) {
@@ -84,6 +64,27 @@ private:
 };
 
 }  // namespace
+
+FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
+    const FilterSettings& asked = scene.filter;
+    assert(asked.median == 0 || asked.median == 3 || asked.median == 5);
+    if (const auto filter = flying_pixels(scene)) filters.push_back({*filter, flying_reach, coding()});
+    if (asked.fill_holes > 0) filters.push_back({HoleFilling{asked.fill_holes}, asked.fill_holes, coding()});
+    if (asked.median > 0) filters.push_back({MedianWindow{asked.median}, asked.median / 2, coding()});
+    if (const auto filter = temporal_filter(scene))
+        filters.push_back({*filter, std::nullopt, filter->coding});
+    if (const auto filter = terrace_filter(scene))
+        filters.push_back({*filter, filter->reach, filter->coding});
+}
+
+std::optional<int> FilterPlan::reach() const {
+    int sum = 0;
+    for (const Stage& stage : filters) {
+        if (!stage.reach) return std::nullopt;
+        sum += *stage.reach;
+    }
+    return sum;
+}
 
 Result<void> check_raw_frame(const RawFrame& raw, const Scene& scene) {
     const auto frame = [&] { return "frame " + std::to_string(raw.number) + ": "; };

@@ -8,13 +8,16 @@
 // make_reference_builder (plain code, for tests), make_cpu_builder (vectors, rows on several threads, and
 // frames that changed little built in part), make_lazy_builder (the paper's: pixels that are touched, when
 // they are touched), make_fallback_builder (another one, such as the GPU's, until it fails). engine/gpu has
-// the one for Vulkan.
+// the one for Vulkan. make_mesh and write_ply hand a frame's surface to other programs, as triangles.
 //
 // A builder is used by one thread at a time, and sees the frames of an epoch in order. It allocates only
 // until the first frames are built. Errors are lines about the frame (what is wrong with its planes).
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +25,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/vectors.hpp"
 #include "engine/scene/filter_codes.hpp"
@@ -30,37 +34,35 @@
 
 namespace touchable {
 
-/// Passes that fill holes from their rims.
-struct HoleFilling {
-    int passes = 0;
-    bool operator==(const HoleFilling&) const = default;
-};
-/// The lower median of a window of `side` x `side` pixels, 3 or 5.
-struct MedianWindow {
-    int side = 0;
-    bool operator==(const MedianWindow&) const = default;
-};
-
-/// Every builder has an overload for each, so that none of them can miss a new one.
-using Filter = std::variant<FlyingPixels, HoleFilling, MedianWindow, TemporalFilter, TerraceFilter>;
-
-struct PlannedFilter {
-    Filter filter;
-    /// How far away, along x and along y, a pixel may be that another one depends on; nothing where that may
-    /// be one of a frame before.
-    std::optional<int> reach;
-    DepthCoding coding;  ///< of the codes that it leaves
-    bool operator==(const PlannedFilter&) const = default;
-};
-
 /// What becomes of a scene's stored values: which filters they go through, in what order, how far each of
 /// them looks, what it remembers, and what the codes mean in the end. All builders go by it.
 struct FilterPlan {
+    /// Passes that fill holes from their rims.
+    struct HoleFilling {
+        int passes = 0;
+        bool operator==(const HoleFilling&) const = default;
+    };
+    /// The lower median of a window of `side` x `side` pixels, 3 or 5.
+    struct MedianWindow {
+        int side = 0;
+        bool operator==(const MedianWindow&) const = default;
+    };
+    /// Every builder has an overload for each, so that none of them can miss a new one.
+    using Filter = std::variant<FlyingPixels, HoleFilling, MedianWindow, TemporalFilter, TerraceFilter>;
+    struct Stage {
+        Filter filter;
+        /// How far away, along x and along y, a pixel may be that another one depends on; nothing where that
+        /// may be one of a frame before.
+        std::optional<int> reach;
+        DepthCoding coding;  ///< of the codes that it leaves
+        bool operator==(const Stage&) const = default;
+    };
+
     /// Needs a scene that `validate` accepts.
     explicit FilterPlan(const Scene& scene);
 
-    DepthCoding stored;                  ///< of the codes that stored values are
-    std::vector<PlannedFilter> filters;  ///< in order; empty: values are only decoded
+    DepthCoding stored;          ///< of the codes that stored values are
+    std::vector<Stage> filters;  ///< in order; empty: values are only decoded
 
     const DepthCoding& coding() const { return filters.empty() ? stored : filters.back().coding; }
     /// Of all filters together; nothing where one remembers frames before.
@@ -69,8 +71,8 @@ struct FilterPlan {
     /// Null where the scene does not ask for it.
     template <class F>
     const F* find() const {
-        for (const PlannedFilter& planned : filters)
-            if (const F* filter = std::get_if<F>(&planned.filter)) return filter;
+        for (const Stage& stage : filters)
+            if (const F* filter = std::get_if<F>(&stage.filter)) return filter;
         return nullptr;
     }
     bool operator==(const FilterPlan&) const = default;
@@ -130,8 +132,7 @@ struct CpuPlan {
 /// Fast, on some threads of its own: they start with the first frame, sleep between frames, and are scheduled
 /// as the thread that builds. A raw frame that keeps its planes alive (`storage`) is kept until the next one,
 /// of which then only what has changed since the frame that the slot holds is built.
-std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene);
-std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan);
+std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan = {});
 /// Keeps the raw frame (its planes are to last as long, by `storage` or otherwise) and filters a pixel when
 /// it is asked for: the paper's way. The frame has no codes, validity or tiles of its own; its `vertices`
 /// answer instead. Refuses to build with a temporal filter (ErrorKind::input).
@@ -144,6 +145,24 @@ std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene);
 std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBuilder> first,
                                                       std::unique_ptr<SurfaceBuilder> second,
                                                       std::function<void(const std::string&)> told);
+
+/// The surface as triangles in the world (X right, Y up, camera at the origin looking along -Z), in scene
+/// units. Every valid pixel is a vertex, height taken off; every cell of four valid pixels is two triangles,
+/// cut by the diagonal from (i, j) to (i+1, j+1), counter-clockwise as the camera sees them.
+struct Mesh {
+    int width = 0, height = 0;                            ///< of the picture
+    std::vector<glm::dvec3> positions;                    ///< row by row
+    std::vector<std::uint32_t> pixels;                    ///< y * width + x of each position, ascending
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of positions
+};
+/// Of a frame from any builder; `scene` is the one it was built for.
+Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene);
+
+enum class PlyCoordinates { single_precision, double_precision };
+/// Binary little-endian PLY: x, y, z in scene units, red, green, blue where there is a colour plane (3
+/// channels of 8 bits, of the mesh's picture), and triangles. The caller commits `file`.
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour = {},
+                       PlyCoordinates coordinates = PlyCoordinates::single_precision);
 
 /// A frame's valid depths, row by row, scene units; the far plane where none is valid. Of a frame larger than
 /// 4096x4096 every so many pixels, evenly spread. Of a lazy frame all of it is built for that. Unfinished

@@ -1,10 +1,10 @@
+// Noise averaged from frame to frame, in vectors.
 #include "engine/surface/temporal_filter.hpp"
 
 #include <algorithm>
 #include <cstring>
 
 namespace touchable {
-
 namespace {
 
 /// Without comparing, see code_rows.cpp: of `above` and `below` one is 0, and so is what is kept of it.

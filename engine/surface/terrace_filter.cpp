@@ -1,9 +1,9 @@
+// Terraces removed in passes, of whole rows and of patches.
 #include "engine/surface/terrace_filter.hpp"
 
 #include <cstring>
 
 namespace touchable {
-
 namespace {
 
 /// As many values with a sign.
@@ -305,11 +305,6 @@ void TerracePatch<reach>::level(const TerraceFilter& filter) {
                       words, {step, filter, is_last}, next_[y - top_] + margin);
         std::memcpy(codes_, next_, sizeof(codes_));
     }
-}
-
-template <int reach>
-bool TerracePatch<reach>::is_set(int x, int y) const {
-    return masks_[y - top_][margin + x - left_] == 0;
 }
 
 template <int reach>

@@ -84,7 +84,7 @@ private:
     const std::unique_ptr<BandSource> before_;
     const TerraceFilter filter_;
     const VectorUnit unit_;
-    /// Rows of which it is kept who counts: the last pass is filter_.reach behind the row that is loaded, and
+    /// Rows whose masks and holes are kept: the last pass is filter_.reach behind the row that is loaded, and
     /// reads the one before its own too.
     const int known_rows_;
     const int margin_;  // codes that a tap may be beyond a row's ends
@@ -118,7 +118,7 @@ public:
     /// To be called for every valid pixel of the patch, with its code by the scene's coding.
     void set(int x, int y, std::uint16_t code, const TerraceFilter& filter);
     void level(const TerraceFilter& filter);
-    bool is_set(int x, int y) const;
+    bool is_set(int x, int y) const { return masks_[y - top_][margin + x - left_] == 0; }
     /// After `level`: the finer code of a pixel of the block that was set.
     std::uint16_t code(int x, int y) const;
 

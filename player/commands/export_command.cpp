@@ -26,7 +26,6 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/surface/mesh.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"

@@ -106,7 +106,8 @@ TEST(Patches, CoverEveryStaleBlockOnce) {
                 const BlockGrid grid_of_blocks = BlockGrid::of(width, height);
                 std::vector<std::uint64_t> changed(grid_of_blocks.count());
                 for (std::uint64_t& frame : changed) frame = static_cast<std::uint64_t>(random.below(4));
-                const StaleBlocks map(grid_of_blocks, changed, static_cast<std::uint64_t>(random.below(4)));
+                const FrameChanges::StaleBlocks map(grid_of_blocks, changed,
+                                                    static_cast<std::uint64_t>(random.below(4)));
                 patches.cover(map, width, height, reach);
                 std::vector<int> covered(static_cast<std::size_t>(width * height));
                 for (const auto& [inner, outer] : patches.patches) {

@@ -22,8 +22,8 @@ TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
     FilterSettings all{.median = 5, .fill_holes = 2, .terraces = TerraceRemoval::on};
     const FilterPlan still = plan_of(all);
     ASSERT_EQ(still.filters.size(), 3U);
-    EXPECT_EQ(std::get<HoleFilling>(still.filters[0].filter).passes, 2);
-    EXPECT_EQ(std::get<MedianWindow>(still.filters[1].filter).side, 5);
+    EXPECT_EQ(std::get<FilterPlan::HoleFilling>(still.filters[0].filter).passes, 2);
+    EXPECT_EQ(std::get<FilterPlan::MedianWindow>(still.filters[1].filter).side, 5);
     EXPECT_EQ(std::get<TerraceFilter>(still.filters[2].filter).working.factor, 126);  // floor(32767 / 260)
     EXPECT_EQ(still.reach(), 2 + 2 + 16);
     EXPECT_FALSE(still.remembers());
@@ -49,9 +49,9 @@ TEST(FilterPlan, EndsInTheCodingOfTheLastFilter) {
 
 TEST(FilterPlan, FindsWhatTheSceneAsksFor) {
     const FilterPlan plan = plan_of({.median = 3});
-    ASSERT_NE(plan.find<MedianWindow>(), nullptr);
-    EXPECT_EQ(plan.find<MedianWindow>()->side, 3);
-    EXPECT_EQ(plan.find<HoleFilling>(), nullptr);
+    ASSERT_NE(plan.find<FilterPlan::MedianWindow>(), nullptr);
+    EXPECT_EQ(plan.find<FilterPlan::MedianWindow>()->side, 3);
+    EXPECT_EQ(plan.find<FilterPlan::HoleFilling>(), nullptr);
     EXPECT_EQ(plan.find<TemporalFilter>(), nullptr);
     const FilterPlan too_fine = plan_of({.terraces = TerraceRemoval::automatic}, 16);
     EXPECT_EQ(too_fine.find<TerraceFilter>(), nullptr) << "a step is too small to be felt";

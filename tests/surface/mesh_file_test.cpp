@@ -1,15 +1,22 @@
-#include "engine/surface/mesh.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
+#include "engine/surface/surface_builder.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
+
+/// A PLY file with its name.
+Result<void> write_mesh(const std::filesystem::path& name, const Mesh& mesh, const PlaneView& colour = {},
+                        PlyCoordinates coordinates = PlyCoordinates::single_precision) {
+    NewFile file(name);
+    auto written = write_ply(file, mesh, colour, coordinates);
+    return written ? file.commit() : written;
+}
 
 class MeshFile : public testing::Test {
 protected:
@@ -73,19 +80,19 @@ void expect_file(const std::string& bytes, bool coloured, const std::string& typ
 }
 
 TEST_F(MeshFile, HoldsFloatsAndColours) {
-    ASSERT_TRUE(write_ply(folder_ / "mesh.ply", small_mesh(), colour));
+    ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh(), colour));
     expect_file<float>(content("mesh.ply"), true, "float");
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
 }
 
 TEST_F(MeshFile, HoldsDoublesToTheirLastBit) {
-    ASSERT_TRUE(write_ply(folder_ / "mesh.ply", small_mesh(), {}, PlyCoordinates::double_precision));
+    ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh(), {}, PlyCoordinates::double_precision));
     expect_file<double>(content("mesh.ply"), false, "double");
 }
 
 TEST_F(MeshFile, ReplacesAnOlderOne) {
     std::ofstream(folder_ / "mesh.ply") << "old";
-    ASSERT_TRUE(write_ply(folder_ / "mesh.ply", small_mesh()));
+    ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh()));
     expect_file<float>(content("mesh.ply"), false, "float");
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
 }
@@ -98,7 +105,7 @@ TEST_F(MeshFile, IsWholeBeyondOneBlockOfTheWriter) {
         mesh.positions.emplace_back(n, 0, -1);
         mesh.pixels.push_back(n);
     }
-    ASSERT_TRUE(write_ply(folder_ / "mesh.ply", mesh));
+    ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", mesh));
     const std::string bytes = content("mesh.ply");
     const std::size_t body = bytes.find("end_header\n") + 11;
     ASSERT_EQ(bytes.size(), body + 12u * 100000u);
@@ -109,7 +116,7 @@ TEST_F(MeshFile, IsWholeBeyondOneBlockOfTheWriter) {
 }
 
 TEST_F(MeshFile, LeavesNothingBehindWhereItCannotBeWritten) {
-    const Result<void> nowhere = write_ply(folder_ / "no such folder" / "mesh.ply", small_mesh());
+    const Result<void> nowhere = write_mesh(folder_ / "no such folder" / "mesh.ply", small_mesh());
     ASSERT_FALSE(nowhere.ok());
     EXPECT_EQ(nowhere.error().kind, ErrorKind::input);
     EXPECT_NE(nowhere.error().message.find("no such folder/mesh.ply: cannot be written: No such file"),
@@ -117,14 +124,14 @@ TEST_F(MeshFile, LeavesNothingBehindWhereItCannotBeWritten) {
         << nowhere.error().message;
 
     std::filesystem::create_directories(folder_ / "taken" / "by a folder");
-    EXPECT_FALSE(write_ply(folder_ / "taken", small_mesh()).ok());
+    EXPECT_FALSE(write_mesh(folder_ / "taken", small_mesh()).ok());
     EXPECT_EQ(files(), std::vector<std::string>{"taken"});
 }
 
 TEST_F(MeshFile, RefusesColoursOfAnotherPicture) {
     for (const PlaneView& wrong : {PlaneView{colours, 6, 1, 2, 1, 3}, PlaneView{colours, 6, 2, 1, 1, 3},
                                    PlaneView{colours, 6, 2, 2, 1, 1}, PlaneView{colours, 6, 1, 2, 2, 3}}) {
-        const Result<void> refused = write_ply(folder_ / "mesh.ply", small_mesh(), wrong);
+        const Result<void> refused = write_mesh(folder_ / "mesh.ply", small_mesh(), wrong);
         ASSERT_FALSE(refused.ok());
         EXPECT_NE(refused.error().message.find("2x2"), std::string::npos) << refused.error().message;
     }

@@ -1,11 +1,9 @@
-#include "engine/surface/mesh.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
-
-#include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 
 namespace touchable::test {
