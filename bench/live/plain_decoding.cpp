@@ -6,7 +6,6 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/track_codecs.hpp"
+#include "engine/clip/tracks.hpp"
 
 namespace touchable {
 namespace {

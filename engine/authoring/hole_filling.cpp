@@ -25,7 +25,8 @@ std::int32_t tolerance_of(const DepthCoding& coding, std::uint16_t code) {
 }
 
 constexpr std::int64_t least_elsewhere = 48;
-constexpr std::int32_t same_level = 5 * Cell::per_level / 2, much_other_level = 24 * Cell::per_level;
+constexpr std::int32_t same_level = 5 * CellPicture::per_level / 2,
+                       much_other_level = 24 * CellPicture::per_level;
 /// Of so many cells with depth one must be textured to tell of the camera.
 constexpr std::size_t texture_share = 6;
 constexpr std::int32_t times_much = 16;
@@ -128,17 +129,17 @@ CameraRest::Changes CameraRest::changes(const CellPicture& then, const CellPictu
     const bool has_colour = then.has_colour && now.has_colour;
     const std::int32_t gain = has_colour ? exposure_change(then, now) : 0;
     for (std::size_t k = 0; k < now.cells.size(); ++k) {
-        const Cell &was = then.cells[k], &is = now.cells[k];
+        const CellPicture::Cell &was = then.cells[k], &is = now.cells[k];
         ++changes.all;
         const std::int32_t level = has_colour ? std::abs(is.luma - was.luma - gain) : 0;
         changes.textured += was.is_textured;
         changes.luma += was.is_textured && level > same_level;
         changes.much_luma += level > much_other_level;
-        if (was.depth == Cell::none || is.depth == Cell::none) continue;
+        if (was.depth == CellPicture::none || is.depth == CellPicture::none) continue;
         ++changes.known;
         // A quarter of the tolerance of a pixel and half a code, as a cell is the mean of many.
-        const auto code = static_cast<std::uint16_t>(was.depth / Cell::per_code);
-        const std::int32_t tolerance = (depth_.tolerance(code) + 2) * Cell::per_code / 4;
+        const auto code = static_cast<std::uint16_t>(was.depth / CellPicture::per_code);
+        const std::int32_t tolerance = (depth_.tolerance(code) + 2) * CellPicture::per_code / 4;
         changes.depth += std::abs(is.depth - was.depth) > tolerance;
         changes.much_depth += std::abs(is.depth - was.depth) > times_much * tolerance;
     }
@@ -165,7 +166,7 @@ bool CameraRest::ends_with(CellPicture picture) {
     } else {
         ++current_.count;
         for (std::size_t k = 0; k < first_.cells.size(); ++k)
-            if (first_.cells[k].depth == Cell::none) first_.cells[k].depth = picture.cells[k].depth;
+            if (first_.cells[k].depth == CellPicture::none) first_.cells[k].depth = picture.cells[k].depth;
     }
     before_ = std::move(picture);
     return has_moved;

@@ -1,3 +1,4 @@
+// Cameras as they are named, listed and opened, and one for several runs.
 #include "engine/camera/camera.hpp"
 
 #include <algorithm>
@@ -12,22 +13,15 @@
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr std::size_t most_modes = 8;  // of a format, on a screen
 
-const NodeFormat* first_format(const NodeFacts& facts, bool (*is_one)(std::uint32_t)) {
-    const auto found = std::find_if(facts.formats.begin(), facts.formats.end(),
-                                    [is_one](const NodeFormat& format) { return is_one(format.code); });
-    return found == facts.formats.end() ? nullptr : &*found;
-}
-
 bool has_depth(const NodeFacts& facts) {
-    return first_format(facts, is_depth_format) != nullptr;
+    return std::ranges::any_of(facts.formats, is_depth_format, &NodeFormat::code);
 }
 bool has_colour(const NodeFacts& facts) {
-    return !has_depth(facts) && first_format(facts, is_colour_format) != nullptr;
+    return !has_depth(facts) && std::ranges::any_of(facts.formats, is_colour_format, &NodeFormat::code);
 }
 
 std::string format_line(const NodeFormat& format) {
@@ -213,9 +207,7 @@ Result<std::unique_ptr<ClipReader>> SharedCamera::open(
     const std::optional<std::filesystem::path>& scene_file) {
     const bool is_first = !camera_;
     if (is_first) {
-        auto camera = open_plugged_camera(choice, known, scene_file);
-        if (!camera.ok()) return camera;
-        camera_ = std::move(*camera);
+        TRY_ASSIGN(camera_, open_plugged_camera(choice, known, scene_file));
     }
     return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this(), is_first));
 }

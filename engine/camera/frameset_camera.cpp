@@ -1,24 +1,37 @@
+// Programs that send framesets: the bytes of a command or a connection, the framesets found in them, and
+// these as a clip.
 #include "engine/camera/frameset_camera.hpp"
 
+#include <arpa/inet.h>
+#include <fcntl.h>
 #include <linux/videodev2.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
+#include <system_error>
+#include <thread>
 #include <utility>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/depth_meaning.hpp"
-#include "engine/camera/live_bytes.hpp"
+#include "engine/camera/camera_reader.hpp"
 #include "engine/clip/readers.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr std::array<std::uint8_t, 8> magic{'F', 'R', 'A', 'M', 'E', 'S', 'E', 'T'};
@@ -58,7 +71,7 @@ bool is_picture_size(std::uint32_t width, std::uint32_t height) {
            std::size_t{width} * height <= most_frameset_pixels;
 }
 
-/// Of a lens through which somebody sees. False for what is no number, too.
+/// Of a lens that can have made the picture. False for what is no number, too.
 bool is_lens(const FramesetHeader& header) {
     const auto is_length = [](double focal, double side) {
         return focal >= 0.01 * side && focal <= 1000 * side;
@@ -139,24 +152,283 @@ FrameRate rate_of(const std::vector<TakenFrameset>& taken) {
     return {std::llround(1000 * rate), 1000};
 }
 
-class FramesetCamera final : public ClipReader {
+constexpr std::chrono::milliseconds step(10);
+
+/// Bytes of a program that come when they come: its standard output, or a connection. What it began it ends
+/// with itself.
+class LiveBytes {
 public:
-    explicit FramesetCamera(FramesetChoice choice)
-        : choice_(std::move(choice)), name_(printable(choice_.name())), run_(name_) {}
+    virtual ~LiveBytes() = default;
+    /// What is there, up to the size of `into`, at once: its length; 0: nothing is there yet; nothing at all:
+    /// it has ended.
+    virtual std::optional<std::size_t> read(std::span<std::uint8_t> into) = 0;
+    /// What poll waits for: of them a descriptor of -1 does not count.
+    virtual std::array<pollfd, 2> waits() const = 0;
+    /// Once it has ended: how, such as "ended with status 1". Waits for that for a fifth of a second at most.
+    virtual std::string how_it_ended() = 0;
+};
+
+class Descriptor {
+public:
+    explicit Descriptor(int of = -1) : of_(of) {}
+    ~Descriptor() { reset(); }
+    Descriptor(Descriptor&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(of_, other.of_);
+        return *this;
+    }
+    int get() const { return of_; }
+    void reset() {
+        if (of_ >= 0) ::close(of_);
+        of_ = -1;
+    }
+
+private:
+    int of_;
+};
+
+std::string failure_text(int failure) {
+    return std::generic_category().message(failure);
+}
+
+bool is_for_later(int failure) {
+    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
+}
+
+struct Pipe {
+    Descriptor out, in;  ///< to be read without waiting; to be written
+};
+Result<Pipe> make_pipe() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0)
+        return Error{ErrorKind::internal, "no pipe can be made: " + failure_text(errno)};
+    Pipe made{Descriptor(ends[0]), Descriptor(ends[1])};
+    ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    return made;
+}
+
+class Command final : public LiveBytes {
+public:
+    Command(::pid_t process, Descriptor output, Descriptor errors)
+        : process_(process), output_(std::move(output)), errors_(std::move(errors)) {}
+    ~Command() override;
+    std::optional<std::size_t> read(std::span<std::uint8_t> into) override;
+    std::array<pollfd, 2> waits() const override {
+        return {pollfd{output_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}};
+    }
+    std::string how_it_ended() override;
+
+private:
+    void hear_errors();
+    std::string last_words() const;
+    bool has_ended(siginfo_t& how) const;
+
+    const ::pid_t process_;  // and its group, which is there until it is waited for
+    Descriptor output_, errors_;
+    std::string errors_said_;  // the last of it
+};
+
+std::optional<std::size_t> Command::read(std::span<std::uint8_t> into) {
+    hear_errors();
+    if (output_.get() < 0) return std::nullopt;
+    const auto got = ::read(output_.get(), into.data(), into.size());
+    if (got > 0) return static_cast<std::size_t>(got);
+    if (got < 0 && is_for_later(errno)) return std::size_t{0};
+    output_.reset();
+    return std::nullopt;
+}
+
+void Command::hear_errors() {
+    constexpr std::size_t most_kept = 2000;
+    constexpr int most_at_once = 16;
+    for (int k = 0; k < most_at_once && errors_.get() >= 0; ++k) {
+        std::array<char, 4096> words;
+        const auto got = ::read(errors_.get(), words.data(), words.size());
+        if (got < 0 && is_for_later(errno)) return;
+        if (got <= 0) return errors_.reset();
+        errors_said_.append(words.data(), static_cast<std::size_t>(got));
+        if (errors_said_.size() > most_kept) errors_said_.erase(0, errors_said_.size() - most_kept);
+    }
+}
+
+std::string Command::last_words() const {
+    constexpr std::size_t longest = 200;
+    const std::size_t end = errors_said_.find_last_not_of(" \t\r\n");
+    if (end == std::string::npos) return "";
+    const std::size_t before = errors_said_.find_last_of("\r\n", end);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    return ": " + printable(errors_said_.substr(begin, end + 1 - begin), longest);
+}
+
+bool Command::has_ended(siginfo_t& how) const {
+    how = {};
+    return ::waitid(P_PID, static_cast<::id_t>(process_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           how.si_pid == process_;
+}
+
+std::string Command::how_it_ended() {
+    constexpr int most_looks = 20;
+    siginfo_t how;
+    bool ended = has_ended(how);
+    for (int looks = 0; !ended && looks < most_looks; ++looks) {
+        std::this_thread::sleep_for(step);
+        ended = has_ended(how);
+    }
+    hear_errors();
+    if (!ended) return "closed its standard output" + last_words();
+    if (how.si_code != CLD_EXITED) return "ended by signal " + std::to_string(how.si_status) + last_words();
+    if (how.si_status == 0) return "ended";
+    return "ended with status " + std::to_string(how.si_status) + last_words();
+}
+
+/// While the first process is not waited for, no other group has its number.
+Command::~Command() {
+    ::kill(-process_, SIGTERM);
+    siginfo_t how;
+    // A process of the group that still writes holds the output open.
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    while (!(has_ended(how) && output_.get() < 0) && std::chrono::steady_clock::now() < until) {
+        std::array<std::uint8_t, 65536> unread;
+        if (read(unread).value_or(0) == 0) std::this_thread::sleep_for(step);
+    }
+    ::kill(-process_, SIGKILL);
+    constexpr int most_steps = 200;
+    for (int k = 0; k < most_steps && ::waitpid(process_, nullptr, WNOHANG) == 0; ++k)
+        std::this_thread::sleep_for(step);
+}
+
+class Connection final : public LiveBytes {
+public:
+    explicit Connection(Descriptor socket) : socket_(std::move(socket)) {}
+    std::optional<std::size_t> read(std::span<std::uint8_t> into) override {
+        const auto got = ::recv(socket_.get(), into.data(), into.size(), MSG_DONTWAIT);
+        if (got > 0) return static_cast<std::size_t>(got);
+        if (got < 0 && is_for_later(errno)) return std::size_t{0};
+        if (got < 0) failure_ = errno;
+        return std::nullopt;
+    }
+    std::array<pollfd, 2> waits() const override {
+        return {pollfd{socket_.get(), POLLIN, 0}, {-1, POLLIN, 0}};
+    }
+    std::string how_it_ended() override {
+        return failure_ == 0 ? "closed the connection" : "was lost (" + failure_text(failure_) + ")";
+    }
+
+private:
+    Descriptor socket_;
+    int failure_ = 0;
+};
+
+struct Address {
+    ::sockaddr_storage bytes = {};
+    ::socklen_t length = 0;
+};
+Result<Address> read_address(const std::string& words) {
+    const Error wrong =
+        usage_error("tcp://" + printable(words) +
+                    ": right would be an address in numbers or localhost, and a port, such as "
+                    "tcp://192.168.0.5:7000 or tcp://[::1]:7000");
+    const std::size_t colon = words.rfind(':');
+    if (colon == std::string::npos || colon + 1 == words.size()) return wrong;
+    std::string host = words.substr(0, colon);
+    const std::string port = words.substr(colon + 1);
+    if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+    if (host == "localhost") host = "127.0.0.1";
+    if (host.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
+        std::stoi(port) < 1 || std::stoi(port) > 65535)
+        return wrong;
+    Address address;
+    const auto port_there = htons(static_cast<std::uint16_t>(std::stoi(port)));
+    if (::sockaddr_in four = {}; ::inet_pton(AF_INET, host.c_str(), &four.sin_addr) == 1) {
+        four.sin_family = AF_INET;
+        four.sin_port = port_there;
+        std::memcpy(&address.bytes, &four, address.length = sizeof four);
+        return address;
+    }
+    ::sockaddr_in6 six = {};
+    if (::inet_pton(AF_INET6, host.c_str(), &six.sin6_addr) != 1) return wrong;
+    six.sin6_family = AF_INET6;
+    six.sin6_port = port_there;
+    std::memcpy(&address.bytes, &six, address.length = sizeof six);
+    return address;
+}
+
+/// 0, or why there is no connection.
+Result<int> wait_for_connection(int socket) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    constexpr int look_again_ms = 100;
+    while (std::chrono::steady_clock::now() < until) {
+        if (stop_requested()) return interrupted_error();
+        pollfd waited{socket, POLLOUT, 0};
+        if (::poll(&waited, 1, look_again_ms) <= 0) continue;
+        int failure = 0;
+        ::socklen_t length = sizeof failure;
+        return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failure, &length) == 0 ? failure : errno;
+    }
+    return ETIMEDOUT;
+}
+
+/// The standard output of a command that /bin/sh runs, in a process group of its own, without standard input.
+/// The last line that it says on standard error is kept for how it ended. With this object the whole group is
+/// asked to end (SIGTERM), and after 2 s made to (SIGKILL).
+Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
+    TRY_ASSIGN(auto output, make_pipe());
+    TRY_ASSIGN(auto errors, make_pipe());
+    constexpr int roomy = 1 << 20;
+    (void)::fcntl(output.in.get(), F_SETPIPE_SZ, roomy);  // otherwise what it is
+    ::posix_spawn_file_actions_t files;
+    ::posix_spawn_file_actions_init(&files);
+    ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    ::posix_spawn_file_actions_adddup2(&files, output.in.get(), STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files, errors.in.get(), STDERR_FILENO);
+    ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
+    ::posix_spawnattr_t attributes;
+    ::posix_spawnattr_init(&attributes);
+    sigset_t none, all;
+    ::sigemptyset(&none);
+    ::sigfillset(&all);
+    ::posix_spawnattr_setsigmask(&attributes, &none);
+    ::posix_spawnattr_setsigdefault(&attributes, &all);
+    ::posix_spawnattr_setflags(&attributes,
+                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    std::string shell = "sh", option = "-c", words = command;
+    char* const arguments[] = {shell.data(), option.data(), words.data(), nullptr};
+    ::pid_t process = -1;
+    const int failure = ::posix_spawn(&process, "/bin/sh", &files, &attributes, arguments, ::environ);
+    ::posix_spawn_file_actions_destroy(&files);
+    ::posix_spawnattr_destroy(&attributes);
+    if (failure != 0)
+        return input_error("pipe:" + printable(command) + ": cannot be started: " + failure_text(failure));
+    return std::unique_ptr<LiveBytes>(
+        std::make_unique<Command>(process, std::move(output.out), std::move(errors.out)));
+}
+
+/// It is there within 5 s, or an error says why not; or earlier, of kind interrupted, where the program is
+/// asked to stop.
+Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
+    TRY_ASSIGN(const auto read, read_address(address));
+    Descriptor socket(::socket(read.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const auto no_connection = [&](int failure) {
+        return input_error("tcp://" + address + ": no connection: " + failure_text(failure) +
+                           "; does the sender listen there?");
+    };
+    if (socket.get() < 0) return no_connection(errno);
+    const auto* const to = reinterpret_cast<const ::sockaddr*>(&read.bytes);
+    if (::connect(socket.get(), to, read.length) != 0 && errno != EINPROGRESS) return no_connection(errno);
+    TRY_ASSIGN(const auto failure, wait_for_connection(socket.get()));
+    if (failure != 0) return no_connection(failure);
+    return std::unique_ptr<LiveBytes>(std::make_unique<Connection>(std::move(socket)));
+}
+
+class FramesetCamera final : public CameraReader {
+public:
+    explicit FramesetCamera(const FramesetChoice& choice)
+        : CameraReader(printable(choice.name())), choice_(choice), name_(printable(choice.name())) {}
     Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
 
-    const Scene& scene() const override { return scene_; }
-    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override { return run_.seek(frame); }
     void leave_out_colour() override { shows_colour_ = false; }
-    bool is_live() const override { return true; }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override;
-    void interrupt() override { run_.interrupt(); }
     std::vector<std::string> remarks() const override;
 
 private:
@@ -169,22 +441,17 @@ private:
 
     const FramesetChoice choice_;
     const std::string name_;
-    CameraRun run_;
     std::unique_ptr<LiveBytes> source_;
     FramesetParser parser_;
     SenderClock clock_;
     std::vector<std::uint8_t> chunk_ = std::vector<std::uint8_t>(std::size_t{1} << 18U);
     bool has_said_anything_ = false, shows_colour_ = true;
-    Scene scene_;
-    UnstatedFilters unstated_filters_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     std::atomic<std::int64_t> damaged_{0}, repeated_{0};
 };
 
 /// What is there; nothing where no whole one is. An error once no more will come: what happened.
 Result<std::optional<TakenFrameset>> FramesetCamera::take(Which which) {
-    constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then somebody may have told it to end
+    constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been interrupted
     std::optional<TakenFrameset> best;
     for (std::size_t read = 0; read < most_at_once;) {
         auto whole = parser_.next();
@@ -261,11 +528,7 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
     facts.card = "a sender of framesets";
     TRY_ASSIGN(auto meaning, scene_file ? meaning_in_file(facts, views, *scene_file)
                                         : meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known));
-    scene_ = std::move(meaning.scene);
-    unstated_filters_ = meaning.unstated_filters;
-    scene_.interpolation = FrameInterpolation::hold;
-    scene_.rate = rate_of(taken);
-    for (const auto& input : meaning.inputs) add_input(input);
+    take_meaning(std::move(meaning), rate_of(taken));
     notes_.push_back(name_ + " sends depth of " +
                      formatted("%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
                                sent.height, sent.metres_per_unit, sent.fx, sent.fy, per_second(scene_.rate)));
@@ -283,9 +546,8 @@ Result<void> FramesetCamera::look_first(SourceDescription known,
 Result<void> FramesetCamera::open(const SourceDescription& known,
                                   const std::optional<std::filesystem::path>& scene_file) {
     if (run_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
-    TRY_ASSIGN(auto source,
+    TRY_ASSIGN(source_,
                choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command));
-    source_ = std::move(source);
     return look_first(known, scene_file);
 }
 
@@ -331,6 +593,11 @@ std::vector<std::string> FramesetCamera::remarks() const {
 }
 
 }  // namespace
+
+Result<void> check_address(const std::string& address) {
+    const auto read = read_address(address);
+    return read ? Result<void>() : read.error();
+}
 
 std::size_t FramesetHeader::depth_bytes() const {
     return std::size_t{2} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -443,6 +710,21 @@ Result<std::optional<Frameset>> FramesetParser::next() {
         return input_error("gave " + std::to_string(most_strays >> 20U) +
                            " MiB in which no whole frameset is (docs/camera.md has what one is)");
     return std::optional<Frameset>();
+}
+
+std::int64_t SenderClock::taken_at(std::int64_t sent_ns, std::int64_t arrived_ns) {
+    constexpr std::int64_t longest_way = 100'000'000, slower = 1000;  // a thousandth
+    constexpr std::int64_t most_known = std::int64_t{1} << 62U;
+    if (sent_ns <= 0 || sent_ns >= most_known) {
+        last_.reset();
+        return arrived_ns;
+    }
+    const std::int64_t apart_ns = arrived_ns - sent_ns;
+    const bool goes_on = last_ && sent_ns > last_->sent_ns;
+    if (goes_on) apart_ns_ = std::min(apart_ns_ + (arrived_ns - last_->arrived_ns) / slower, apart_ns);
+    if (!goes_on || apart_ns - apart_ns_ > longest_way) apart_ns_ = apart_ns;
+    last_ = Moment{sent_ns, arrived_ns};
+    return sent_ns + apart_ns_;
 }
 
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(

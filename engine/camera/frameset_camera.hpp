@@ -1,5 +1,12 @@
 #pragma once
 
+// Programs that send framesets (docs/camera.md): depth and colour of one moment, with a header that says what
+// they mean, by a pipe or a connection.
+//
+// open_frameset_camera gives what a FramesetChoice names as a live clip. FramesetParser finds framesets in
+// any bytes, and SenderClock turns a sender's times into this machine's; both know nothing of where bytes
+// come from, and each object is used by one thread.
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -78,18 +85,40 @@ private:
     std::int64_t damaged_ = 0, repeated_ = 0;
 };
 
+/// When frames were taken, by a sender's clock of unknown beginning: what it says of the time between frames
+/// is believed, and of those that came soonest after they were taken their arrival. A clock that jumps,
+/// stands still or goes backwards begins anew with a frame's arrival; one that goes slower or faster is
+/// followed.
+class SenderClock {
+public:
+    /// Of a frame that `sent_ns` is said of (0: nothing is), at the time of std::chrono::steady_clock, like
+    /// its arrival: no later than that, and at most 0.1 s before.
+    std::int64_t taken_at(std::int64_t sent_ns, std::int64_t arrived_ns);
+
+private:
+    struct Moment {
+        std::int64_t sent_ns = 0, arrived_ns = 0;
+    };
+    std::optional<Moment> last_;
+    std::int64_t apart_ns_ = 0;  // this machine's clock is so far ahead of the sender's
+};
+
 /// A program that sends framesets (above): a command that is started, or one that listens.
 struct FramesetChoice {
     std::string command{};  ///< of /bin/sh; empty: `address`
-    std::string address{};  ///< as connect_to takes it
+    std::string address{};  ///< as check_address takes it
     /// Before a run: for the first byte, and from then on for each frameset.
     std::chrono::milliseconds first_patience{30'000}, patience{10'000};
 
     std::string name() const { return command.empty() ? "tcp://" + address : "pipe:" + command; }
 };
 
+/// Whether an address is "HOST:PORT", of which HOST is an address in numbers or localhost ("127.0.0.1:7000",
+/// "[::1]:7000"); an error (usage) says what would be right.
+Result<void> check_address(const std::string& address);
+
 /// What it sends as a live source, as `open_v4l2_camera` gives a camera's, but that the sender says its unit
-/// and its lens; where somebody else does, these count (`known`, `scene_file`). Frames are timed by
+/// and its lens, where `known` or `scene_file` do not. Frames are timed by
 /// SenderClock. The command ends with the reader.
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const FramesetChoice& choice, const std::optional<SourceDescription>& known = {},

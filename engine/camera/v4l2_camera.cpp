@@ -1,3 +1,4 @@
+// Cameras of V4L2 as clips: depth, and the colour of a camera beside it.
 #include "engine/camera/v4l2_camera.hpp"
 
 #include <linux/videodev2.h>
@@ -14,13 +15,12 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/depth_meaning.hpp"
+#include "engine/camera/camera_reader.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
-
 namespace {
 
 AVPixelFormat pixels_as_ffmpeg_has_them(std::uint32_t code) {
@@ -68,17 +68,76 @@ ModeWish wish_beside(const NodeFormat& format, const StreamFormat& depth,
     ModeWish wish;
     if (rate) wish.rate = per_second(*rate);
     const std::int64_t wanted = std::int64_t{depth.width} * depth.height;
-    const auto distance = [wanted](const NodeMode& mode) {
+    const auto nearest = std::ranges::min_element(format.modes, {}, [wanted](const NodeMode& mode) {
         return std::abs(std::int64_t{mode.width} * mode.height - wanted);
-    };
-    const auto nearest =
-        std::min_element(format.modes.begin(), format.modes.end(),
-                         [&](const NodeMode& a, const NodeMode& b) { return distance(a) < distance(b); });
+    });
     if (nearest == format.modes.end()) return wish;
     wish.width = nearest->width;
     wish.height = nearest->height;
     return wish;
 }
+
+/// The colour camera beside one of depth: its newest pictures, of which the one nearest in time is shown.
+/// One thread.
+class ColourBeside {
+public:
+    /// A stream of a size near the depth's, at a rate near it. An error names the node.
+    static Result<std::unique_ptr<ColourBeside>> open(const std::shared_ptr<VideoSystem>& system,
+                                                      const std::string& node, const StreamFormat& depth,
+                                                      const std::optional<FrameRate>& rate) {
+        TRY_ASSIGN(const auto facts, look_at_node(*system, node));
+        const auto format = std::ranges::find_if(facts.formats, is_colour_format, &NodeFormat::code);
+        if (format == facts.formats.end()) {
+            std::string there;
+            for (const NodeFormat& each : facts.formats)
+                there += (there.empty() ? "" : ", ") + format_text(each.code);
+            return input_error(node + ": gives no colour that can be shown (" +
+                               (there.empty() ? "nothing" : there) +
+                               "); colour= takes a node of RGB3, BGR3, YUYV, UYVY, NV12 or MJPG");
+        }
+        TRY_ASSIGN(auto stream, V4l2Stream::open(system, facts, *format, wish_beside(*format, depth, rate)));
+        return std::unique_ptr<ColourBeside>(new ColourBeside(std::move(stream), node));
+    }
+    const TrackInfo& track() const { return track_; }
+    int descriptor() const { return stream_->descriptor(); }
+    /// Takes what is there. An error, once, when no more will come: what happened.
+    Result<void> look() {
+        TRY_ASSIGN(auto taken, stream_->take(V4l2Stream::Which::newest));
+        if (!taken) return {};
+        // A few: depth may come later than the colour of its moment.
+        constexpr std::size_t most = 4;
+        if (recent_.size() == most) recent_.erase(recent_.begin());
+        recent_.push_back(std::move(*taken));
+        return {};
+    }
+    /// Of the scene's size; nothing before the first picture that can be read.
+    std::optional<Plane> nearest(std::int64_t at_ns, const Scene& scene) {
+        if (recent_.empty()) return plane_;
+        const auto nearest = std::ranges::min_element(
+            recent_, {}, [at_ns](const TakenPicture& picture) { return std::abs(picture.at_ns - at_ns); });
+        if (plane_ && plane_at_ns_ == nearest->at_ns) return plane_;
+        auto rgb = converter_.rgb(*nearest, stream_->format());
+        if (rgb) rgb = fit_plane(PlaneRole::colour, std::move(*rgb), scene, node_);
+        plane_at_ns_ = nearest->at_ns;
+        if (rgb) plane_ = std::move(*rgb);  // otherwise the one before
+        return plane_;
+    }
+
+private:
+    ColourBeside(std::unique_ptr<V4l2Stream> stream, std::string node)
+        : stream_(std::move(stream)), node_(std::move(node)) {
+        const StreamFormat& format = stream_->format();
+        track_ = {"colour", "v4l2", format_text(format.code), format.width, format.height};
+    }
+
+    std::unique_ptr<V4l2Stream> stream_;
+    std::string node_;
+    TrackInfo track_;
+    std::vector<TakenPicture> recent_;  // the newest last
+    ColourConverter converter_;
+    std::optional<Plane> plane_;  // of the one that was shown last
+    std::int64_t plane_at_ns_ = 0;
+};
 
 using std::chrono::steady_clock;
 
@@ -88,29 +147,20 @@ constexpr int first_frames = 8;
 constexpr std::chrono::seconds patience(5);
 constexpr int most_wrong = 100;  // polls in a row
 
-class V4l2Camera final : public ClipReader {
+class V4l2Camera final : public CameraReader {
 public:
-    explicit V4l2Camera(V4l2Choice choice)
-        : choice_(std::move(choice)),
-          system_(choice_.system ? choice_.system : system_video()),
-          run_(choice_.node) {}
+    explicit V4l2Camera(const V4l2Choice& choice)
+        : CameraReader(choice.node),
+          choice_(choice),
+          system_(choice.system ? choice.system : system_video()) {}
     Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
 
-    const Scene& scene() const override { return scene_; }
-    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override { return run_.seek(frame); }
     void leave_out_colour() override {
         colour_.reset();
         last_colour_.reset();
     }
-    bool is_live() const override { return true; }
     Result<void> begin(steady_clock::time_point zero) override;
-    void interrupt() override { run_.interrupt(); }
     std::vector<std::string> remarks() const override;
 
 private:
@@ -125,24 +175,18 @@ private:
     std::optional<RawFrame> frame_of(TakenPicture picture);
     PlaneView depth_of(const TakenPicture& picture) const;
 
-    V4l2Choice choice_;
+    const V4l2Choice choice_;
     std::shared_ptr<VideoSystem> system_;
     NodeFacts facts_;
     std::unique_ptr<V4l2Stream> depth_;
     std::unique_ptr<ColourBeside> colour_;  // null: none, or it has stopped
     std::optional<Plane> last_colour_;      // stays where that camera stops: a film has it in every frame
-    Scene scene_;
-    UnstatedFilters unstated_filters_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-    CameraRun run_;
     int wrong_in_a_row_ = 0;
     std::atomic<std::int64_t> damaged_{0};
 };
 
 Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& scene_file) {
-    TRY_ASSIGN(auto facts, look_at_node(*system_, choice_.node));
-    facts_ = std::move(facts);
+    TRY_ASSIGN(facts_, look_at_node(*system_, choice_.node));
     TRY_ASSIGN(const auto format, depth_of_node(facts_));
     ModeWish wish{choice_.width, choice_.height, choice_.rate};
     if (scene_file && wish.width == 0) {
@@ -150,8 +194,7 @@ Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& 
         wish.width = described.scene.width;
         wish.height = described.scene.height;
     }
-    TRY_ASSIGN(auto stream, V4l2Stream::open(system_, facts_, *format, wish));
-    depth_ = std::move(stream);
+    TRY_ASSIGN(depth_, V4l2Stream::open(system_, facts_, *format, wish));
     return {};
 }
 
@@ -168,11 +211,7 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
     const StreamFormat& format = depth_->format();
     TRY_ASSIGN(auto meaning, scene_file ? meaning_in_file(facts_, views, *scene_file)
                                         : meaning_of_depth(facts_, format.code, views, known));
-    scene_ = std::move(meaning.scene);
-    unstated_filters_ = meaning.unstated_filters;
-    scene_.interpolation = FrameInterpolation::hold;
-    scene_.rate = depth_->rate().value_or(FrameRate{30, 1});
-    for (const auto& input : meaning.inputs) add_input(input);
+    take_meaning(std::move(meaning), depth_->rate().value_or(FrameRate{30, 1}));
     const bool sized = choice_.width > 0 || scene_file;
     notes_.push_back(printable(facts_.card) + ": " + format_text(format.code) + ", " +
                      std::to_string(format.width) + "x" + std::to_string(format.height) + " at " +
@@ -190,8 +229,7 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
 
 Result<void> V4l2Camera::open_colour() {
     if (choice_.colour.empty()) return {};
-    TRY_ASSIGN(auto colour, ColourBeside::open(system_, choice_.colour, depth_->format(), depth_->rate()));
-    colour_ = std::move(colour);
+    TRY_ASSIGN(colour_, ColourBeside::open(system_, choice_.colour, depth_->format(), depth_->rate()));
     const auto until = steady_clock::now() + patience;
     while (colour_ && !colour_->nearest(0, scene_) && steady_clock::now() < until) TRY(first_picture());
     if (!colour_ || !colour_->nearest(0, scene_))
@@ -208,8 +246,8 @@ Result<void> V4l2Camera::open_colour() {
 Result<void> V4l2Camera::open(const SourceDescription& known,
                               const std::optional<std::filesystem::path>& scene_file) {
     if (run_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
-    if (auto opened = open_depth(scene_file); !opened) return opened;
-    if (auto looked = look_first(known, scene_file); !looked) return looked;
+    TRY(open_depth(scene_file));
+    TRY(look_first(known, scene_file));
     return open_colour();
 }
 
@@ -239,7 +277,7 @@ Result<std::optional<TakenPicture>> V4l2Camera::wait_for_picture() {
                                (damaged_ > 0 ? " that was whole, " + std::to_string(damaged_) +
                                                    " damaged ones: is its cable or port too slow?"
                                              : ": is it in use, or does it wait for something?"));
-        // A run is interrupted by who ends it; before that only a signal does so.
+        // A run is interrupted by the thread that ends it; before that only a signal does so.
         constexpr std::chrono::milliseconds look_again(100), ever(-1);
         wait(run_.has_begun() ? ever : look_again);
     }
@@ -336,54 +374,6 @@ Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamForm
     const AVFrame& rgb = *made;
     const PlaneView view{rgb.data[0], rgb.linesize[0], rgb.width, rgb.height, 1, 3};
     return Plane{view, std::shared_ptr<const AVFrame>(std::move(made))};
-}
-
-ColourBeside::ColourBeside(std::unique_ptr<V4l2Stream> stream, std::string node)
-    : stream_(std::move(stream)), node_(std::move(node)) {
-    const StreamFormat& format = stream_->format();
-    track_ = {"colour", "v4l2", format_text(format.code), format.width, format.height};
-}
-
-Result<std::unique_ptr<ColourBeside>> ColourBeside::open(const std::shared_ptr<VideoSystem>& system,
-                                                         const std::string& node, const StreamFormat& depth,
-                                                         const std::optional<FrameRate>& rate) {
-    TRY_ASSIGN(const auto facts, look_at_node(*system, node));
-    const auto format = std::find_if(facts.formats.begin(), facts.formats.end(),
-                                     [](const NodeFormat& each) { return is_colour_format(each.code); });
-    if (format == facts.formats.end()) {
-        std::string there;
-        for (const NodeFormat& each : facts.formats)
-            there += (there.empty() ? "" : ", ") + format_text(each.code);
-        return input_error(node + ": gives no colour that can be shown (" +
-                           (there.empty() ? "nothing" : there) +
-                           "); colour= takes a node of RGB3, BGR3, YUYV, UYVY, NV12 or MJPG");
-    }
-    TRY_ASSIGN(auto stream, V4l2Stream::open(system, facts, *format, wish_beside(*format, depth, rate)));
-    return std::unique_ptr<ColourBeside>(new ColourBeside(std::move(stream), node));
-}
-
-Result<void> ColourBeside::look() {
-    TRY_ASSIGN(auto taken, stream_->take(V4l2Stream::Which::newest));
-    if (!taken) return {};
-    // A few: depth may come later than the colour of its moment.
-    constexpr std::size_t most = 4;
-    if (recent_.size() == most) recent_.erase(recent_.begin());
-    recent_.push_back(std::move(*taken));
-    return {};
-}
-
-std::optional<Plane> ColourBeside::nearest(std::int64_t at_ns, const Scene& scene) {
-    if (recent_.empty()) return plane_;
-    const auto distance = [at_ns](const TakenPicture& picture) { return std::abs(picture.at_ns - at_ns); };
-    const auto nearest = std::min_element(
-        recent_.begin(), recent_.end(),
-        [&](const TakenPicture& a, const TakenPicture& b) { return distance(a) < distance(b); });
-    if (plane_ && plane_at_ns_ == nearest->at_ns) return plane_;
-    auto rgb = converter_.rgb(*nearest, stream_->format());
-    if (rgb) rgb = fit_plane(PlaneRole::colour, std::move(*rgb), scene, node_);
-    plane_at_ns_ = nearest->at_ns;
-    if (rgb) plane_ = std::move(*rgb);  // otherwise the one before
-    return plane_;
 }
 
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice,

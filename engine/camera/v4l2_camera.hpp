@@ -1,5 +1,10 @@
 #pragma once
 
+// A camera of V4L2 as a live clip: open_v4l2_camera opens the node of depth that a V4l2Choice names, and the
+// one of colour beside it.
+//
+// A reader is used by one thread; another may interrupt it.
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -25,33 +30,6 @@ private:
     RgbConverter converter_;
 };
 
-/// The colour camera beside one of depth: its newest pictures, of which the one nearest in time is shown.
-/// One thread.
-class ColourBeside {
-public:
-    /// A stream of a size near the depth's, at a rate near it. An error names the node.
-    static Result<std::unique_ptr<ColourBeside>> open(const std::shared_ptr<VideoSystem>& system,
-                                                      const std::string& node, const StreamFormat& depth,
-                                                      const std::optional<FrameRate>& rate);
-    const TrackInfo& track() const { return track_; }
-    int descriptor() const { return stream_->descriptor(); }
-    /// Takes what is there. An error, once, when no more will come: what happened.
-    Result<void> look();
-    /// Of the scene's size; nothing before the first picture that can be read.
-    std::optional<Plane> nearest(std::int64_t at_ns, const Scene& scene);
-
-private:
-    ColourBeside(std::unique_ptr<V4l2Stream> stream, std::string node);
-
-    std::unique_ptr<V4l2Stream> stream_;
-    std::string node_;
-    TrackInfo track_;
-    std::vector<TakenPicture> recent_;  // the newest last
-    ColourConverter converter_;
-    std::optional<Plane> plane_;  // of the one that was shown last
-    std::int64_t plane_at_ns_ = 0;
-};
-
 /// A camera of depth that is plugged in, and what is wanted of it.
 struct V4l2Choice {
     std::string node;                       ///< "/dev/video0"
@@ -61,8 +39,8 @@ struct V4l2Choice {
     std::shared_ptr<VideoSystem> system{};  ///< nothing: this machine's
 };
 
-/// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what nobody has
-/// said: `known` and guesses, as of a picture (guessed_scene.hpp), which the scene's remarks tell; or
+/// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what is not
+/// known: `known` and guesses, as of a picture (guessed_scene.hpp), which the scene's remarks tell; or
 /// `scene_file`.
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on

@@ -1,3 +1,4 @@
+// Nodes of V4L2: which there are, what they offer, and a stream of pictures from one.
 #include "engine/camera/v4l2_stream.hpp"
 
 #include <fcntl.h>
@@ -22,7 +23,6 @@
 #include "engine/base/words.hpp"
 
 namespace touchable {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,6 +77,36 @@ std::string permission_words(const std::string& node) {
            "&& sudo udevadm control --reload && sudo udevadm trigger";
 }
 
+/// Why a node cannot be used, with what would help: "/dev/video0: may not be opened: ...". `failure` is the
+/// errno.
+std::string node_trouble(const std::string& node, int failure) {
+    const std::string name = printable(node);
+    switch (failure) {
+        case ENOENT:
+            return name + ": does not exist; touchable cameras lists the cameras that are there";
+        case EACCES:
+        case EPERM:
+            return name + ": may not be opened by this user; right would be " + permission_words(node);
+        case EBUSY: {
+            const std::string users = users_of_node(node);
+            return name + ": another program has the camera" + (users.empty() ? "" : ": " + users) +
+                   "; end that first";
+        }
+        case ENODEV:
+        case ENXIO:
+            return name + ": the camera behind it is gone; is it plugged in?";
+        case ENOSPC:
+            return name +
+                   ": the USB bus has no room for a stream of this size and rate; smaller ones (size=WxH, "
+                   "fps=N), another port or another cable would do";
+        case EINVAL:
+        case ENOTTY:
+            return name + ": is no camera's node; touchable cameras lists those that are";
+        default:
+            return name + ": cannot be used: " + std::generic_category().message(failure);
+    }
+}
+
 // A driver that never says that there are no more is not listened to for ever.
 constexpr std::uint32_t most_entries = 256;
 constexpr int largest_side = 16384;
@@ -99,8 +129,15 @@ std::string text_of(const std::uint8_t (&bytes)[n]) {
     return text;
 }
 
-bool is_faster(const FrameRate& a, const FrameRate& b) {
-    return per_second(a) > per_second(b);
+/// Seconds between pictures the other way round; nothing where it is none, or none that a camera has.
+std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t denominator) {
+    if (numerator == 0 || denominator == 0) return std::nullopt;
+    const std::int64_t common = std::gcd(std::int64_t{numerator}, std::int64_t{denominator});
+    const FrameRate rate{denominator / common, numerator / common};
+    constexpr std::int64_t most_term = 1'000'000'000;
+    const bool can_be = per_second(rate) >= 0.01 && per_second(rate) <= 1000 && rate.num <= most_term &&
+                        rate.den <= most_term;
+    return can_be ? std::optional(rate) : std::nullopt;
 }
 
 std::vector<FrameRate> rates_of(VideoSystem& system, int descriptor, std::uint32_t code, int width,
@@ -127,7 +164,7 @@ std::vector<FrameRate> rates_of(VideoSystem& system, int descriptor, std::uint32
                 rates.push_back({usual, 1});
         break;
     }
-    std::stable_sort(rates.begin(), rates.end(), is_faster);
+    std::ranges::stable_sort(rates, std::greater<>{}, per_second);
     return rates;
 }
 
@@ -158,20 +195,39 @@ void find_modes(VideoSystem& system, int descriptor, NodeFormat& format) {
     }
 }
 
+/// Of an open device.
+Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::string& node) {
+    v4l2_capability can = {};
+    if (call(system, descriptor, VIDIOC_QUERYCAP, &can) < 0) return input_error(node_trouble(node, errno));
+    NodeFacts facts{node, text_of(can.driver), text_of(can.card), text_of(can.bus_info)};
+    const bool of_node = (can.capabilities & V4L2_CAP_DEVICE_CAPS) != 0;
+    const std::uint32_t able = of_node ? can.device_caps : can.capabilities;
+    facts.captures = (able & V4L2_CAP_VIDEO_CAPTURE) != 0 && (able & V4L2_CAP_STREAMING) != 0;
+    if (!facts.captures) return facts;
+    for (std::uint32_t index = 0; index < most_entries; ++index) {
+        v4l2_fmtdesc entry = {};
+        entry.index = index;
+        entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+        if (call(system, descriptor, VIDIOC_ENUM_FMT, &entry) < 0) break;
+        NodeFormat format{entry.pixelformat, text_of(entry.description)};
+        find_modes(system, descriptor, format);
+        facts.formats.push_back(std::move(format));
+    }
+    return facts;
+}
+
 std::int64_t pixels_of(const NodeMode& mode) {
     return std::int64_t{mode.width} * mode.height;
 }
 
 /// The rate nearest to what is wanted; nothing where the camera says none.
 std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
-    const auto distance = [wanted](const FrameRate& rate) { return std::abs(per_second(rate) - wanted); };
-    const auto nearest =
-        std::min_element(mode.rates.begin(), mode.rates.end(),
-                         [&](const FrameRate& a, const FrameRate& b) { return distance(a) < distance(b); });
+    const auto nearest = std::ranges::min_element(
+        mode.rates, {}, [wanted](const FrameRate& rate) { return std::abs(per_second(rate) - wanted); });
     return nearest == mode.rates.end() ? std::nullopt : std::optional(*nearest);
 }
 
-/// How well a mode goes where nobody asked for a size: at the usual rate before others, then the largest
+/// How well a mode goes where no size is asked for: at the usual rate before others, then the largest
 /// that is not too large.
 std::pair<bool, std::int64_t> usual_mark(const NodeMode& mode, double wanted) {
     const auto rate = nearest_rate(mode, wanted);
@@ -183,10 +239,8 @@ std::pair<bool, std::int64_t> usual_mark(const NodeMode& mode, double wanted) {
 Result<NodeMode> choose_size(const NodeFormat& format, const ModeWish& wish) {
     if (wish.width == 0) {
         const double wanted = wish.rate.value_or(usual_rate);
-        return *std::max_element(format.modes.begin(), format.modes.end(),
-                                 [wanted](const NodeMode& a, const NodeMode& b) {
-                                     return usual_mark(a, wanted) < usual_mark(b, wanted);
-                                 });
+        return *std::ranges::max_element(format.modes, {},
+                                         [wanted](const NodeMode& mode) { return usual_mark(mode, wanted); });
     }
     std::string there;
     for (const NodeMode& mode : format.modes) {
@@ -255,34 +309,6 @@ int call(VideoSystem& system, int descriptor, unsigned long request, void* argum
     return result;
 }
 
-std::string node_trouble(const std::string& node, int failure) {
-    const std::string name = printable(node);
-    switch (failure) {
-        case ENOENT:
-            return name + ": does not exist; touchable cameras lists the cameras that are there";
-        case EACCES:
-        case EPERM:
-            return name + ": may not be opened by this user; right would be " + permission_words(node);
-        case EBUSY: {
-            const std::string users = users_of_node(node);
-            return name + ": another program has the camera" + (users.empty() ? "" : ": " + users) +
-                   "; end that first";
-        }
-        case ENODEV:
-        case ENXIO:
-            return name + ": the camera behind it is gone; is it plugged in?";
-        case ENOSPC:
-            return name +
-                   ": the USB bus has no room for a stream of this size and rate; smaller ones (size=WxH, "
-                   "fps=N), another port or another cable would do";
-        case EINVAL:
-        case ENOTTY:
-            return name + ": is no camera's node; touchable cameras lists those that are";
-        default:
-            return name + ": cannot be used: " + std::generic_category().message(failure);
-    }
-}
-
 std::string users_of_node(const std::string& node) {
     struct stat device = {};
     if (::stat(node.c_str(), &device) != 0 || !S_ISCHR(device.st_mode)) return {};
@@ -340,16 +366,6 @@ std::string format_text(std::uint32_t code) {
     return printable(text) + ((code & big_endian) != 0 ? " (big-endian)" : "");
 }
 
-std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t denominator) {
-    if (numerator == 0 || denominator == 0) return std::nullopt;
-    const std::int64_t common = std::gcd(std::int64_t{numerator}, std::int64_t{denominator});
-    const FrameRate rate{denominator / common, numerator / common};
-    constexpr std::int64_t most_term = 1'000'000'000;
-    const bool can_be = per_second(rate) >= 0.01 && per_second(rate) <= 1000 && rate.num <= most_term &&
-                        rate.den <= most_term;
-    return can_be ? std::optional(rate) : std::nullopt;
-}
-
 double per_second(const FrameRate& rate) {
     return static_cast<double>(rate.num) / static_cast<double>(rate.den);
 }
@@ -371,26 +387,6 @@ std::string mode_text(const NodeMode& mode) {
     for (const FrameRate& rate : mode.rates) rates += (rates.empty() ? "" : ", ") + rate_text(rate);
     return std::to_string(mode.width) + "x" + std::to_string(mode.height) +
            (rates.empty() ? "" : " at " + rates + " frames/s");
-}
-
-Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::string& node) {
-    v4l2_capability can = {};
-    if (call(system, descriptor, VIDIOC_QUERYCAP, &can) < 0) return input_error(node_trouble(node, errno));
-    NodeFacts facts{node, text_of(can.driver), text_of(can.card), text_of(can.bus_info)};
-    const bool of_node = (can.capabilities & V4L2_CAP_DEVICE_CAPS) != 0;
-    const std::uint32_t able = of_node ? can.device_caps : can.capabilities;
-    facts.captures = (able & V4L2_CAP_VIDEO_CAPTURE) != 0 && (able & V4L2_CAP_STREAMING) != 0;
-    if (!facts.captures) return facts;
-    for (std::uint32_t index = 0; index < most_entries; ++index) {
-        v4l2_fmtdesc entry = {};
-        entry.index = index;
-        entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-        if (call(system, descriptor, VIDIOC_ENUM_FMT, &entry) < 0) break;
-        NodeFormat format{entry.pixelformat, text_of(entry.description)};
-        find_modes(system, descriptor, format);
-        facts.formats.push_back(std::move(format));
-    }
-    return facts;
 }
 
 Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node) {
@@ -428,18 +424,17 @@ V4l2Stream::~V4l2Stream() {
 }
 
 Result<void> V4l2Stream::begin(std::uint32_t code, const NodeMode& mode) {
-    if (auto set = set_format(code, mode); !set) return set;
+    TRY(set_format(code, mode));
     set_rate(mode);
-    if (auto mapped = map_buffers(); !mapped) return mapped;
-    for (std::uint32_t index = 0; index < buffers_.size(); ++index)
-        if (auto queued = queue(index); !queued) return queued;
+    TRY(map_buffers());
+    for (std::uint32_t index = 0; index < buffers_.size(); ++index) TRY(queue(index));
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     if (ask(VIDIOC_STREAMON, &type) < 0) return trouble(errno);
     streams_ = true;
     return {};
 }
 
-/// The driver may settle for others than were wanted: another size is taken where nobody asked for one.
+/// The driver may settle for others than were wanted: another size is taken where none was asked for.
 Result<void> V4l2Stream::set_format(std::uint32_t code, const NodeMode& mode) {
     v4l2_format wish = {};
     wish.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

@@ -1,7 +1,16 @@
 #pragma once
 
+// Nodes of V4L2 (Linux's video devices), and a stream of pictures from one.
+//
+// VideoSystem is the system's side, which a test replaces. look_at_node tells what a node offers,
+// depth_of_node and choose_mode choose of that, and a V4l2Stream gives the pictures, copied, with the times
+// at which they were taken.
+//
+// Different threads may use different devices at once; a stream is one thread's.
+
 #include <linux/videodev2.h>
 #include <poll.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,9 +24,8 @@
 
 namespace touchable {
 
-/// All that this room asks of the system's video devices (V4L2), call by call, so that a test can stand in
-/// for them. Calls give what the system's give: -1, or MAP_FAILED, with errno. Several threads may ask for
-/// different devices.
+/// The calls of the system's video devices that this module makes, so that a test can stand in for them. Each
+/// returns what the system's returns: -1, or MAP_FAILED, with errno.
 class VideoSystem {
 public:
     virtual ~VideoSystem() = default;
@@ -39,12 +47,8 @@ std::shared_ptr<VideoSystem> system_video();
 /// A call that a signal broke off is made again.
 int call(VideoSystem& system, int descriptor, unsigned long request, void* argument);
 
-/// Why a node cannot be used, with what would help: "/dev/video0: may not be opened: ...". `failure` is the
-/// errno.
-std::string node_trouble(const std::string& node, int failure);
-
-/// Who has a device open, such as "cheese (process 123)", as far as this user may see; empty: nobody that is
-/// seen.
+/// The processes that have a device open, such as "cheese (process 123)", as far as this user may see; empty:
+/// none that is seen.
 std::string users_of_node(const std::string& node);
 
 /// A size of pictures that a camera offers, and at which rates.
@@ -68,8 +72,6 @@ struct NodeFacts {
     std::vector<NodeFormat> formats{};
 };
 
-/// Of an open device.
-Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::string& node);
 /// Opens it to look, and closes it again. Others may use it meanwhile.
 Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node);
 
@@ -83,13 +85,11 @@ bool is_colour_format(std::uint32_t code);
 /// "Z16", "YUYV"; "Y16 (big-endian)".
 std::string format_text(std::uint32_t code);
 
-/// Seconds between pictures the other way round; nothing where it is none, or none that a camera has.
-std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t denominator);
 double per_second(const FrameRate& rate);
 /// "30", "29.97", of frames a second.
 std::string rate_text(const FrameRate& rate);
 
-/// What somebody wants of a stream; nothing: what is usual.
+/// What is wanted of a stream; nothing: what is usual.
 struct ModeWish {
     int width = 0, height = 0;        ///< 0: the largest of usual rate, up to 1280x720
     std::optional<double> rate = {};  ///< frames a second; nothing: 30, or the nearest to that

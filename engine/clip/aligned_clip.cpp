@@ -119,11 +119,11 @@ struct CodeSpan {
     double least = 0, most = 0;
 };
 CodeSpan span_of(const std::vector<Line>& lines, const Looked& looked, std::uint16_t code_max) {
-    CodeSpan span{0, static_cast<double>(code_max) * Cell::per_code};
+    CodeSpan span{0, static_cast<double>(code_max) * CellPicture::per_code};
     for (std::size_t n = 0; n < lines.size(); ++n) {
         const auto& [low, high] = looked.ranges[n];
-        span.least = std::min(span.least, lines[n].at(static_cast<double>(low) * Cell::per_code));
-        span.most = std::max(span.most, lines[n].at(static_cast<double>(high) * Cell::per_code));
+        span.least = std::min(span.least, lines[n].at(static_cast<double>(low) * CellPicture::per_code));
+        span.most = std::max(span.most, lines[n].at(static_cast<double>(high) * CellPicture::per_code));
     }
     return span;
 }
@@ -132,7 +132,7 @@ CodeSpan span_of(const std::vector<Line>& lines, const Looked& looked, std::uint
 CodeLine fixed_point(const Line& line, std::uint16_t largest) {
     constexpr double one = std::int64_t{1} << line_fraction_bits;
     return {static_cast<std::int64_t>(line.scale * one),
-            static_cast<std::int64_t>((line.shift / Cell::per_code + 0.5) * one), largest};
+            static_cast<std::int64_t>((line.shift / CellPicture::per_code + 0.5) * one), largest};
 }
 
 /// Near and far are those of the span. Where there were few codes, or terraces are to be removed, these are
@@ -141,7 +141,7 @@ Scene aligned_scene(Scene scene, const CodeSpan& span) {
     DepthCoding& depth = scene.depth;
     const bool were_few = depth.code_max <= few_codes;
     const bool need_room = scene.filter.terraces == TerraceRemoval::on;
-    const double codes = (span.most - span.least) / Cell::per_code;
+    const double codes = (span.most - span.least) / CellPicture::per_code;
     if ((were_few || need_room) && scene.filter.levels == DepthLength{}) {
         if (depth.kind == DepthCodingKind::inverse)
             scene.filter.levels.quadratic = (1 / depth.near - 1 / depth.far) / codes;
@@ -176,9 +176,9 @@ double depth_at(const DepthCoding& coding, double code) {
 double hand_metres_per_unit(const Scene& scene, const Line& line, const CellPicture& first) {
     if (scene.device_metres_per_unit) return *scene.device_metres_per_unit;
     std::vector<double> depths;
-    for (const Cell& cell : first.cells)
-        if (cell.depth != Cell::none)
-            depths.push_back(depth_at(scene.depth, line.at(cell.depth) / Cell::per_code));
+    for (const CellPicture::Cell& cell : first.cells)
+        if (cell.depth != CellPicture::none)
+            depths.push_back(depth_at(scene.depth, line.at(cell.depth) / CellPicture::per_code));
     if (depths.empty()) return 0;
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
     std::nth_element(depths.begin(), middle, depths.end());
@@ -193,8 +193,8 @@ RestingPulse resting_pulse(const std::vector<RestingCells>& resting, const std::
     std::size_t count = 0;
     for (std::size_t n = 1; n < std::min(lines.size(), resting.size()); ++n)
         for (const auto& [then, now] : resting[n]) {
-            const double moved = depth_at(scene.depth, lines[n].at(now) / Cell::per_code) -
-                                 depth_at(scene.depth, lines[n - 1].at(then) / Cell::per_code);
+            const double moved = depth_at(scene.depth, lines[n].at(now) / CellPicture::per_code) -
+                                 depth_at(scene.depth, lines[n - 1].at(then) / CellPicture::per_code);
             sum += moved * moved;
             ++count;
         }
@@ -250,7 +250,7 @@ Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReade
     const CodeSpan span = span_of(lines, looked, depth.code_max);
     Scene scene = aligned_scene(clip->scene(), span);
     const double per_value =
-        static_cast<double>(scene.depth.code_max) * Cell::per_code / (span.most - span.least);
+        static_cast<double>(scene.depth.code_max) * CellPicture::per_code / (span.most - span.least);
     std::vector<Line> into;
     for (const Line& line : lines) into.push_back(line.then({per_value, -span.least * per_value}));
     TRY(validate(scene));

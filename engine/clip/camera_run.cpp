@@ -1,5 +1,4 @@
-// Cameras' runs: the numbers and times of live frames, the clock of a sender, and recordings that behave like
-// a camera.
+// Cameras' runs: the numbers and times of live frames, and recordings that behave like a camera.
 #include <array>
 #include <condition_variable>
 
@@ -32,11 +31,6 @@ double drawn(Chance what, std::int64_t number) {
     return static_cast<double>(hash.value() >> 11) * 0x1p-53;
 }
 
-std::int64_t after_stall(std::int64_t at_ns, const CameraDelivery& settings) {
-    if (!settings.stall_ns || at_ns < *settings.stall_ns) return at_ns;
-    return std::max(at_ns, settings.resume_ns.value_or(never_delivered));
-}
-
 class ReplayCamera final : public ReaderAround {
 public:
     ReplayCamera(std::unique_ptr<ClipReader> recording, const CameraDelivery& delivery)
@@ -52,18 +46,17 @@ public:
     void interrupt() override;
 
 private:
-    Delivery after(const Delivery& last) const { return delivery_after(last, delivery_, scene_.rate); }
-    Delivery newest_or_next() const;
+    CameraDelivery::Frame newest_or_next() const;
     Result<std::optional<RawFrame>> next_recorded();
     Result<std::optional<RawFrame>> read(std::int64_t number);
     bool is_interrupted();
-    Result<void> wait_for(const Delivery& frame);
+    Result<void> wait_for(const CameraDelivery::Frame& frame);
 
     const CameraDelivery delivery_;
     Scene scene_;
     std::int64_t position_ = 0;  // the frame that the recording gives next
     std::optional<steady_clock::time_point> zero_;
-    Delivery last_;
+    CameraDelivery::Frame last_;
     std::mutex mutex_;
     std::condition_variable told_;
     bool interrupted_ = false;  // guarded by mutex_
@@ -94,12 +87,14 @@ bool ReplayCamera::is_interrupted() {
 }
 
 /// Of those that were not given yet: the newest that is there, or the first that comes.
-Delivery ReplayCamera::newest_or_next() const {
+CameraDelivery::Frame ReplayCamera::newest_or_next() const {
     const std::int64_t now_ns = std::chrono::nanoseconds(steady_clock::now() - *zero_).count();
-    const std::int64_t end = frame_count().value_or(never_delivered);
-    Delivery frame = after(last_);
-    for (Delivery later = after(frame); later.at_ns <= now_ns && later.number < end; later = after(later))
+    const std::int64_t end = frame_count().value_or(CameraDelivery::never);
+    CameraDelivery::Frame frame, later = delivery_.after(last_, scene_.rate);
+    do {
         frame = later;
+        later = delivery_.after(frame, scene_.rate);
+    } while (later.at_ns <= now_ns && later.number < end);
     return frame;
 }
 
@@ -118,10 +113,10 @@ Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
     }
 }
 
-Result<void> ReplayCamera::wait_for(const Delivery& frame) {
+Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
     std::unique_lock lock(mutex_);
     const auto is_interrupted = [this] { return interrupted_; };
-    if (frame.at_ns == never_delivered)
+    if (frame.at_ns == CameraDelivery::never)
         told_.wait(lock, is_interrupted);
     else
         told_.wait_until(lock, *zero_ + std::chrono::nanoseconds(frame.at_ns), is_interrupted);
@@ -141,9 +136,9 @@ Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
 
 Result<std::optional<RawFrame>> ReplayCamera::next() {
     if (!zero_) return next_recorded();
-    const Delivery delivery = newest_or_next();
-    // A reader that was told to stop, or that nothing comes for, has no frame to decode.
-    if (const bool nothing_comes = delivery.at_ns == never_delivered; nothing_comes || is_interrupted())
+    const CameraDelivery::Frame delivery = newest_or_next();
+    // A reader that was interrupted, or for which nothing comes, has no frame to decode.
+    if (const bool nothing_comes = delivery.at_ns == CameraDelivery::never; nothing_comes || is_interrupted())
         return wait_for(delivery).error();
     auto frame = read(delivery.number);
     if (!frame || !*frame) return frame;
@@ -218,29 +213,14 @@ std::vector<std::string> CameraRun::remarks() const {
     return remarks_;
 }
 
-std::int64_t SenderClock::taken_at(std::int64_t sent_ns, std::int64_t arrived_ns) {
-    constexpr std::int64_t longest_way = 100'000'000, slower = 1000;  // a thousandth
-    constexpr std::int64_t most_known = std::int64_t{1} << 62U;
-    const bool is_known = sent_ns > 0 && sent_ns < most_known;
-    if (!is_known || !last_ || sent_ns <= last_->sent_ns)
-        apart_ns_ = arrived_ns - (is_known ? sent_ns : 0);
-    else
-        apart_ns_ = std::min(apart_ns_ + (arrived_ns - last_->arrived_ns) / slower, arrived_ns - sent_ns);
-    if (is_known && arrived_ns - sent_ns - apart_ns_ > longest_way) apart_ns_ = arrived_ns - sent_ns;
-    if (!is_known) {
-        last_.reset();
-        return arrived_ns;
-    }
-    last_ = Moment{sent_ns, arrived_ns};
-    return sent_ns + apart_ns_;
-}
-
-Delivery delivery_after(const Delivery& last, const CameraDelivery& settings, const FrameRate& rate) {
+CameraDelivery::Frame CameraDelivery::after(const Frame& last, const FrameRate& rate) const {
     std::int64_t number = last.number + 1;
-    while (drawn(Chance::drop, number) < settings.drop) ++number;
-    const double late_ns = drawn(Chance::jitter, number) * static_cast<double>(settings.jitter_ns);
-    const std::int64_t at_ns = rate.time_ns(number) + static_cast<std::int64_t>(late_ns);
-    return {number, after_stall(std::max(last.at_ns, at_ns), settings)};  // none overtakes another
+    while (drawn(Chance::drop, number) < drop) ++number;
+    const double late_ns = drawn(Chance::jitter, number) * static_cast<double>(jitter_ns);
+    const std::int64_t delivered_ns = rate.time_ns(number) + static_cast<std::int64_t>(late_ns);
+    const std::int64_t at_ns = std::max(last.at_ns, delivered_ns);  // none overtakes another
+    if (!stall_ns || at_ns < *stall_ns) return {number, at_ns};
+    return {number, std::max(at_ns, resume_ns.value_or(never))};
 }
 
 std::unique_ptr<ClipReader> make_replay_camera(std::unique_ptr<ClipReader> recording,

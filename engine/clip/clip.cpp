@@ -12,7 +12,11 @@
 namespace touchable {
 namespace {
 
+// By PlaneRole.
 constexpr std::array<std::string_view, all_roles.size()> role_names{"depth", "colour", "haptic", "height"};
+constexpr std::array role_planes{&RawFrame::depth, &RawFrame::colour, &RawFrame::haptic, &RawFrame::height};
+constexpr std::array role_patterns{&FolderSource::depth, &FolderSource::colour, &FolderSource::haptic,
+                                   &FolderSource::height};
 
 std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
@@ -114,25 +118,14 @@ Plane resampled(const PlaneView& plane, int width, int height) {
                   [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); });
 }
 
-/// What a sample of grey counts for: 2 and 4 bits have whole numbers.
-int white_of(int bits) {
-    return bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;
-}
-
-Plane grey_as_rgb(const PlaneView& plane, int bits, int width, int height) {
-    return mapped(plane, width, height, 3,
-                  [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
-                      to[0] = to[1] = to[2] = static_cast<std::uint8_t>(white * *from);
-                  });
-}
-
-/// Frictions are the same everywhere (take_grey_haptic).
-Plane grey_as_stiffness(const PlaneView& plane, int bits, int width, int height) {
-    return mapped(plane, width, height, 3,
-                  [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
-                      to[0] = static_cast<std::uint8_t>(white * *from);
-                      to[1] = to[2] = 0;
-                  });
+/// Grey of colour, or of haptic: stiffness, the frictions being the same everywhere (take_grey_haptic).
+Plane grey_as_rgb(PlaneRole role, const PlaneView& plane, int bits, int width, int height) {
+    const int white = bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;  // 2 and 4 bits have whole numbers
+    const bool in_all = role == PlaneRole::colour;
+    return mapped(plane, width, height, 3, [white, in_all](std::uint8_t* to, const std::uint8_t* from) {
+        to[0] = static_cast<std::uint8_t>(white * *from);
+        to[1] = to[2] = in_all ? to[0] : std::uint8_t{0};
+    });
 }
 
 /// Columns of one picture in the other's: column x is a + b x.
@@ -233,21 +226,11 @@ std::optional<PlaneRole> role_named(std::string_view name) {
 }
 
 const PlaneView& plane_of(const RawFrame& frame, PlaneRole role) {
-    switch (role) {
-        case PlaneRole::depth:
-            return frame.depth;
-        case PlaneRole::colour:
-            return frame.colour;
-        case PlaneRole::haptic:
-            return frame.haptic;
-        case PlaneRole::height:
-            break;
-    }
-    return frame.height;
+    return frame.*role_planes[static_cast<std::size_t>(role)];
 }
 
 PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
-    return const_cast<PlaneView&>(plane_of(std::as_const(frame), role));
+    return frame.*role_planes[static_cast<std::size_t>(role)];
 }
 
 PngColours png_colours(PlaneRole role) {
@@ -255,21 +238,11 @@ PngColours png_colours(PlaneRole role) {
 }
 
 const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
-    switch (role) {
-        case PlaneRole::depth:
-            return source.depth;
-        case PlaneRole::colour:
-            return source.colour;
-        case PlaneRole::haptic:
-            return source.haptic;
-        case PlaneRole::height:
-            break;
-    }
-    return source.height;
+    return source.*role_patterns[static_cast<std::size_t>(role)];
 }
 
 std::string& pattern_of(FolderSource& source, PlaneRole role) {
-    return const_cast<std::string&>(pattern_of(std::as_const(source), role));
+    return source.*role_patterns[static_cast<std::size_t>(role)];
 }
 
 const PictureNumbers& numbers_of(const FolderSource& source, PlaneRole role) {
@@ -316,9 +289,8 @@ Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::st
     if (role == PlaneRole::depth && !same_size)
         return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
                            ", but the scene is " + size_text(scene.width, scene.height));
-    if (role == PlaneRole::colour && view.channels == 1) return grey_as_rgb(view, plane.bits, width, height);
-    if (role == PlaneRole::haptic && view.channels == 1)
-        return grey_as_stiffness(view, plane.bits, scene.width, scene.height);
+    if ((role == PlaneRole::colour || role == PlaneRole::haptic) && view.channels == 1)
+        return grey_as_rgb(role, view, plane.bits, width, height);
     return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
 }
 

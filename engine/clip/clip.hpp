@@ -11,7 +11,7 @@
 //
 // ClipReader reads, ClipWriter writes; both check what they are given, and an error names file, track and
 // frame. Planes have roles (PlaneRole): functions here find a frame's plane by its role, check it against the
-// scene, and bring it to the scene's form and size. FrameCheck is for those who write a ClipWriter.
+// scene, and bring it to the scene's form and size. FrameCheck is for classes that are a ClipWriter.
 //
 // A reader and a writer are used by one thread at a time. From any thread: ClipReader::interrupt,
 // taken_before, remarks and stream_figures. The functions keep no state.
@@ -46,23 +46,22 @@ struct TrackInfo {
 /// Whether a clip's colour is used (ClipReader::leave_out_colour).
 enum class Colour { wanted, left_out };
 
-/// What is known of a connection's datagrams, at either end.
-struct LinkFigures {
-    double rtt_ms = 0;            ///< round trip time, now
-    std::int64_t datagrams = 0;   ///< with a part of the stream, those that were sent again included
-    std::int64_t lost = 0;        ///< known to be lost; one that is lost twice counts twice
-    std::int64_t sent_again = 0;  ///< because they were lost
-};
-
-/// Which level of a stream in segments was read, full or low.
-struct LevelFigures {
-    double full_s = 0, low_s = 0;  ///< of the stream
-    std::int64_t changes = 0;      ///< from one to the other
-    bool is_low = false;           ///< now
-};
-
 /// What became of the framesets of a live stream.
 struct StreamFigures {
+    /// Datagrams of a connection, at either end.
+    struct Link {
+        double rtt_ms = 0;            ///< round trip time, now
+        std::int64_t datagrams = 0;   ///< with a part of the stream, those that were sent again included
+        std::int64_t lost = 0;        ///< known to be lost; one that is lost twice counts twice
+        std::int64_t sent_again = 0;  ///< because they were lost
+    };
+    /// Which level of a stream in segments was read, full or low.
+    struct Levels {
+        double full_s = 0, low_s = 0;  ///< of the stream
+        std::int64_t changes = 0;      ///< from one to the other
+        bool is_low = false;           ///< now
+    };
+
     std::int64_t whole = 0;     ///< received with all planes that are felt
     std::int64_t held = 0;      ///< replaced by the frameset before them: those below
     std::int64_t late = 0;      ///< whole only once a later one had been shown
@@ -70,10 +69,10 @@ struct StreamFigures {
     std::int64_t torn = 0;      ///< damaged
     std::int64_t repeated = 0;  ///< pictures that came twice
     std::int64_t connections = 0;
-    double delay_ms = 0;                   ///< that framesets wait for later ones, now
-    double longest_gap_ms = 0;             ///< between two that were whole
-    std::optional<LinkFigures> link{};     ///< of the newest connection, where its transport counts (SRT)
-    std::optional<LevelFigures> levels{};  ///< where the stream has two
+    double delay_ms = 0;             ///< that framesets wait for later ones, now
+    double longest_gap_ms = 0;       ///< between two that were whole
+    std::optional<Link> link{};      ///< of the newest connection, where its transport counts (SRT)
+    std::optional<Levels> levels{};  ///< where the stream has two
 };
 
 /// Reads a touchable clip frame by frame.

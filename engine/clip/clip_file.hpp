@@ -10,7 +10,7 @@
 // before leaves nothing behind. What is stored keeps every value of depth, haptic and height; ClipStorage
 // says how hard the encoder tries and whether colour is exact. Readers give back what was written, and
 // refuse, with the frame's number, what was damaged since. How the containers say what they hold is in
-// clip_format.hpp, for modules that make others of the kind.
+// tracks.hpp, for modules that make others of the kind.
 //
 // Each reader and writer is used by one thread at a time; a reader decodes large pictures on threads of its
 // own.
@@ -48,12 +48,9 @@ Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
 /// unless another file describes it: its reader says what is wrong with the scene.
 bool is_mp4_clip(const SourceFile& file, bool is_described);
 
-/// A plane in an MP4 file: the numbers of its track, and of that with the low bits of samples of more than 8.
-struct NumberedTrack {
-    std::uint32_t track = 0;
-    std::optional<std::uint32_t> low{};
-};
-using PlaneTracks = std::array<std::optional<NumberedTrack>, all_roles.size()>;  ///< by PlaneRole
+/// The tracks of each plane in an MP4 file, by PlaneRole: the number of its track, and of samples of more
+/// than 8 bits that of the track with their low bits. Empty: there is no such plane.
+using PlaneTracks = std::array<std::vector<std::uint32_t>, all_roles.size()>;
 
 /// Tracks of an MP4 file of which another file says what they are and mean. Any program may have written it;
 /// one with tags of ours says the frames' times.
@@ -67,29 +64,28 @@ enum class Archive {
     small,  ///< few bytes: for each plane the coding that takes fewer
 };
 
-/// Tracks of a clip, and the file that has them.
-struct CopiedTracks {
-    std::filesystem::path file;
-    std::vector<PlaneRole> roles;
-};
-
 /// How a clip's pictures are stored. Depth, haptic and height always keep every value.
 struct ClipStorage {
+    /// Tracks of another clip, and the file that has them.
+    struct Copied {
+        std::filesystem::path file;
+        std::vector<PlaneRole> roles;
+    };
+
     Archive archive = Archive::fast;
     bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
     bool gives_colour = false;  ///< ClipWriter::stored_colour is used; costs decoding it
     bool fragmented = false;    ///< readable while it is written, and up to where it was cut: MP4 only
-    /// Matroska: tracks of another clip that have the pictures of these frames already. They are copied as
-    /// they are stored, where that can be done, and only planes of other roles are encoded.
-    std::optional<CopiedTracks> copied{};
+    /// Matroska: tracks that have the pictures of these frames already. They are copied as they are stored,
+    /// where that can be done, and only planes of other roles are encoded.
+    std::optional<Copied> copied{};
 };
 
 /// Refuses a scene that no clip of ours can have, whatever its container. Errors name the file to be written.
 Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described);
 
 /// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON; filters
-/// may be left open there. A size that no clip can hold is told by the first `write`, as an error of kind
-/// usage.
+/// may be left open there. A size that no clip can hold is an error of kind usage of the first `write`.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
                                                 const SceneDescription& described,
                                                 const ClipStorage& storage = {},

@@ -320,10 +320,8 @@ private:
 
 Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replacement) {
     TRY(open_file());
-    TRY_ASSIGN(auto rate, container_->rate(*demuxer_));
-    recorded_rate_ = std::move(rate);
-    TRY_ASSIGN(const auto whole, container_->whole_part(*demuxer_));
-    whole_ = whole;
+    TRY_ASSIGN(recorded_rate_, container_->rate(*demuxer_));
+    TRY_ASSIGN(whole_, container_->whole_part(*demuxer_));
     TRY(read_scene(replacement));
     TRY(start());
     return describe();
@@ -333,9 +331,8 @@ Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replace
 Result<void> ClipFileReader::seek(std::int64_t frame) {
     if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
     first_.reset();
-    TRY_ASSIGN(const auto begun, begin_at(frame));
-    index_leads_ = begun;
-    if (!begun) {
+    TRY_ASSIGN(index_leads_, begin_at(frame));
+    if (!index_leads_) {
         TRY(open_file());
         TRY(start());
     }
@@ -470,10 +467,11 @@ Result<void> ClipFileReader::start() {
 
 Result<void> ClipFileReader::open_tracks() {
     TRY_ASSIGN(const auto found, container_->tracks(*demuxer_, scene_));
-    const auto halves = std::count_if(found.begin(), found.end(),
-                                      [](const ClipTrack& track) { return track.low_stream.has_value(); });
+    const auto halves = std::count_if(found.begin(), found.end(), [](const ClipContainer::Track& track) {
+        return track.low_stream.has_value();
+    });
     const std::size_t tracks = found.size() + static_cast<std::size_t>(halves);
-    for (const ClipTrack& track : found) {
+    for (const ClipContainer::Track& track : found) {
         const PlaneRole role = track.role;
         const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
             TRY_ASSIGN(auto decoder,
@@ -491,8 +489,7 @@ Result<void> ClipFileReader::open_tracks() {
         made.low_bits = track.low_bits;
         made.is_lossless = track.is_lossless;
         if (!track.low_stream) continue;
-        TRY_ASSIGN(auto low, open(*track.low_stream, leave));
-        made.low = std::move(low);
+        TRY_ASSIGN(made.low, open(*track.low_stream, leave));
     }
     return {};
 }
@@ -515,15 +512,14 @@ Result<void> ClipFileReader::describe() {
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
     constexpr double rounding = 0.002;
-    if (recorded_rate_.own_times) {
-        const auto listed = static_cast<std::int64_t>(recorded_rate_.own_times->size());
-        const double left = *end_s - origin_seconds_ - seconds_of(listed - 1);  // for the last of them
-        if (left < -rounding) return refuse_times();
-        if (left > longest_gap() + rounding && pictures_of_depth() > listed) return refuse_times();
+    if (!recorded_rate_.own_times) {
+        promised_ = std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
+        return describe_tracks();
     }
-    promised_ = recorded_rate_.own_times
-                    ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
-                    : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
+    promised_ = std::ssize(*recorded_rate_.own_times);
+    const double left = *end_s - origin_seconds_ - seconds_of(promised_ - 1);  // for the last of them
+    if (left < -rounding) return refuse_times();
+    if (left > longest_gap() + rounding && pictures_of_depth() > promised_) return refuse_times();
     return describe_tracks();
 }
 
@@ -594,10 +590,10 @@ Result<void> ClipFileReader::join_low(Track& track) {
     };
     if (!is_grey(high) || !is_grey(below) || high.width != below.width || high.height != below.height)
         return input_error(where + ": its high and low bits are not two grey pictures of one size");
-    TRY_ASSIGN(auto fits, fit_plane(track.pictures->role(),
-                                    plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits),
-                                    scene_, where));
-    track.newest = std::move(fits);
+    TRY_ASSIGN(
+        track.newest,
+        fit_plane(track.pictures->role(),
+                  plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits), scene_, where));
     return {};
 }
 

@@ -15,14 +15,10 @@ namespace {
 constexpr std::int64_t ns_per_ms = 1'000'000;
 constexpr AVRational millisecond{1, 1000};
 
-struct DescriptionDeleter {
-    void operator()(AVFormatContext* container) const { avformat_free_context(container); }
-};
-
 }  // namespace
 
 Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, PlaneRole role) {
-    const std::unique_ptr<AVFormatContext, DescriptionDeleter> container(avformat_alloc_context());
+    const MuxedClipWriter::Muxer container(avformat_alloc_context());
     AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
     if (!stream) return Error{ErrorKind::internal, "out of memory"};
     TRY(encoder.describe(*stream->codecpar));
@@ -66,8 +62,7 @@ Result<void> MuxedClipWriter::check_status(int status) const {
 Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
     silence_ffmpeg();
     if (sound) {
-        TRY_ASSIGN(auto opened, StoredSound::open(*sound));
-        sound_ = std::move(opened);
+        TRY_ASSIGN(sound_, StoredSound::open(*sound));
     }
     TRY(output_.check());
     AVFormatContext* muxer = nullptr;

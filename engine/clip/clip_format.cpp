@@ -1,5 +1,5 @@
 // What our clips say of themselves: tags, additions to blocks, frames' times and other attached texts.
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -138,7 +138,7 @@ Result<void> add_block_addition(AVPacket& packet, AVCodecID codec, std::int64_t 
                                 const std::optional<PictureLabel>& label) {
     const std::size_t size = label ? labelled_size : addition_size;
     std::uint8_t* data = av_packet_new_side_data(&packet, AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, size);
-    if (!data) return Error{ErrorKind::internal, "out of memory"};
+    if (!data) return no_memory();
     AV_WB64(data, addition_id);
     AV_WB32(data + frames_at, static_cast<std::uint32_t>(frames));
     if (label) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// What the readers and writers of our Matroska and MP4 files share, beside clip_format.hpp.
+// What the readers and writers of our Matroska and MP4 files share, beside tracks.hpp: values of tags, names
+// of files, the frames' times as text, and tracks that are read as they are written.
 
 #include <filesystem>
 #include <memory>
@@ -8,9 +9,23 @@
 #include <string>
 #include <string_view>
 
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 
 namespace touchable {
+
+namespace clip_tags {
+
+/// A version as its tag has it; nothing unless it is a whole number from 1.
+std::optional<std::int64_t> parse_version(std::string_view text);
+/// Bits of a sample that is stored in two bytes, as their tag has them; nothing unless 9 to 16.
+std::optional<int> parse_bits(std::string_view text);
+std::optional<FrameRate> parse_rate(std::string_view text);
+
+/// Timestamps in milliseconds tell frames apart up to this many frames per second.
+inline constexpr int fastest_rate = 1000;
+bool is_too_fast(const FrameRate& rate);
+
+}  // namespace clip_tags
 
 // How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/mpeg4.md): tags of the file, as in
 // Matroska (clip_tags), and these.

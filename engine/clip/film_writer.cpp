@@ -156,10 +156,6 @@ int even_side(double side) {
     return std::max(2, static_cast<int>(std::floor(side)) / 2 * 2);
 }
 
-struct FilmCloser {
-    void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-};
-
 class FfmpegFilm final : public FilmWriter {
 public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing) : output_(file, existing) {}
@@ -188,7 +184,7 @@ private:
 
     NewFile output_;
     ReservedOutput room_;
-    std::unique_ptr<AVFormatContext, FilmCloser> muxer_;
+    MuxedClipWriter::Muxer muxer_;
     CodecPtr codec_;
     FilmSound sound_;
     FramePtr picture_;  // the newest, as it is encoded
@@ -221,15 +217,10 @@ Result<void> FfmpegFilm::open(const char* format) {
 }
 
 Result<void> FfmpegFilm::begin(int width, int height) {
-    TRY_ASSIGN(auto codec, open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height,
-                                        {pictures_per_second, 1}));
-    codec_ = std::move(codec);
-    picture_.reset(av_frame_alloc());
+    TRY_ASSIGN(codec_, open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height,
+                                    {pictures_per_second, 1}));
+    picture_ = blank_picture(AV_PIX_FMT_YUV420P, width, height);
     if (!picture_) return refuse("out of memory");
-    picture_->format = AV_PIX_FMT_YUV420P;
-    picture_->width = width;
-    picture_->height = height;
-    if (av_frame_get_buffer(picture_.get(), 0) < 0) return refuse("out of memory");
     AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream || avcodec_parameters_from_context(stream->codecpar, codec_.get()) < 0)
         return refuse("out of memory");
@@ -251,12 +242,9 @@ Result<void> FfmpegFilm::fit(const PlaneView& picture) {
     const int height = same ? to.height : even_side(picture.height * scale);
     if (from_width_ != picture.width || from_height_ != picture.height) {
         const int taken_width = same ? width : picture.width, taken_height = same ? height : picture.height;
-        scaler_.reset(sws_getContext(taken_width, taken_height, AV_PIX_FMT_RGB24, width, height,
-                                     AV_PIX_FMT_YUV420P, SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr,
-                                     nullptr));
+        scaler_ = scaler_from_rgb(taken_width, taken_height, AV_PIX_FMT_YUV420P, width, height,
+                                  SWS_BILINEAR | SWS_ACCURATE_RND);
         if (!scaler_) return refuse("pictures of this size cannot be fitted");
-        sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(SWS_CS_DEFAULT), 1,
-                                 sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16, 1 << 16);
         from_width_ = picture.width;
         from_height_ = picture.height;
         for (int plane = 0; plane < 3; ++plane)

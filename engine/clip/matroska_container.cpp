@@ -21,7 +21,7 @@ public:
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& scene) override;
     std::optional<std::string> poses(const Demuxer& file) override {
         return file.attachment(clip_tags::poses_file);
     }
@@ -45,13 +45,13 @@ Result<std::unique_ptr<Demuxer>> MatroskaContainer::open() {
 Result<void> MatroskaContainer::count_pictures(const Demuxer& file) {
     TRY_ASSIGN(auto reading, Demuxer::open_matroska(source_, true));
     TRY_ASSIGN(const auto tracks, this->tracks(file, {}));
-    for (const ClipTrack& track : tracks) reading->select(track.stream);
+    for (const Track& track : tracks) reading->select(track.stream);
     const double tick_ns = av_q2d(file.container().streams[tracks.front().stream]->time_base) * 1e9;
     WholePart whole{.is_cut = file.is_cut()};
     std::int64_t first = 0;
     for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
         std::size_t there = 0;
-        for (const ClipTrack& track : tracks) {
+        for (const Track& track : tracks) {
             TRY_ASSIGN(const auto packet, reading->next(track.stream));
             there += packet ? 1 : 0;
             if (!packet || track.role != PlaneRole::depth) continue;
@@ -93,9 +93,10 @@ Result<SceneDescription> MatroskaContainer::scene(const Demuxer& file, const Fra
                   {{Setting::scene_file, "FILE"}});
 }
 
-Result<std::vector<ClipTrack>> MatroskaContainer::tracks(const Demuxer& file, const Scene& /*scene*/) {
+Result<std::vector<ClipContainer::Track>> MatroskaContainer::tracks(const Demuxer& file,
+                                                                    const Scene& /*scene*/) {
     const AVFormatContext& container = file.container();
-    std::vector<ClipTrack> tracks;
+    std::vector<Track> tracks;
     for (const PlaneRole role : all_roles) {
         for (unsigned k = 0; k < container.nb_streams; ++k) {
             const AVStream& stream = *container.streams[k];

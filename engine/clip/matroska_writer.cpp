@@ -97,8 +97,7 @@ Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, co
     // What is too large for H.264 is not for FFV1.
     if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
     if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
-        TRY_ASSIGN(auto reader, ReadAlong::open(track.encoder(), role));
-        track.reader_ = std::move(reader);
+        TRY_ASSIGN(track.reader_, ReadAlong::open(track.encoder(), role));
     }
     return track;
 }
@@ -205,8 +204,9 @@ Result<std::unique_ptr<TrackCopy>> TrackCopy::open(const std::filesystem::path& 
     std::unique_ptr<TrackCopy> copy(new TrackCopy);
     copy->file_ = file.string();
     for (const PlaneRole role : roles) {
-        const auto found = std::find_if(tracks->begin(), tracks->end(),
-                                        [&](const ClipTrack& track) { return track.role == role; });
+        const auto found =
+            std::find_if(tracks->begin(), tracks->end(),
+                         [&](const ClipContainer::Track& track) { return track.role == role; });
         if (found == tracks->end()) return std::unique_ptr<TrackCopy>();
         (*demuxer)->select(found->stream);
         copy->streams_.push_back(found->stream);
@@ -277,8 +277,7 @@ Result<void> MatroskaWriter::attach_scene() {
 
 Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
     if (storage_.copied) {
-        TRY_ASSIGN(auto copy, TrackCopy::open(storage_.copied->file, storage_.copied->roles));
-        copy_ = std::move(copy);
+        TRY_ASSIGN(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles));
     }
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(first, role);
@@ -395,7 +394,7 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
     if (storage.fragmented)
         return usage_error(path.string() +
                            ": only MP4 is written in fragments: must be a name that ends in .mp4");
-    return open_clip_writer<MatroskaWriter>(path, described, storage, existing, sound);
+    return MuxedClipWriter::create<MatroskaWriter>(path, described, storage, existing, sound);
 }
 
 }  // namespace touchable

@@ -94,7 +94,7 @@ public:
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
+    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& scene) override;
     std::optional<std::string> poses(const Demuxer& file) override { return file.tag(mp4_poses_tag); }
     bool has_whole_index() const override { return true; }
     Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
@@ -202,8 +202,7 @@ Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRat
     const auto& scene = scene_.scene;
     if (const auto json = file.tag(mp4_scene_tag)) {
         auto described = described_by(*json, recorded);
-        if (!described) return described;
-        if (!scene) return described;
+        if (!described || !scene) return described;
         const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
         if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
         if (!*is_other) return described;
@@ -242,8 +241,8 @@ std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::st
 Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name(role_name(role));
     if (told_) {
-        const auto& track = (*told_)[static_cast<std::size_t>(role)];
-        return track ? placed(stream_numbered(file, track->track, name)) : std::optional<int>();
+        const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
+        return numbers.empty() ? std::optional<int>() : placed(stream_numbered(file, numbers[0], name));
     }
     if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
     const auto named = stream_named(file, name);
@@ -253,8 +252,8 @@ Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRol
 Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name = std::string(role_name(role)) + low_track_suffix;
     if (!told_) return stream_named(file, name);
-    const auto& track = (*told_)[static_cast<std::size_t>(role)];
-    return track && track->low ? placed(stream_numbered(file, *track->low, name)) : std::optional<int>();
+    const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
+    return numbers.size() < 2 ? std::optional<int>() : placed(stream_numbered(file, numbers[1], name));
 }
 
 /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
@@ -268,19 +267,17 @@ Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Sc
                     (role == PlaneRole::depth ? stored.depth_bits : height_bits(stored.height_coding)) - 8);
 }
 
-Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
-    std::vector<ClipTrack> tracks;
+Result<std::vector<ClipContainer::Track>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
+    std::vector<Track> tracks;
     std::map<int, std::string> used;  // streams
     for (const PlaneRole role : all_roles) {
         TRY_ASSIGN(const auto stream, stream_of(file, role));
         if (!stream && role == PlaneRole::depth) return refuse("has no track of depth");
         if (!stream) continue;
-        ClipTrack track{role, *stream};
-        TRY_ASSIGN(const auto bits, low_bits(file, role, scene));
-        track.low_bits = bits;
-        if (bits > 0) {
-            TRY_ASSIGN(const auto low, low_stream_of(file, role));
-            track.low_stream = low;
+        Track track{role, *stream};
+        TRY_ASSIGN(track.low_bits, low_bits(file, role, scene));
+        if (track.low_bits > 0) {
+            TRY_ASSIGN(track.low_stream, low_stream_of(file, role));
         }
         const auto is_lossless = [&](int number) {
             return is_coded_without_loss(*file.container().streams[number]->codecpar);

@@ -1,5 +1,6 @@
 // Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "engine/base/files.hpp"
@@ -16,19 +17,9 @@ namespace {
 constexpr PlaneRole track_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
                                      PlaneRole::height};
 
-std::uint16_t object_of(PlaneRole role) {
-    switch (role) {
-        case PlaneRole::colour:
-            return mpeg4::colour_object;
-        case PlaneRole::haptic:
-            return mpeg4::haptic_object;
-        case PlaneRole::height:
-            return mpeg4::height_object;
-        case PlaneRole::depth:
-            break;
-    }
-    return mpeg4::depth_object;
-}
+/// Of the MPEG-4 scene, by PlaneRole.
+constexpr std::array<std::uint16_t, all_roles.size()> objects{mpeg4::depth_object, mpeg4::colour_object,
+                                                              mpeg4::haptic_object, mpeg4::height_object};
 
 struct Mp4Track {
     PlaneRole role;
@@ -47,12 +38,6 @@ PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
 
 /// That of a fragment at most, where frames are not longer.
 constexpr std::int64_t fragment_ns = 500'000'000;
-
-/// Content, and where in the file the box begins.
-struct MovieBox {
-    std::uint64_t at = 0;
-    mpeg4::Bytes content;
-};
 
 class Mp4Writer final : public MuxedClipWriter {
 public:
@@ -73,7 +58,6 @@ private:
     Result<void> encode(std::size_t track, const PlaneView& plane);
     Result<void> add_scene();
     Result<void> make_scene_stream();
-    Result<MovieBox> movie_box() const;
     /// Exact where frames come evenly: a rate of 30000/1001 has ticks of 1/30000 s.
     AVRational time_base() const {
         if (scene_.rate.own_times) return {1, 1'000'000};
@@ -94,8 +78,7 @@ Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     const TrackCoding coding = is_seen                             ? TrackCoding::h264_visual
                                : storage_.archive == Archive::fast ? TrackCoding::h264_quick
                                                                    : TrackCoding::h264_thrifty;
-    TRY_ASSIGN(auto encoder, TrackEncoder::open(track.role, coding, part_of(first, track), scene_));
-    track.encoder = std::move(encoder);
+    TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, part_of(first, track), scene_));
     AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream) return refuse("out of memory");
     TRY(track.encoder->describe(*stream->codecpar));
@@ -105,8 +88,7 @@ Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
     stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
     if (is_seen && storage_.gives_colour) {
-        TRY_ASSIGN(auto reader, ReadAlong::open(*track.encoder, track.role));
-        reader_ = std::move(reader);
+        TRY_ASSIGN(reader_, ReadAlong::open(*track.encoder, track.role));
     }
     tracks_.push_back(std::move(track));
     return {};
@@ -212,7 +194,8 @@ Result<void> Mp4Writer::make_scene_stream() {
     mpeg4::SceneStream& stream = scene_stream_;
     for (std::size_t k = 0; k < tracks_.size(); ++k)
         if (tracks_[k].part != PlanePart::low)
-            stream.objects[object_of(tracks_[k].role)] = static_cast<std::uint32_t>(k + 1);
+            stream.objects[objects[static_cast<std::size_t>(tracks_[k].role)]] =
+                static_cast<std::uint32_t>(k + 1);
     const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
     stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
     auto bytes = mpeg4::encode_scene(tree, stream.config);
@@ -221,26 +204,21 @@ Result<void> Mp4Writer::make_scene_stream() {
     return {};
 }
 
-/// As FFmpeg has written it, the file's last box.
-Result<MovieBox> Mp4Writer::movie_box() const {
-    const auto file = bytes_of_file(SourceFile(output_.path()));
-    if (!file) return error_at(output_.target().string(), file.error());
-    const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
-    const auto box = mpeg4::first_box(**file, "moov", 0, end);
-    if (!box) return error_at(output_.target().string(), box.error());
-    if (!*box || (*box)->end != end)
-        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
-    auto content = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
-    if (!content) return error_at(output_.target().string(), content.error());
-    return MovieBox{(*box)->at, std::move(*content)};
-}
-
 /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.
 Result<void> Mp4Writer::add_scene() {
     avio_flush(muxer_->pb);
-    TRY_ASSIGN(const auto movie, movie_box());
-    TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(movie.content, scene_stream_, 1, movie.at));
-    if (avio_seek(muxer_->pb, static_cast<std::int64_t>(movie.at), SEEK_SET) < 0)
+    const auto refuse_for = [&](const Error& why) { return error_at(output_.target().string(), why); };
+    const auto file = bytes_of_file(SourceFile(output_.path()));
+    if (!file) return refuse_for(file.error());
+    const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
+    const auto box = mpeg4::first_box(**file, "moov", 0, end);
+    if (!box) return refuse_for(box.error());
+    if (!*box || (*box)->end != end)
+        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+    const auto movie = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
+    if (!movie) return refuse_for(movie.error());
+    TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(*movie, scene_stream_, 1, (*box)->at));
+    if (avio_seek(muxer_->pb, static_cast<std::int64_t>((*box)->at), SEEK_SET) < 0)
         return refuse("cannot be written: no way back in it");
     avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
     avio_flush(muxer_->pb);
@@ -253,7 +231,7 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
-    return open_clip_writer<Mp4Writer>(path, described, storage, existing, sound);
+    return MuxedClipWriter::create<Mp4Writer>(path, described, storage, existing, sound);
 }
 
 }  // namespace touchable

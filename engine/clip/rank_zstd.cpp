@@ -1,3 +1,4 @@
+// Our own codec of grey pictures: differences of samples or ranks, compressed by zstd.
 #include "engine/clip/track_codecs.hpp"
 
 #include <zstd.h>

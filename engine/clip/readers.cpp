@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-PlaneView cropped(PlaneView plane, const CropBox& box) {
+PlaneView cropped(PlaneView plane, const ClipPart::Crop& box) {
     if (plane.empty()) return plane;
     plane.data =
         plane.row(box.y) + static_cast<std::ptrdiff_t>(box.x) * plane.channels * plane.bytes_per_sample;
@@ -111,7 +111,7 @@ Result<void> check_frames_of_part(const ClipPart& part, const std::optional<std:
     return {};
 }
 
-Result<void> check_crop(const CropBox& box, const Scene& scene) {
+Result<void> check_crop(const ClipPart::Crop& box, const Scene& scene) {
     const bool fits = box.x >= 0 && box.y >= 0 && box.width >= 1 && box.height >= 1 &&
                       box.x <= scene.width - box.width && box.y <= scene.height - box.height;
     if (fits) return {};
@@ -176,8 +176,7 @@ Result<void> StillPlanesReader::lay(StillPlane still) {
     const TrackInfo& stored = still.info;
     if (stored.width != scene_.width || stored.height != scene_.height)
         notes_.push_back(resampling_note(still.role, stored.width, stored.height, scene_));
-    TRY_ASSIGN(auto fitted, fit_plane(still.role, std::move(still.plane), scene_, file));
-    still.plane = std::move(fitted);
+    TRY_ASSIGN(still.plane, fit_plane(still.role, std::move(still.plane), scene_, file));
     for (auto& input : still.files) add_input(std::move(input));
     planes_.push_back(std::move(still));
     return {};

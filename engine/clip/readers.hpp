@@ -8,8 +8,8 @@
 // where nothing is to be done; a class of another module derives from ReaderAround and overrides what it
 // changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they are not decoded twice.
 //
-// A live reader has a CameraRun, which numbers and times its frames and knows when to stop; a Wake, which
-// ends a wait by poll; and, where frames come from another machine, a SenderClock.
+// A live reader has a CameraRun, which numbers and times its frames and knows when to stop, and a Wake, which
+// ends a wait by poll.
 //
 // As every reader, each is used by one thread at a time; what may be called from any thread says so.
 
@@ -70,17 +70,17 @@ private:
     std::unique_ptr<ClipReader> reader_;
 };
 
-/// Pixels of a picture: columns x to x + width - 1, rows y to y + height - 1.
-struct CropBox {
-    int x = 0, y = 0, width = 0, height = 0;
-};
-
 /// Which frames and pixels of a clip.
 struct ClipPart {
+    /// Columns x to x + width - 1, rows y to y + height - 1.
+    struct Crop {
+        int x = 0, y = 0, width = 0, height = 0;
+    };
+
     std::int64_t first = 0;
     std::optional<std::int64_t> last{};  ///< inclusive; nothing: the clip's last
     std::int64_t every = 1;              ///< the first, and then each so many frames later
-    std::optional<CropBox> crop{};
+    std::optional<Crop> crop{};
 
     bool is_whole() const { return first == 0 && !last && every == 1 && !crop; }
 };
@@ -141,26 +141,12 @@ inline constexpr std::int64_t first_frames = 16, spread_frames = 16;
 /// Their numbers, ascending, in a clip of `count` frames of which each can be read on its own.
 std::vector<std::int64_t> telling_frames(std::int64_t count);
 
-/// The far plane of a metric clip that does not give one: 5 % beyond the depth that at most one valid pixel
-/// in 10 000 exceeds. (A camera's stray pixels say nothing of its scene, and a far plane out there would make
-/// codes coarser for all others.) What lies beyond it is invalid.
-class FarPlaneEstimator {
-public:
-    explicit FarPlaneEstimator(const DepthCoding& coding) : coding_(coding), pixels_(65536) {}
-    void add(const PlaneView& depth);
-    /// Gives this scene that far plane; the note says what was found. An error where no depth was valid.
-    Result<std::string> settle(Scene& scene) const;
-
-private:
-    DepthCoding coding_;
-    std::vector<std::int64_t> pixels_;  // by code, of valid ones
-    int frames_ = 0;
-};
-
 /// A clip at its beginning. Where its description leaves the far plane open (Unstated::far), so that it is
-/// the deepest code's so far, it is settled, and a note says it; otherwise the clip is unchanged. Where it
-/// cannot seek, its first frames tell all. A later frame that is damaged tells nothing: the error comes when
-/// it is played. Errors name `file`.
+/// the deepest code's so far, it is settled, and a note says it; otherwise the clip is unchanged. The far
+/// plane is 5 % beyond the depth that at most one valid pixel in 10 000 exceeds, in the frames that tell
+/// (telling_frames); of a clip that cannot seek, the first ones. What lies beyond it is invalid. A later
+/// frame that is damaged tells nothing: the error comes when it is played. An error where no depth is valid.
+/// Errors name `file`.
 Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,
                                                    const std::filesystem::path& file);
 
@@ -175,18 +161,18 @@ enum class DepthAlignment { automatic, on, off };
 Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReader> clip,
                                                        DepthAlignment wanted);
 
-/// A square of pixels.
-struct Cell {
-    static constexpr std::int32_t per_code = 16, per_level = 16;
-    static constexpr std::int32_t none = -1;
-
-    std::int32_t depth = none;  ///< mean code, sixteenths; none: of two surfaces, or a pixel without depth
-    std::int32_t luma = none;   ///< mean brightness, sixteenths of 255 levels; none: without colour
-    bool is_textured = false;   ///< its brightness tells whether what is there moves
-};
-
 /// A frame as some thousand cells, in which noise is averaged out: 640x480 pixels are 80x60.
 struct CellPicture {
+    static constexpr std::int32_t per_code = 16, per_level = 16;
+    static constexpr std::int32_t none = -1;
+    /// A square of pixels.
+    struct Cell {
+        /// Mean code, sixteenths; none: of two surfaces, or with a pixel without depth.
+        std::int32_t depth = none;
+        std::int32_t luma = none;  ///< mean brightness, sixteenths of 255 levels; none: without colour
+        bool is_textured = false;  ///< its brightness tells whether what is there moves
+    };
+
     std::vector<Cell> cells;
     bool has_colour = false;
     std::uint16_t least = 0, most = 0;  ///< valid codes; 0 and 0 where there are none
@@ -216,8 +202,8 @@ private:
 /// Frames of before a run are so far apart.
 inline constexpr std::int64_t ns_before_a_run = 1000;
 
-/// What every camera's run has: the numbers and times of its frames, before it and in it; how a wait is told
-/// to end; whether the camera is gone, and what a person should know. One thread, but where it says so.
+/// What every camera's run has: the numbers and times of its frames, before it and in it; how a wait is
+/// ended; whether the camera is gone, and what a person should know. One thread, but where it says so.
 class CameraRun {
 public:
     /// `name`: of the camera, in messages; `kind`: what these call it, where it is no camera.
@@ -240,7 +226,7 @@ public:
 
     /// From any thread.
     void interrupt();
-    /// For poll: readable once it was told to end.
+    /// For poll: readable once a wait is to end.
     int descriptor() const { return wake_.descriptor(); }
     /// An error of kind interrupted where a wait is to end: in a run after `interrupt`, and before one also
     /// after a signal.
@@ -265,46 +251,28 @@ private:
     std::vector<std::string> remarks_;  // guarded by mutex_
 };
 
-/// When frames were taken, by a sender's clock of unknown beginning: what it says of the time between frames
-/// is believed, and of those that came soonest after they were taken their arrival. A clock that jumps,
-/// stands still or goes backwards begins anew with a frame's arrival; one that goes slower or faster is
-/// followed.
-class SenderClock {
-public:
-    /// Of a frame that `sent_ns` is said of (0: nothing is), at the time of std::chrono::steady_clock, like
-    /// its arrival: no later than that, and at most 0.1 s before.
-    std::int64_t taken_at(std::int64_t sent_ns, std::int64_t arrived_ns);
-
-private:
-    struct Moment {
-        std::int64_t sent_ns = 0, arrived_ns = 0;
-    };
-    std::optional<Moment> last_;
-    std::int64_t apart_ns_ = 0;  // this machine's clock is so far ahead of the sender's
-};
-
 /// How a camera delivers what it takes. Moments are those of a run, ns.
 struct CameraDelivery {
+    static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+    /// A frame, and when it is there.
+    struct Frame {
+        std::int64_t number = -1;
+        std::int64_t at_ns = 0;  ///< of the run, or `never`
+    };
+
     std::optional<FrameRate> rate{};  ///< nothing: the recording's own
     std::int64_t jitter_ns = 0;       ///< the longest time from exposure to delivery
     double drop = 0;                  ///< the share of frames that never come, 0 to below 1
     /// Nothing is delivered between; no end: never again.
     std::optional<std::int64_t> stall_ns{}, resume_ns{};
-};
 
-inline constexpr std::int64_t never_delivered = std::numeric_limits<std::int64_t>::max();
-
-/// A frame, and when it is there.
-struct Delivery {
-    std::int64_t number = -1;
-    std::int64_t at_ns = 0;  ///< of the run, or `never_delivered`
+    /// What comes after `last`: the next frame that is not left out, not before its own time n / rate. As
+    /// random as the settings want it, and the same every time.
+    Frame after(const Frame& last, const FrameRate& rate) const;
 };
-/// What comes after `last`: the next frame that is not left out, not before its own time n / rate. As random
-/// as the settings want it, and the same every time.
-Delivery delivery_after(const Delivery& last, const CameraDelivery& settings, const FrameRate& rate);
 
 /// A recording that behaves like a camera. Frame n is taken at time_ns = n / rate and comes when
-/// `delivery_after` says. Frames keep the recording's numbers, so that those left out are gaps.
+/// CameraDelivery::after says. Frames keep the recording's numbers, so that those left out are gaps.
 ///
 /// Until `begin` it is a clip: every frame is there at once. After it `next` waits for the next delivery, and
 /// gives the newest frame where several were delivered before it was asked. A frame is decoded while it is

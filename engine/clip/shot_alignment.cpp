@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 namespace touchable {
@@ -50,7 +51,7 @@ CellDepths depths_of(const PlaneView& plane, const DepthCoding& coding, int x0, 
     return depths;
 }
 
-void read_luma(const PlaneView& colour, int x0, int y0, int side, Cell& cell) {
+void read_luma(const PlaneView& colour, int x0, int y0, int side, CellPicture::Cell& cell) {
     std::int64_t sum = 0;
     std::int32_t least = std::numeric_limits<std::int32_t>::max(), most = 0;
     for (int y = y0; y < y0 + side; ++y) {
@@ -62,15 +63,15 @@ void read_luma(const PlaneView& colour, int x0, int y0, int side, Cell& cell) {
             most = std::max(most, luma);
         }
     }
-    cell.luma = static_cast<std::int32_t>(sum * Cell::per_level / (256 * std::int64_t{side} * side));
+    cell.luma = static_cast<std::int32_t>(sum * CellPicture::per_level / (256 * std::int64_t{side} * side));
     cell.is_textured = most - least >= 256 * least_texture;
 }
 
 /// Cells beside much darker or brighter ones change too, where anything moves.
-void mark_borders(std::vector<Cell>& cells, int columns) {
-    constexpr std::int32_t step = least_texture * Cell::per_level;
+void mark_borders(std::vector<CellPicture::Cell>& cells, int columns) {
+    constexpr std::int32_t step = least_texture * CellPicture::per_level;
     const auto across = static_cast<std::size_t>(columns);
-    const auto part = [&](Cell& a, Cell& b) {
+    const auto part = [&](CellPicture::Cell& a, CellPicture::Cell& b) {
         if (a.luma - b.luma >= step || b.luma - a.luma >= step) a.is_textured = b.is_textured = true;
     };
     for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -86,7 +87,7 @@ constexpr double most_scale = 16;      // and its reciprocal the least
 constexpr double least_spread = 16;    // of `from`, times the noise: nearer together no scale can be told
 
 constexpr double steps_of_range = 4096;  // differences below one tell nothing
-constexpr std::int32_t same_luma = 5 * Cell::per_level / 2, other_luma = 24 * Cell::per_level;
+constexpr std::int32_t same_luma = 5 * CellPicture::per_level / 2, other_luma = 24 * CellPicture::per_level;
 constexpr double share_of_cut = 0.5;  // of the cells have another brightness then
 constexpr double noise_of_cut = 0.1;  // of the range, without colour
 constexpr double noise_of_still = 1.0 / 64;
@@ -96,12 +97,6 @@ constexpr int settled_age = 4, calm_frames = 24;
 constexpr double reference_frames = 32;  // frames over which a reference is averaged
 constexpr int moving_radius = 15;        // frames before and after, of a moving camera
 constexpr std::size_t most_resting = 96;
-
-/// Without a sign.
-template <class Number>
-Number size_of(Number number) {
-    return number < 0 ? -number : number;
-}
 
 /// The middle one, the lower of two; `numbers` come in another order.
 double median_of(std::vector<double>& numbers) {
@@ -137,7 +132,7 @@ public:
     }
     LineFit make() {
         LineFit fit;
-        fit.line = has_scale() ? by_pairs() : shifted({});
+        fit.line = has_scale() ? by_pairs() : shifted();
         for (int k = 0; k < refinements; ++k) {
             fit.noise = noise_of(fit.line);
             fit.line = refined(fit.line, fit.noise);
@@ -148,7 +143,7 @@ public:
 
 private:
     static double distance(const Line& line, const LinePoint& point) {
-        return size_of(point.to - line.at(point.from));
+        return std::abs(point.to - line.at(point.from));
     }
     bool has_scale() const { return spread_ > least_spread * least_noise_; }
     double noise_of(const Line& line) const {
@@ -157,25 +152,24 @@ private:
         for (const LinePoint& point : points_) distances.push_back(distance(line, point));
         return std::max(least_noise_, per_median * median_of(distances));
     }
-    /// Of this scale.
-    Line shifted(Line line) const {
+    /// Of scale 1.
+    Line shifted() const {
         std::vector<double> shifts;
         shifts.reserve(points_.size());
-        for (const LinePoint& point : points_) shifts.push_back(point.to - line.scale * point.from);
-        line.shift = median_of(shifts);
-        return line;
+        for (const LinePoint& point : points_) shifts.push_back(point.to - point.from);
+        return {1, median_of(shifts)};
     }
     /// That to which half of the points lie nearest.
     Line by_pairs() const {
         PairDraw draw;
         const std::size_t step = std::max<std::size_t>(1, points_.size() / judging_points);
-        Line best = shifted({});
+        Line best = shifted();
         double least = -1;
         std::vector<double> distances;
         for (int trial = 0, tried = 0; trial < pair_trials && tried < 8 * pair_trials; ++tried) {
             const LinePoint &a = points_[draw.below(points_.size())],
                             &b = points_[draw.below(points_.size())];
-            if (size_of(a.from - b.from) < spread_ / 4) continue;
+            if (std::abs(a.from - b.from) < spread_ / 4) continue;
             ++trial;
             Line line;
             line.scale = (a.to - b.to) / (a.from - b.from);
@@ -229,16 +223,17 @@ std::int32_t gained(std::vector<std::int32_t> changes) {
     return *middle;
 }
 
-/// Which cells have the brightness that they had, by `before`(k), Cell::none where there was nothing.
+/// Which cells have the brightness that they had, by `before`(k), CellPicture::none where there was nothing.
 template <class Before>
 std::vector<bool> unchanged(const CellPicture& picture, Before&& before) {
     std::vector<std::int32_t> changes;
     for (std::size_t k = 0; k < picture.cells.size(); ++k)
-        if (before(k) != Cell::none) changes.push_back(picture.cells[k].luma - before(k));
+        if (before(k) != CellPicture::none) changes.push_back(picture.cells[k].luma - before(k));
     const std::int32_t gain = gained(changes);
     std::vector<bool> same(picture.cells.size(), true);
     for (std::size_t k = 0; k < same.size(); ++k)
-        same[k] = before(k) != Cell::none && size_of(picture.cells[k].luma - before(k) - gain) <= same_luma;
+        same[k] =
+            before(k) != CellPicture::none && std::abs(picture.cells[k].luma - before(k) - gain) <= same_luma;
     return same;
 }
 
@@ -284,14 +279,15 @@ CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding) {
         const CellDepths depths = plane.bytes_per_sample == 1
                                       ? depths_of<std::uint8_t>(plane, coding, x, y, side)
                                       : depths_of<std::uint16_t>(plane, coding, x, y, side);
-        Cell& cell = picture.cells[k];
+        CellPicture::Cell& cell = picture.cells[k];
         if (depths.most >= depths.least) {
             least = std::min(least, depths.least);
             most = std::max(most, depths.most);
             spreads[k] = depths.most - depths.least;
         }
         if (depths.is_whole)
-            cell.depth = static_cast<std::int32_t>(depths.sum * Cell::per_code / (std::int64_t{side} * side));
+            cell.depth =
+                static_cast<std::int32_t>(depths.sum * CellPicture::per_code / (std::int64_t{side} * side));
         if (picture.has_colour) read_luma(frame.colour, x, y, side, cell);
     }
     if (picture.has_colour) mark_borders(picture.cells, columns);
@@ -300,7 +296,7 @@ CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding) {
     picture.most = static_cast<std::uint16_t>(most);
     for (std::size_t k = 0; k < picture.cells.size(); ++k)
         if (two_surfaces_share * spreads[k] > most - least + 2 * two_surfaces_share)
-            picture.cells[k].depth = Cell::none;
+            picture.cells[k].depth = CellPicture::none;
     return picture;
 }
 
@@ -314,7 +310,7 @@ double ShotAlignment::changed(const CellPicture& picture) const {
     if (!picture.has_colour) return 0;
     std::size_t others = 0;
     for (std::size_t k = 0; k < picture.cells.size(); ++k)
-        others += size_of(picture.cells[k].luma - before_.cells[k].luma) > other_luma;
+        others += std::abs(picture.cells[k].luma - before_.cells[k].luma) > other_luma;
     return static_cast<double>(others) / static_cast<double>(picture.cells.size());
 }
 
@@ -324,8 +320,8 @@ LineFit ShotAlignment::fit_to_before(const CellPicture& picture, RestingCells& r
     if (picture.has_colour) same = unchanged(picture, [&](std::size_t k) { return before_.cells[k].luma; });
     std::vector<LinePoint> all, still;
     for (std::size_t k = 0; k < same.size(); ++k) {
-        const Cell &now = picture.cells[k], &then = before_.cells[k];
-        if (now.depth == Cell::none || then.depth == Cell::none) continue;
+        const CellPicture::Cell &now = picture.cells[k], &then = before_.cells[k];
+        if (now.depth == CellPicture::none || then.depth == CellPicture::none) continue;
         all.push_back({static_cast<double>(now.depth), static_cast<double>(then.depth)});
         if (same[k]) still.push_back(all.back());
     }
@@ -358,8 +354,8 @@ void ShotAlignment::fit_to_shot(const CellPicture& picture, Fitted& fitted) {
     std::vector<LinePoint> settled, any;
     for (std::size_t k = 0; k < same.size(); ++k) {
         const Reference& reference = references_[k];
-        const Cell& cell = picture.cells[k];
-        if (reference.age < 0 || cell.depth == Cell::none) continue;
+        const CellPicture::Cell& cell = picture.cells[k];
+        if (reference.age < 0 || cell.depth == CellPicture::none) continue;
         ++known;
         textured += cell.is_textured;
         calm += cell.is_textured && same[k] && reference.calm >= long_calm;
@@ -382,12 +378,12 @@ void ShotAlignment::fit_to_shot(const CellPicture& picture, Fitted& fitted) {
 void ShotAlignment::remember(const CellPicture& picture, const std::vector<bool>& same, const Line& line,
                              double tolerance) {
     for (std::size_t k = 0; k < picture.cells.size(); ++k) {
-        const Cell& cell = picture.cells[k];
+        const CellPicture::Cell& cell = picture.cells[k];
         Reference& reference = references_[k];
         reference.calm = same[k] ? reference.calm + 1 : 0;
         reference.luma =
             same[k] ? reference.luma + (cell.luma - reference.luma) / reference_frames : cell.luma;
-        if (cell.depth == Cell::none) continue;
+        if (cell.depth == CellPicture::none) continue;
         const double depth = line.at(cell.depth), apart = depth - reference.depth;
         const bool stays = same[k] && reference.age >= 0 && std::fabs(apart) <= tolerance;
         reference.depth = stays ? reference.depth + apart / reference_frames : depth;
@@ -397,7 +393,7 @@ void ShotAlignment::remember(const CellPicture& picture, const std::vector<bool>
 
 void ShotAlignment::begin_shot(const CellPicture& picture) {
     end_shot();
-    range_ = std::max(1.0, static_cast<double>(picture.most - picture.least) * Cell::per_code);
+    range_ = std::max(1.0, static_cast<double>(picture.most - picture.least) * CellPicture::per_code);
     least_noise_ = std::max(1.0, range_ / steps_of_range);
     references_.assign(picture.cells.size(), {});
     remember(picture, std::vector<bool>(picture.cells.size()), {}, 0);

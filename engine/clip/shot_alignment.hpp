@@ -40,7 +40,7 @@ using RestingCells = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
 /// Finds for each frame of a clip the line that takes its codes to one scale. Frames come in order, and a cut
 /// begins anew. Of a shot in which most things stand still, the lines are those that keep them still: what
-/// does not move is told by colour that does not change and by depths that agree, and is remembered for the
+/// does not move is known by colour that does not change and by depths that agree, and is remembered for the
 /// whole shot, so that the scale cannot wander. Where the camera moves nothing says what the scale was a
 /// while ago: then what is faster than a second is taken out of it, and the rest stays.
 /// The mean scale of a shot stays what it was.

@@ -82,7 +82,7 @@ struct EncoderSettings {
 EncoderSettings settings_of(TrackCoding coding, AVPixelFormat format) {
     if (coding == TrackCoding::ffv1)
         return {"ffv1", "FFV1", {{"slicecrc", "1"}, {"coder", "1"}, {"context", "1"}}};
-    // A packet comes out for each picture that goes in, and begins anew only where it is told to.
+    // A packet comes out for each picture that goes in, and begins anew only where `encode` asks for that.
     EncoderSettings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
                          "H.264",
                          {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"udu_sei", "1"}}};
@@ -260,6 +260,25 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
         return encoder_error(std::string(settings.name) + ": " +
                              (status < 0 ? ffmpeg_text(status) : "unknown option"));
     return context;
+}
+
+FramePtr blank_picture(AVPixelFormat format, int width, int height) {
+    FramePtr picture(av_frame_alloc());
+    if (!picture) return nullptr;
+    picture->format = format;
+    picture->width = width;
+    picture->height = height;
+    return av_frame_get_buffer(picture.get(), 0) < 0 ? nullptr : std::move(picture);
+}
+
+ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format, int width, int height,
+                          int flags) {
+    ScalerPtr scaler(sws_getContext(from_width, from_height, AV_PIX_FMT_RGB24, width, height, format, flags,
+                                    nullptr, nullptr, nullptr));
+    if (scaler)
+        sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(SWS_CS_DEFAULT), 1,
+                                 sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16, 1 << 16);
+    return scaler;
 }
 
 Error unstorable_size(int width, int height, const std::string& why) {

@@ -34,6 +34,13 @@ constexpr bool is_visual(TrackCoding coding) {
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
                               const FrameRate& rate);
 
+/// A picture for an encoder, its samples of no meaning yet; null where memory runs out.
+FramePtr blank_picture(AVPixelFormat format, int width, int height);
+/// From RGB of one size to such pictures of another, of BT.709 and narrow range; null where there is no way.
+/// `flags`: swscale's.
+ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format, int width, int height,
+                          int flags);
+
 /// Why pictures of this size cannot be stored.
 Error unstorable_size(int width, int height, const std::string& why);
 

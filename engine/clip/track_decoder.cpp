@@ -5,7 +5,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/clip/track_codecs.hpp"
 #include "engine/picture/decoding.hpp"
 
@@ -177,8 +177,7 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     if (!is_read(*stream.codecpar))
         return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
                            codecs_that_are_read());
-    TRY_ASSIGN(auto decoder, PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks));
-    track.decoder_ = std::move(decoder);
+    TRY_ASSIGN(track.decoder_, PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks));
     track.codec_ = stream.codecpar->codec_id;
     // Versions 0 and 1, which have no header of their own, have no checksums either.
     track.has_slice_checksums_ = track.codec_ == AV_CODEC_ID_FFV1 && stream.codecpar->extradata_size > 0;

@@ -73,17 +73,6 @@ void copy_samples(const PlaneView& plane, AVFrame& picture) {
     }
 }
 
-ScalerPtr scaler_to(const AVFrame& picture) {
-    ScalerPtr scaler(sws_getContext(picture.width, picture.height, AV_PIX_FMT_RGB24, picture.width,
-                                    picture.height, static_cast<AVPixelFormat>(picture.format),
-                                    SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr,
-                                    nullptr));
-    if (scaler)
-        sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(SWS_CS_DEFAULT), 1,
-                                 sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16, 1 << 16);
-    return scaler;
-}
-
 /// In place of those of the picture before.
 bool attach_messages(std::span<const std::string> messages, AVFrame& picture) {
     av_frame_remove_side_data(&picture, AV_FRAME_DATA_SEI_UNREGISTERED);
@@ -121,15 +110,12 @@ Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, con
         return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
     if (!codec) return codec.error();
     codec_ = std::move(*codec);
-    picture_.reset(av_frame_alloc());
+    picture_ = blank_picture(form.format, form.width, form.height);
     if (!picture_) return track_error(role_, "out of memory");
-    picture_->format = form.format;
-    picture_->width = form.width;
-    picture_->height = form.height;
-    if (av_frame_get_buffer(picture_.get(), 0) < 0) return track_error(role_, "out of memory");
     picture_->pts = -1;
     if (!is_visual(coding)) return {};
-    scaler_ = scaler_to(*picture_);
+    scaler_ = scaler_from_rgb(form.width, form.height, form.format, form.width, form.height,
+                              SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT);
     if (!scaler_) return track_error(role_, "no way from RGB to its pixels");
     return {};
 }

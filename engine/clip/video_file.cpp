@@ -1,11 +1,12 @@
+// The first track of pictures of any video file: which it is, its frames' times and rate, and its frames.
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/track_codecs.hpp"
+#include "engine/clip/tracks.hpp"
 
 extern "C" {
 #include <libavutil/rational.h>
@@ -53,8 +54,8 @@ std::vector<std::int64_t> nanoseconds(const std::vector<std::int64_t>& times, AV
 
 }  // namespace
 
-MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational tick,
-                           const std::vector<AVRational>& said) {
+VideoFile::MeasuredRate VideoFile::measured_rate(const std::vector<std::int64_t>& times, AVRational tick,
+                                                 const std::vector<AVRational>& said) {
     std::vector<AVRational> candidates = said;
     for (const int rate : {30, 25, 24, 60, 50, 15, 10, 5, 1, 20, 12, 90, 100, 120}) {
         candidates.push_back({rate, 1});
@@ -117,8 +118,7 @@ Result<void> VideoFile::rewind() {
     if (stream_ == streams)
         return input_error(file_.string() + (track_ ? ": has no pictures in track " + std::to_string(*track_)
                                                     : ": has no video track"));
-    TRY_ASSIGN(auto decoder, TrackDecoder::open(*container.streams[stream_], role_, file_.string()));
-    decoder_ = std::move(decoder);
+    TRY_ASSIGN(decoder_, TrackDecoder::open(*container.streams[stream_], role_, file_.string()));
     is_lossless_ = is_coded_without_loss(*container.streams[stream_]->codecpar);
     is_disparity_ = demuxer_->is_disparity(stream_);
     demuxer_->select(stream_);
@@ -156,7 +156,7 @@ Result<void> VideoFile::read_times() {
         if (is_key) keys_.push_back(count());
         times_.push_back(time);
     }
-    rate_ = rate_of_times(times_, stream.time_base, {stream.avg_frame_rate, stream.r_frame_rate});
+    rate_ = measured_rate(times_, stream.time_base, {stream.avg_frame_rate, stream.r_frame_rate});
     if (!rate_.is_kept)
         note_ = file_.string() +
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +

@@ -11,7 +11,6 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/picture/ffmpeg.hpp"

@@ -726,8 +726,7 @@ Opened GltfClip::open_tracks(const SceneDescription& described, Colour colour) c
         if (numbers.empty() || numbers.size() > 2)
             throw Refusal{name + " is " + std::to_string(numbers.size()) +
                           " tracks of its file: must be one, or one of the high bits and one of the low"};
-        tracks[static_cast<std::size_t>(role)] =
-            NumberedTrack{numbers[0], numbers.size() == 2 ? std::optional(numbers[1]) : std::nullopt};
+        tracks[static_cast<std::size_t>(role)] = numbers;
     }
     auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, colour);
     if (!maps.haptic && !maps.height) return reader;

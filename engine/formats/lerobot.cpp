@@ -11,7 +11,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/checked_json.hpp"
@@ -423,7 +423,7 @@ fs::path lerobot_info_file(const fs::path& video) {
 
 Result<std::unique_ptr<ClipWriter>> create_lerobot_video(const fs::path& path, const Scene& scene,
                                                          Existing existing) {
-    return open_clip_writer<LeRobotWriter>(path, scene, {}, existing, {});
+    return MuxedClipWriter::create<LeRobotWriter>(path, scene, {}, existing, {});
 }
 
 }  // namespace touchable

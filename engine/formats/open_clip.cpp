@@ -13,7 +13,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/formats/bag_file.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/heic_image.hpp"

@@ -8,7 +8,6 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/source_description.hpp"

@@ -193,7 +193,7 @@ public:
     /// Segments that were left out so far.
     virtual std::int64_t segments_lost() const = 0;
     /// Which level was read, where there is a choice.
-    virtual std::optional<LevelFigures> levels() const = 0;
+    virtual std::optional<StreamFigures::Levels> levels() const = 0;
     /// Remarks for a person.
     virtual const std::vector<std::string>& remarks() const = 0;
 };

@@ -617,7 +617,7 @@ public:
     std::int64_t segments_lost() const override {
         return touch_->segments_lost() + (colour_ ? colour_->segments_lost() : 0);
     }
-    std::optional<LevelFigures> levels() const override;
+    std::optional<StreamFigures::Levels> levels() const override;
     const std::vector<std::string>& remarks() const override { return remarks_; }
 
 private:
@@ -638,12 +638,12 @@ void BothRenditions::leave_out_colour(const Error& why) {
     if (reading_) reading_->choice.leave_out_colour();
 }
 
-std::optional<LevelFigures> BothRenditions::levels() const {
+std::optional<StreamFigures::Levels> BothRenditions::levels() const {
     if (!reading_) return std::nullopt;
     const auto seconds = [this](bool of_low) {
         return static_cast<double>(touch_->fetched_ns(of_low)) * 1e-9;
     };
-    return LevelFigures{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
+    return StreamFigures::Levels{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
 }
 
 void BothRenditions::add_colour(Result<std::unique_ptr<HlsLevels>> colour) {

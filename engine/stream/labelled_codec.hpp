@@ -17,7 +17,6 @@
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/decoding.hpp"
 #include "engine/picture/ffmpeg.hpp"

@@ -31,7 +31,7 @@ public:
     virtual int tracks() const = 0;
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const { return false; }
-    virtual std::optional<LevelFigures> levels() const { return std::nullopt; }
+    virtual std::optional<StreamFigures::Levels> levels() const { return std::nullopt; }
 };
 
 class TransportStream final : public LabelledPackets {
@@ -82,7 +82,7 @@ public:
         return "left out " + std::to_string(input_->segments_lost()) + " of its segments, or cut them,";
     }
     bool was_lost() const override { return input_->segments_lost() > 0; }
-    std::optional<LevelFigures> levels() const override { return input_->levels(); }
+    std::optional<StreamFigures::Levels> levels() const override { return input_->levels(); }
 
 private:
     const std::shared_ptr<StreamWait> wait_;
@@ -110,7 +110,7 @@ public:
     Result<std::optional<Came>> next() override;
     std::string how_it_ended() const override { return packets_->how_it_ended(); }
     bool was_lost() const override { return packets_->was_lost(); }
-    std::optional<LevelFigures> levels() const override { return packets_->levels(); }
+    std::optional<StreamFigures::Levels> levels() const override { return packets_->levels(); }
 
 private:
     Result<bool> read(Came& came);

@@ -38,11 +38,11 @@ std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments
 }
 
 /// Sums up the figures of connections that followed each other.
-std::optional<LevelFigures> sum_of(const std::optional<LevelFigures>& before,
-                                   const std::optional<LevelFigures>& now) {
+std::optional<StreamFigures::Levels> sum_of(const std::optional<StreamFigures::Levels>& before,
+                                            const std::optional<StreamFigures::Levels>& now) {
     if (!before || !now) return now ? now : before;
-    return LevelFigures{before->full_s + now->full_s, before->low_s + now->low_s,
-                        before->changes + now->changes, now->is_low};
+    return StreamFigures::Levels{before->full_s + now->full_s, before->low_s + now->low_s,
+                                 before->changes + now->changes, now->is_low};
 }
 
 class LiveStream final : public ClipReader {
@@ -106,8 +106,8 @@ private:
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
     SegmentPace pace_;
-    FramesetCounts before_;                      // of connections that are no more
-    std::optional<LevelFigures> levels_before_;  // the same
+    FramesetCounts before_;                               // of connections that are no more
+    std::optional<StreamFigures::Levels> levels_before_;  // the same
 
     mutable std::mutex mutex_;
     std::condition_variable stopped_;

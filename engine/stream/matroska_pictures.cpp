@@ -9,7 +9,6 @@
 #include <span>
 
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/stream_pictures.hpp"
@@ -461,7 +460,7 @@ Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& descr
     TRY_ASSIGN(described_,
                described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_));
     TRY_ASSIGN(const auto found, container->tracks(*demuxer_, described_.scene));
-    for (const ClipTrack& track : found) {
+    for (const ClipContainer::Track& track : found) {
         const std::string where = name_ + ": track " + std::string(role_name(track.role));
         TRY(check_track_size(*demuxer_->container().streams[track.stream], where));
         TRY_ASSIGN(auto decoder,

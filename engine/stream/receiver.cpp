@@ -6,7 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/stream/listeners.hpp"
 
 namespace touchable {

@@ -162,8 +162,8 @@ public:
         assembler_->leave_out_colour();
     }
     /// Figures of the connection's datagrams, where its transport counts them.
-    std::optional<LinkFigures> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
-    std::optional<LevelFigures> levels() const { return pictures_->levels(); }
+    std::optional<StreamFigures::Link> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
+    std::optional<StreamFigures::Levels> levels() const { return pictures_->levels(); }
     FramesetCounts counts() const { return assembler_->counts(); }
     /// Once it has ended.
     std::string how_it_ended() const { return pictures_->how_it_ended(); }

@@ -95,7 +95,7 @@ public:
     /// Reads all of these bytes of such a file, or returns false.
     virtual bool read_at(std::uint64_t, std::uint8_t*, std::size_t) { return false; }
     /// Figures of the datagrams that carry it; any thread.
-    virtual std::optional<LinkFigures> link() const { return std::nullopt; }
+    virtual std::optional<StreamFigures::Link> link() const { return std::nullopt; }
     /// The wait that ends its reads.
     const std::shared_ptr<StreamWait>& waits() const { return wait_; }
     /// Once it has ended: whether the connection was lost, and how it ended, such as "closed the connection".

@@ -40,7 +40,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/picture/sound.hpp"
 #include "engine/stream/stream_url.hpp"
 
@@ -236,7 +236,7 @@ struct ListenerFigures {
     std::int64_t sent = 0, dropped = 0;  ///< framesets
     std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
     std::string end{};                   ///< why it is not there any more; empty: it had all of the stream
-    std::optional<LinkFigures> link{};   ///< of its connection, where the transport counts (SRT)
+    std::optional<StreamFigures::Link> link{};  ///< of its connection, where the transport counts (SRT)
 };
 
 /// The listeners of a stream, now and before, and what they were given. Any thread.

@@ -289,15 +289,15 @@ std::int32_t SrtSocket::first_sequence() const {
     return first;
 }
 
-std::optional<LinkFigures> SrtSocket::figures() const {
+std::optional<StreamFigures::Link> SrtSocket::figures() const {
     SRT_TRACEBSTATS all{};
     constexpr int keep = 0, at_this_moment = 1;
     if (srt_bistats(socket_, &all, keep, at_this_moment) == SRT_ERROR) return std::nullopt;
     const bool sends = all.pktSentTotal > all.pktRecvTotal;
-    return LinkFigures{.rtt_ms = all.msRTT,
-                       .datagrams = sends ? all.pktSentTotal : all.pktRecvTotal,
-                       .lost = sends ? all.pktSndLossTotal : all.pktRcvLossTotal,
-                       .sent_again = sends ? all.pktRetransTotal : all.pktRcvRetrans};
+    return StreamFigures::Link{.rtt_ms = all.msRTT,
+                               .datagrams = sends ? all.pktSentTotal : all.pktRecvTotal,
+                               .lost = sends ? all.pktSndLossTotal : all.pktRcvLossTotal,
+                               .sent_again = sends ? all.pktRetransTotal : all.pktRcvRetrans};
 }
 
 // --- Receiving
@@ -326,7 +326,7 @@ public:
         }
         return input_error("no connection: nobody called in time");
     }
-    std::optional<LinkFigures> link() const override {
+    std::optional<StreamFigures::Link> link() const override {
         const std::lock_guard lock(mutex_);
         return figures_;
     }
@@ -394,7 +394,7 @@ private:
     std::map<std::uint32_t, std::vector<std::uint8_t>> early_;  // behind one that was lost
     std::chrono::steady_clock::time_point next_note_{};
     mutable std::mutex mutex_;
-    std::optional<LinkFigures> figures_;  // guarded by it
+    std::optional<StreamFigures::Link> figures_;  // guarded by it
 };
 
 /// Calls until the sender answers; an error says why it does not.

@@ -98,7 +98,7 @@ public:
     std::int32_t first_sequence() const;
 
     /// Figures that libsrt has counted so far; nothing once the connection is gone.
-    std::optional<LinkFigures> figures() const;
+    std::optional<StreamFigures::Link> figures() const;
 
     bool is_open() const { return socket_ != none; }
     void close();

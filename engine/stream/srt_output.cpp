@@ -54,7 +54,7 @@ private:
     Phase phase_ = Phase::listens;
     StreamRing::Cursor cursor_;
     LinkRate rate_;
-    LinkFigures link_{};
+    StreamFigures::Link link_{};
     std::int64_t next_figures_ns_ = 0;
     std::int64_t handed_over_ = 0, arrived_ = 0;  // bytes
     // The way there and back, timed by one byte after the other: libsrt says 100 ms at first, and for long.

@@ -6,7 +6,6 @@
 #include "engine/base/try.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/clip_format.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stream/labelled_codec.hpp"

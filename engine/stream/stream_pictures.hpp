@@ -65,7 +65,7 @@ public:
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const = 0;
     /// Which level was read, where there is a choice.
-    virtual std::optional<LevelFigures> levels() const { return std::nullopt; }
+    virtual std::optional<StreamFigures::Levels> levels() const { return std::nullopt; }
 };
 
 /// In our clips' own form; a picture without a label is known by its time. `described`: in place of its own

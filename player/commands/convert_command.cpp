@@ -48,7 +48,7 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
 }
 
 /// "X,Y,WxH".
-Result<CropBox> read_crop(const std::string& text) {
+Result<ClipPart::Crop> read_crop(const std::string& text) {
     const auto refused = [&] {
         return usage_error(
             "--crop '" + printable(text) +
@@ -62,7 +62,7 @@ Result<CropBox> read_crop(const std::string& text) {
     const auto y = read_whole_number("--crop", view.substr(first + 1, second - first - 1), 0, 16383);
     const auto size = read_pixel_size("--crop", view.substr(second + 1), 1, 16384);
     if (!x.ok() || !y.ok() || !size.ok()) return refused();
-    return CropBox{*x, *y, size->width, size->height};
+    return ClipPart::Crop{*x, *y, size->width, size->height};
 }
 
 Result<ClipForm> read_form(const std::filesystem::path& out) {

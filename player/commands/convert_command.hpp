@@ -52,7 +52,7 @@ struct ConvertOptions {
     std::optional<ClipMoment> from;  ///< the first frame; nothing: the clip's
     std::optional<ClipMoment> to;    ///< the last frame, or the time at which it ends
     std::int64_t every = 1;
-    std::optional<CropBox> crop;
+    std::optional<ClipPart::Crop> crop;
     std::optional<PixelSize> size;
     /// What is made of the clip before it is written, such as relief; nothing: the clip as it is.
     std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};

@@ -301,7 +301,7 @@ private:
     std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
-    std::optional<CopiedTracks> copied_;  // of a clip that is written with more than it has
+    std::optional<ClipStorage::Copied> copied_;  // of a clip that is written with more than it has
     std::optional<Progress> progress_;
     std::vector<FrameMark> marks_;       // of what is to be read of the frames that were written
     std::optional<Stroke> stroke_;       // over the source, where its size or its codes change
@@ -519,7 +519,7 @@ Result<void> Conversion::compare(ClipReader& written) {
 
 /// What stays as it is stored: not planes that are made anew, not depth that is aligned or filled, nor those
 /// in whose place a map lies.
-CopiedTracks tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
+ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
     const StillMaps& maps = options.clip.maps;
     const auto is_other = [&](PlaneRole role) {
         return (role == PlaneRole::depth &&
@@ -527,7 +527,7 @@ CopiedTracks tracks_to_copy(const ClipReader& clip, const ConvertOptions& option
                (role == PlaneRole::haptic && maps.haptic) || (role == PlaneRole::height && maps.height) ||
                std::find(options.made.begin(), options.made.end(), role) != options.made.end();
     };
-    CopiedTracks copied{clip.inputs().front(), {}};
+    ClipStorage::Copied copied{clip.inputs().front(), {}};
     for (const TrackInfo& track : clip.tracks())
         if (const auto role = role_named(track.role); role && !is_other(*role)) copied.roles.push_back(*role);
     return copied;

@@ -13,7 +13,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/live_bytes.hpp"
+#include "engine/camera/camera.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
 #include "player/session/clip_choice.hpp"

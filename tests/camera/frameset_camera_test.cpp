@@ -15,7 +15,6 @@
 #include <thread>
 
 #include "engine/base/threads.hpp"
-#include "engine/camera/live_bytes.hpp"
 #include "tests/camera/frameset_bytes.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -64,7 +64,7 @@ TEST_F(PartOfAClip, HasEachNthFrameFromOneToAnother) {
 }
 
 TEST_F(PartOfAClip, KeepsEveryVertexWhereItWasWhenCropped) {
-    const CropBox box{5, 3, 11, 9};
+    const ClipPart::Crop box{5, 3, 11, 9};
     auto whole = open_clip(folder_ / "clip.mkv");
     auto reader = open({0, std::nullopt, 1, box});
     ASSERT_EQ(message(reader), "");
@@ -91,9 +91,9 @@ TEST_F(PartOfAClip, KeepsEveryVertexWhereItWasWhenCropped) {
 TEST_F(PartOfAClip, IsRefusedWhereTheClipHasNoSuchFrameOrPixel) {
     for (const ClipPart& part :
          {ClipPart{10}, ClipPart{0, 10}, ClipPart{3, 2}, ClipPart{-1}, ClipPart{0, std::nullopt, 0},
-          ClipPart{0, std::nullopt, 1, CropBox{20, 0, 5, 5}},
-          ClipPart{0, std::nullopt, 1, CropBox{0, 0, 0, 5}},
-          ClipPart{0, std::nullopt, 1, CropBox{0, 14, 5, 5}}}) {
+          ClipPart{0, std::nullopt, 1, ClipPart::Crop{20, 0, 5, 5}},
+          ClipPart{0, std::nullopt, 1, ClipPart::Crop{0, 0, 0, 5}},
+          ClipPart{0, std::nullopt, 1, ClipPart::Crop{0, 14, 5, 5}}}) {
         const auto refused = open(part);
         ASSERT_FALSE(refused.ok());
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);

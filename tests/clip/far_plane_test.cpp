@@ -60,7 +60,8 @@ public:
         const std::int64_t number = number_++;
         read_.push_back(number);
         if (damaged_.contains(number)) return input_error("damaged");
-        codes_ = depth_with_strays(0, deepest_.contains(number) ? deepest_.at(number) : 5000);
+        codes_ = depth_with_strays(strays_, deepest_.contains(number) ? deepest_.at(number) : 5000);
+        if (is_empty_) std::fill(codes_.begin(), codes_.end(), std::uint16_t{0});
         RawFrame frame;
         frame.number = number;
         frame.depth = wide_view(codes_);
@@ -74,8 +75,8 @@ public:
     }
     std::int64_t access_point(std::int64_t frame) const override { return can_seek_ ? frame : 0; }
 
-    bool can_seek_ = true;
-    int seeks_ = 0;
+    bool can_seek_ = true, is_empty_ = false;
+    int seeks_ = 0, strays_ = 0;
     std::set<std::int64_t> damaged_;
     std::map<std::int64_t, int> deepest_;
     std::vector<std::int64_t> read_;
@@ -90,25 +91,23 @@ public:
 
 TEST(FarPlane, IsNotThatOfStrayPixels) {
     for (const int strays : {0, 1, 2, 3, 40}) {  // of 20 000
-        FarPlaneEstimator estimator(millimetres());
-        const auto codes = depth_with_strays(strays);
-        estimator.add(wide_view(codes));
-        Scene scene = scene_without_far();
-        const auto note = estimator.settle(scene);
-        ASSERT_TRUE(note.ok()) << note.error().message;
+        auto made = std::make_unique<MadeClip>(1);
+        made->strays_ = strays;
+        const auto settled = with_far_plane(std::move(made), true, "made");
+        ASSERT_TRUE(settled.ok()) << settled.error().message;
+        const DepthCoding& depth = (*settled)->scene().depth;
+        const std::string& note = (*settled)->notes().back();
         const bool left_out = strays <= 2;
-        EXPECT_DOUBLE_EQ(scene.depth.far, (left_out ? 5.0 : 19.7) * 1.05) << strays;
-        EXPECT_EQ(scene.depth.is_valid(19700), !left_out) << strays;
-        EXPECT_EQ(note->find("count as holes") != std::string::npos, strays == 1 || strays == 2) << *note;
+        EXPECT_DOUBLE_EQ(depth.far, (left_out ? 5.0 : 19.7) * 1.05) << strays;
+        EXPECT_EQ(depth.is_valid(19700), !left_out) << strays;
+        EXPECT_EQ(note.find("count as holes") != std::string::npos, strays == 1 || strays == 2) << note;
     }
 }
 
 TEST(FarPlane, NeedsAValidPixel) {
-    FarPlaneEstimator estimator(millimetres());
-    const std::vector<std::uint16_t> none(wide_columns * wide_rows);
-    estimator.add(wide_view(none));
-    Scene scene = scene_without_far();
-    EXPECT_FALSE(estimator.settle(scene).ok());
+    auto made = std::make_unique<MadeClip>(1);
+    made->is_empty_ = true;
+    EXPECT_FALSE(with_far_plane(std::move(made), true, "made").ok());
 }
 
 TEST(FarPlane, TakesAsManyFramesOfAnHourAsOfASecond) {

@@ -15,17 +15,17 @@ using std::chrono::steady_clock;
 constexpr int recorded_frames = 24;
 const FrameRate fast{1000, 1};
 
-std::vector<Delivery> deliveries(const CameraDelivery& settings, int count) {
-    std::vector<Delivery> all;
-    Delivery last;
-    for (int k = 0; k < count; ++k) all.push_back(last = delivery_after(last, settings, *settings.rate));
+std::vector<CameraDelivery::Frame> deliveries(const CameraDelivery& settings, int count) {
+    std::vector<CameraDelivery::Frame> all;
+    CameraDelivery::Frame last;
+    for (int k = 0; k < count; ++k) all.push_back(last = settings.after(last, *settings.rate));
     return all;
 }
 
 TEST(CameraDeliveries, AreInOrderAndLaterThanExposureByTheJitterAtMost) {
     const CameraDelivery settings{.rate = fast, .jitter_ns = 3'000'000};
     std::int64_t before = 0, late = 0;
-    for (const Delivery& frame : deliveries(settings, 1000)) {
+    for (const CameraDelivery::Frame& frame : deliveries(settings, 1000)) {
         const std::int64_t after_ns = frame.at_ns - fast.time_ns(frame.number);
         EXPECT_GE(after_ns, 0);
         EXPECT_LE(after_ns, settings.jitter_ns);
@@ -46,10 +46,11 @@ TEST(CameraDeliveries, LeaveOutTheirShare) {
 /// The same everywhere and every time.
 TEST(CameraDeliveries, AreDrawnFromTheFramesNumberAlone) {
     std::vector<std::int64_t> numbers;
-    for (const Delivery& frame : deliveries({.rate = fast, .drop = 0.5}, 8)) numbers.push_back(frame.number);
+    for (const CameraDelivery::Frame& frame : deliveries({.rate = fast, .drop = 0.5}, 8))
+        numbers.push_back(frame.number);
     EXPECT_EQ(numbers, (std::vector<std::int64_t>{1, 3, 4, 6, 8, 12, 16, 20}));
     const CameraDelivery settings{.rate = fast, .jitter_ns = 1'000'000, .drop = 0.5};
-    const Delivery alone = delivery_after({numbers[4], 0}, settings, fast);
+    const CameraDelivery::Frame alone = settings.after({numbers[4], 0}, fast);
     EXPECT_EQ(alone.number, numbers[5]);
     EXPECT_EQ(alone.at_ns, deliveries(settings, 6)[5].at_ns);
 }
@@ -62,7 +63,7 @@ TEST(CameraDeliveries, StopWhileTheCameraIsStalled) {
     for (std::size_t frame = 5; frame < 10; ++frame) EXPECT_EQ(all[frame].at_ns, 9'500'000);
     const auto ever = deliveries({.rate = fast, .stall_ns = 5'000'000}, 6);
     EXPECT_EQ(ever[4].at_ns, 4'000'000);
-    EXPECT_EQ(ever[5].at_ns, never_delivered);
+    EXPECT_EQ(ever[5].at_ns, CameraDelivery::never);
 }
 
 class ReplayCamera : public ::testing::Test {
@@ -113,14 +114,14 @@ TEST_F(ReplayCamera, GivesNoFrameBeforeItsTimeAndNoneTwice) {
     for (int n = 0; n < 3; ++n) ASSERT_EQ((*camera->next())->number, n);
     const auto zero = steady_clock::now();
     ASSERT_EQ(message(camera->begin(zero)), "");
-    Delivery expected{2, 0};
+    CameraDelivery::Frame expected{2, 0};
     while (true) {
         const auto frame = camera->next();
         const auto now = steady_clock::now();
         ASSERT_EQ(message(frame), "");
         if (!*frame) break;
         // Whoever is slow misses some.
-        do expected = delivery_after(expected, delivery, fast);
+        do expected = delivery.after(expected, fast);
         while (expected.number < (*frame)->number);
         EXPECT_EQ(expected.number, (*frame)->number);
         EXPECT_GE(now, zero + std::chrono::nanoseconds(expected.at_ns));

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/container_checks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

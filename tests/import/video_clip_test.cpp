@@ -303,7 +303,7 @@ TEST(VideoClip, TheRateIsTheContainers) {
 
 TEST(VideoClip, ARateWhoseTermsNoSceneHoldsIsNotTaken) {
     constexpr int most = std::numeric_limits<int>::max();
-    const MeasuredRate measured = rate_of_times({0, 1, 2}, {1, most}, {{most, 1}});
+    const auto measured = VideoFile::measured_rate({0, 1, 2}, {1, most}, {{most, 1}});
     EXPECT_LE(measured.rate.num, 1'000'000'000);
     EXPECT_FALSE(measured.is_kept);
 }

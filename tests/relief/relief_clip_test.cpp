@@ -84,7 +84,7 @@ TEST_F(ReliefClip, IsWrittenWithTheOtherTracksAsTheyAreStored) {
     SceneDescription described = reader->described();
     ClipStorage storage{Archive::fast, false};
     storage.copied =
-        CopiedTracks{folder_ / "clip.mkv", {PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic}};
+        ClipStorage::Copied{folder_ / "clip.mkv", {PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic}};
     auto writer = create_clip(folder_ / "relief.mkv", described, storage);
     ASSERT_EQ(message(writer), "");
     const auto made = read_all(*reader);

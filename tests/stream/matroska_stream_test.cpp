@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/sound.hpp"
 #include "engine/stream/stream_pictures.hpp"

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "engine/clip/clip_format.hpp"
+#include "engine/clip/tracks.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -1,4 +1,5 @@
-#include "engine/camera/depth_meaning.hpp"
+// What a camera's depth means: by what is known of it and its first pictures, or by a scene file.
+#include "engine/camera/camera_reader.hpp"
 
 #include <linux/videodev2.h>
 
@@ -93,7 +94,7 @@ Result<DepthMeaning> settled(const SceneDescription& described, std::vector<std:
     return DepthMeaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
 }
 
-/// What the driver tells of the camera stands in for what nobody says.
+/// What the driver tells of the camera stands in for what is not known.
 SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, SourceDescription known,
                             std::vector<Remark>& remarks) {
     const bool is_intels = facts.card.find("RealSense") != std::string::npos;
