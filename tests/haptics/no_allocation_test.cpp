@@ -59,7 +59,7 @@ std::size_t allocations_in_ticks(MakeBuilder make_builder) {
 }
 
 TEST(NoAllocation, InATickOnAFilteredFrame) {
-    EXPECT_EQ(allocations_in_ticks(make_cpu_builder), 0U);
+    EXPECT_EQ(allocations_in_ticks([](const Scene& scene) { return make_cpu_builder(scene); }), 0U);
 }
 TEST(NoAllocation, InATickOnALazyFrame) {
     EXPECT_EQ(allocations_in_ticks(make_lazy_builder), 0U);
