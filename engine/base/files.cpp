@@ -21,6 +21,8 @@
 namespace touchable {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Read at once, so that a few bytes after the other are not a call of the system each.
 constexpr std::uint64_t block_bytes = 1 << 16;
 
@@ -71,10 +73,48 @@ private:
     bool in_memory_;  // its file system is, and need not know how to read without waiting
 };
 
+Result<std::string> all_of(Result<GivenFile> given, const std::string& named, const std::string& right,
+                           std::size_t largest) {
+    if (!given) return given.error();
+    if (given->size() > largest)
+        return named_error(named, "is larger than " + in_bytes(largest) + "; right would be " + right);
+    std::string bytes(static_cast<std::size_t>(given->size()), '\0');
+    if (auto read = given->read(0, bytes.data(), bytes.size()); !read)
+        return named.empty() ? read.error() : error_at(named, read.error());
+    return bytes;
+}
+
+class MemoryBytes final : public ByteSource {
+public:
+    explicit MemoryBytes(std::string_view bytes) : bytes_(bytes) {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
+        if (at > bytes_.size() || count > bytes_.size() - at) return input_error("is cut short");
+        std::memcpy(to, bytes_.data() + at, count);
+        return {};
+    }
+
+private:
+    std::string_view bytes_;
+};
+
+/// A file that is open, by a name that leads to it whatever its own is.
+fs::path open_file_name(int file) {
+    return "/proc/self/fd/" + std::to_string(file);
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// Gives `from` a second name, following it where it leads to an open file: 0 or errno.
+int add_name(const fs::path& from, const fs::path& to) {
+    return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
 }  // namespace
 
-Result<GivenFile> GivenFile::open(const std::filesystem::path& file, const std::string& named,
-                                  const std::string& right) {
+Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named, const std::string& right) {
     const auto refused = [&](const std::string& why) {
         return named_error(named, why + "; right would be " + right);
     };
@@ -120,8 +160,7 @@ Result<void> GivenFile::fill(std::uint64_t at) {
 Result<void> GivenFile::read(std::uint64_t at, char* to, std::size_t count) {
     if (at > size_ || count > size_ - at) return input_error("is cut short");
     while (count > 0) {
-        if (at < block_at_ || at - block_at_ >= block_.size())
-            if (auto filled = fill(at); !filled) return filled;
+        if (at < block_at_ || at - block_at_ >= block_.size()) TRY(fill(at));
         const auto from = static_cast<std::size_t>(at - block_at_);
         const std::size_t some = std::min(count, block_.size() - from);
         std::memcpy(to, block_.data() + from, some);
@@ -132,23 +171,8 @@ Result<void> GivenFile::read(std::uint64_t at, char* to, std::size_t count) {
     return {};
 }
 
-namespace {
-
-Result<std::string> all_of(Result<GivenFile> given, const std::string& named, const std::string& right,
-                           std::size_t largest) {
-    if (!given) return given.error();
-    if (given->size() > largest)
-        return named_error(named, "is larger than " + in_bytes(largest) + "; right would be " + right);
-    std::string bytes(static_cast<std::size_t>(given->size()), '\0');
-    if (auto read = given->read(0, bytes.data(), bytes.size()); !read)
-        return named.empty() ? read.error() : error_at(named, read.error());
-    return bytes;
-}
-
-}  // namespace
-
-Result<std::string> read_given_file(const std::filesystem::path& file, const std::string& named,
-                                    const std::string& right, std::size_t largest) {
+Result<std::string> read_given_file(const fs::path& file, const std::string& named, const std::string& right,
+                                    std::size_t largest) {
     return all_of(GivenFile::open(file, named, right), named, right, largest);
 }
 
@@ -174,43 +198,13 @@ std::string in_bytes(std::uint64_t bytes) {
     return std::to_string(bytes) + unit;
 }
 
-namespace {
-
-class MemoryBytes final : public ByteSource {
-public:
-    explicit MemoryBytes(std::string_view bytes) : bytes_(bytes) {}
-    std::uint64_t size() const override { return bytes_.size(); }
-    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        if (at > bytes_.size() || count > bytes_.size() - at) return input_error("is cut short");
-        std::memcpy(to, bytes_.data() + at, count);
-        return {};
-    }
-
-private:
-    std::string_view bytes_;
-};
-
-class FileBytes final : public ByteSource {
-public:
-    explicit FileBytes(GivenFile file) : file_(std::move(file)) {}
-    std::uint64_t size() const override { return file_.size(); }
-    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        return file_.read(at, to, count);
-    }
-
-private:
-    GivenFile file_;
-};
-
-}  // namespace
-
 std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes) {
     return std::make_unique<MemoryBytes>(bytes);
 }
 
 Result<std::unique_ptr<ByteSource>> bytes_of_file(const SourceFile& file) {
     TRY_ASSIGN(auto given, file.open("an ordinary file"));
-    return std::unique_ptr<ByteSource>(std::make_unique<FileBytes>(std::move(given)));
+    return std::unique_ptr<ByteSource>(std::make_unique<GivenFile>(std::move(given)));
 }
 
 std::string first_bytes(ByteSource& bytes, std::size_t count) {
@@ -223,25 +217,6 @@ std::string first_bytes(const SourceFile& file, std::size_t count) {
     const auto bytes = bytes_of_file(file);
     return bytes ? first_bytes(**bytes, count) : std::string();
 }
-
-namespace {
-namespace fs = std::filesystem;
-
-/// A file that is open, by a name that leads to it whatever its own is.
-fs::path open_file_name(int file) {
-    return "/proc/self/fd/" + std::to_string(file);
-}
-
-fs::path folder_of(const fs::path& file) {
-    return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
-/// Gives `from` a second name, following it where it leads to an open file: 0 or errno.
-int add_name(const fs::path& from, const fs::path& to) {
-    return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
-}
-
-}  // namespace
 
 fs::path hidden_name(const fs::path& folder) {
     std::uint64_t number = 0;
@@ -321,7 +296,7 @@ Result<void> NewFile::check() const {
 }
 
 Result<void> NewFile::write(std::string_view text) {
-    if (auto usable = check(); !usable.ok()) return usable;
+    TRY(check());
     while (!text.empty()) {
         const ssize_t taken = ::write(file_, text.data(), text.size());
         if (taken < 0 && errno == EINTR) continue;
@@ -351,7 +326,7 @@ int NewFile::give_name(const fs::path& name) {
 }
 
 Result<void> NewFile::commit_as(const fs::path& name) {
-    if (auto usable = check(); !usable.ok()) return usable;
+    TRY(check());
     // Some file systems and pipes cannot; that is no fault.
     if (lasts_ && fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS)
         return failed(errno);

@@ -27,9 +27,18 @@
 
 namespace touchable {
 
+/// Bytes of a file, of a part of one, or in memory. Cheapest to read in order.
+class ByteSource {
+public:
+    virtual ~ByteSource() = default;
+    virtual std::uint64_t size() const = 0;
+    /// All of `count` bytes from `at` on, or what went wrong, after a colon behind the name (error_at).
+    virtual Result<void> read(std::uint64_t at, char* to, std::size_t count) = 0;
+};
+
 /// An ordinary file that a person names, to be read. What is a folder, a pipe or a device is refused at once
-/// (ErrorKind::input): reading it may have no end, and opening it may wait for somebody for ever.
-class GivenFile {
+/// (ErrorKind::input): reading it may have no end, and opening it may never return.
+class GivenFile final : public ByteSource {
 public:
     /// `named`: the file as messages name it, behind the option that names it, if one does; empty: the caller
     /// puts the name before the message (error_at). `right`: what would be right.
@@ -43,10 +52,10 @@ public:
     GivenFile(Reading reading, std::uint64_t size) : reading_(std::move(reading)), size_(size) {}
 
     /// Bytes that there were when it was opened. What is written behind them later is not of it.
-    std::uint64_t size() const { return size_; }
-    /// All of `count` bytes from `at` on, or what went wrong, after a colon behind the name. Once somebody
-    /// asks the program to stop it reads no further (ErrorKind::interrupted), and waits for no disk either.
-    Result<void> read(std::uint64_t at, char* to, std::size_t count);
+    std::uint64_t size() const override { return size_; }
+    /// As of any ByteSource. Once the program is asked to stop it reads no further (ErrorKind::interrupted),
+    /// and waits for no disk either.
+    Result<void> read(std::uint64_t at, char* to, std::size_t count) override;
 
 private:
     Result<void> fill(std::uint64_t at);
@@ -57,8 +66,8 @@ private:
     std::string block_;  // what was read last, from there on
 };
 
-/// A file that several read, such as those who find out what it is and the one who plays it: the first of
-/// them opens it, and nobody does again as long as a copy of this is there. One thread at a time.
+/// A file that several readers share, such as those that find out what it is and the one that plays it: the
+/// first of them opens it, and it stays open as long as a copy of this is there. One thread at a time.
 class SourceFile {
 public:
     template <class Path>
@@ -81,7 +90,7 @@ private:
     struct Opened {
         explicit Opened(std::filesystem::path of) : path(std::move(of)) {}
         const std::filesystem::path path;
-        std::unique_ptr<const GivenFile> file;  // null: nobody did yet
+        std::unique_ptr<const GivenFile> file;  // null: not opened yet
     };
     std::shared_ptr<Opened> opened_;
 };
@@ -92,15 +101,6 @@ Result<std::string> read_given_file(const std::filesystem::path& file, const std
 
 /// "256 MiB" of a number of bytes, in the largest unit of which they are a whole number.
 std::string in_bytes(std::uint64_t bytes);
-
-/// Bytes of a file, of a part of one, or in memory. Cheapest to read in order.
-class ByteSource {
-public:
-    virtual ~ByteSource() = default;
-    virtual std::uint64_t size() const = 0;
-    /// All of `count` bytes from `at` on, or what went wrong, after a colon behind the name (error_at).
-    virtual Result<void> read(std::uint64_t at, char* to, std::size_t count) = 0;
-};
 
 /// Bytes that outlive it.
 std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes);
@@ -127,7 +127,7 @@ public:
     NewFile& operator=(const NewFile&) = delete;
 
     const std::filesystem::path& target() const { return target_; }
-    /// Where to write until `commit`. Closed by whoever opened it before that.
+    /// Where to write until `commit`. The writer closes what it opened before that.
     const std::filesystem::path& path() const { return path_; }
     /// Refuses a target that is a folder or a device: only a file is ever replaced; and a place where nothing
     /// can be written. `commit` looks again.
@@ -160,7 +160,7 @@ private:
     bool lasts_ = true;
 };
 
-/// A name that nobody else has or can foresee, in `folder`.
+/// A name in `folder` that no other file has and no other program can foresee.
 std::filesystem::path hidden_name(const std::filesystem::path& folder);
 /// Moves a file or folder to a name that must be free: 0, or why not (errno).
 int move_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to);

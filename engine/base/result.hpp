@@ -79,7 +79,7 @@ struct Error {
 };
 
 /// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
-/// somebody asked to stop.
+/// interrupted.
 constexpr int exit_code(ErrorKind kind) {
     switch (kind) {
         case ErrorKind::internal:

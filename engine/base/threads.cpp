@@ -8,8 +8,13 @@ namespace {
 std::atomic<bool> requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing that locks");
 
-thread_local bool goes_on = false;
-thread_local const WorkUntil* innermost = nullptr;
+thread_local StopScope::Rules rules;
+
+/// More bands than threads, so that one that is late, or whose core is taken, does not hold up the others for
+/// long; and none so long that its first rows have left the cache when the last are done.
+constexpr int bands_per_thread = 4, most_rows = 128;
+
+constexpr int most_threads = 4;
 
 }  // namespace
 
@@ -18,58 +23,32 @@ void request_stop() {
 }
 
 bool stop_requested() {
-    if (requested.load(std::memory_order_relaxed) && !goes_on) return true;
-    for (const WorkUntil* work = innermost; work != nullptr; work = work->around_)
+    if (requested.load(std::memory_order_relaxed) && !rules.goes_on) return true;
+    for (const WorkUntil* work = rules.until; work != nullptr; work = work->around_)
         if (work->given_up_.stop_requested()) return true;
     return false;
 }
 
 WorkUntil::WorkUntil(std::stop_token given_up)
-    : given_up_(std::move(given_up)), around_(std::exchange(innermost, this)) {}
+    : given_up_(std::move(given_up)), around_(std::exchange(rules.until, this)) {}
 
 WorkUntil::~WorkUntil() {
-    innermost = around_;
+    rules.until = around_;
 }
 
-WorkForAll::WorkForAll() : around_(std::exchange(innermost, nullptr)) {}
-
-WorkForAll::~WorkForAll() {
-    innermost = around_;
+StopScope::Rules StopScope::current() {
+    return rules;
 }
 
-WorkAlongside::Whom WorkAlongside::this_thread() {
-    return {innermost, goes_on};
-}
+StopScope::StopScope(const Rules& new_rules) : before_(std::exchange(rules, new_rules)) {}
 
-WorkAlongside::WorkAlongside(const Whom& whom) : before_(this_thread()) {
-    innermost = whom.until;
-    goes_on = whom.goes_on;
-}
-
-WorkAlongside::~WorkAlongside() {
-    innermost = before_.until;
-    goes_on = before_.goes_on;
+StopScope::~StopScope() {
+    rules = before_;
 }
 
 Error interrupted_error() {
     return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
 }
-
-WorkAfterStop::WorkAfterStop() : before_(std::exchange(goes_on, true)) {}
-
-WorkAfterStop::~WorkAfterStop() {
-    goes_on = before_;
-}
-
-namespace {
-
-/// More bands than threads, so that one that is late, or whose core is taken, keeps nobody waiting for long;
-/// and none so long that its first rows have left the cache when the last are done.
-constexpr int bands_per_thread = 4, most_rows = 128;
-
-constexpr int most_threads = 4;
-
-}  // namespace
 
 int threads_for(long pixels, long pixels_per_thread) {
     const int cores = static_cast<int>(std::thread::hardware_concurrency());

@@ -40,14 +40,13 @@ namespace touchable {
 /// Asks this program to stop. For signal handlers too.
 void request_stop();
 
-/// Whether somebody did, or gave up what this thread works for (WorkUntil). Work that takes long looks here
-/// between its steps, and gives up with an error.
+/// Whether the program is to stop, or what this thread works for was given up (WorkUntil). Work that takes
+/// long looks here between its steps, and gives up with an error.
 bool stop_requested();
 
 /// Calls `work(first, last)` for 0 to `count` - 1, piece by piece, each a few milliseconds of a loop over
 /// pixels. False where it was asked to stop: then the rest is left out.
-template <class Work>
-bool until_stopped(std::size_t count, Work&& work) {
+bool until_stopped(std::size_t count, auto&& work) {
     constexpr std::size_t piece = std::size_t{1} << 18;
     for (std::size_t first = 0; first < count; first += piece) {
         if (stop_requested()) return false;
@@ -59,8 +58,8 @@ bool until_stopped(std::size_t count, Work&& work) {
 /// What work that stopped for that reason returns.
 Error interrupted_error();
 
-/// As long as it lives, its thread works for somebody who may give that up, such as whoever opens a clip:
-/// once they do, `stop_requested` says so to this thread, and with it every read and every wait. Scopes may
+/// As long as it lives, its thread does work that its caller may give up, such as the opening of a clip: once
+/// that happens, `stop_requested` says so to this thread, and with it every read and every wait. Scopes may
 /// lie within each other, and each counts.
 class WorkUntil {
 public:
@@ -75,49 +74,30 @@ private:
     const WorkUntil* const around_;
 };
 
-/// As long as it lives, its thread does what others wait for, too: giving up its own work does not end that.
-class WorkForAll {
-public:
-    WorkForAll();
-    ~WorkForAll();
-    WorkForAll(const WorkForAll&) = delete;
-    WorkForAll& operator=(const WorkForAll&) = delete;
-
-private:
-    const WorkUntil* const around_;
-};
-
-/// As long as it lives, its thread does a part of what another one does meanwhile: `stop_requested` says
-/// there what it says to that one, which waits for it.
-class WorkAlongside {
+/// As long as it lives, its thread stops by other rules than before.
+class StopScope {
 public:
     /// What `stop_requested` goes by in a thread.
-    struct Whom {
+    struct Rules {
         const WorkUntil* until = nullptr;
         bool goes_on = false;
     };
-    static Whom this_thread();
+    /// Those of this thread. Another one that does a part of its work meanwhile takes them on, as long as
+    /// this one waits for it.
+    static Rules current();
+    /// For work that other threads wait for, too: giving up what this thread works for does not end it.
+    static Rules for_all() { return {nullptr, current().goes_on}; }
+    /// For what is left to do once a person has ended a run, such as reading the frame that is to be drawn:
+    /// this thread goes on. (A second wish to stop ends the program.)
+    static Rules after_stop() { return {current().until, true}; }
 
-    explicit WorkAlongside(const Whom& whom);
-    ~WorkAlongside();
-    WorkAlongside(const WorkAlongside&) = delete;
-    WorkAlongside& operator=(const WorkAlongside&) = delete;
-
-private:
-    const Whom before_;
-};
-
-/// As long as it lives, its thread does what is left to do once a person has ended a run, such as reading the
-/// frame that is to be drawn: for this thread nobody asked it to stop. (Who asks again ends the program.)
-class WorkAfterStop {
-public:
-    WorkAfterStop();
-    ~WorkAfterStop();
-    WorkAfterStop(const WorkAfterStop&) = delete;
-    WorkAfterStop& operator=(const WorkAfterStop&) = delete;
+    explicit StopScope(const Rules& rules);
+    ~StopScope();
+    StopScope(const StopScope&) = delete;
+    StopScope& operator=(const StopScope&) = delete;
 
 private:
-    bool before_;
+    const Rules before_;
 };
 
 /// Starts a thread that does `work`, which throws nothing; an error where the machine has none left. `name`
@@ -139,15 +119,15 @@ Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const 
     return {};
 }
 
-/// Threads, of unless_stopped and others, for which nobody waits any more. As long as there is one the
-/// program may not take apart what they use: it ends without (std::_Exit).
+/// Threads, of unless_stopped and others, that are no longer waited for. As long as there is one the program
+/// may not take apart what they use: it ends without (std::_Exit).
 inline std::atomic<int> abandoned_threads{0};
 
-/// What `work` returns; nothing where `is_over` says before it does that nobody waits any more, because
-/// somebody asks the program to stop or, if the caller says so, for another reason. It may take as long
-/// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
-/// to its end alone, so `work` owns all that it uses. `stop_requested` says there that the work was given up,
-/// so that it can end early. Where no thread is to be had the caller does it.
+/// What `work` returns; nothing where `is_over` says first that the wait is over, because the program is
+/// asked to stop or, if the caller says so, for another reason. The work may take as long as a disk or a
+/// codec does: it is done by a thread of its own, which then comes to its end alone, so `work` owns all that
+/// it uses. `stop_requested` says there that the work was given up, so that it can end early. Where no thread
+/// is to be had the caller does it.
 template <class Work, class IsOver = bool (*)()>
 std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_over = stop_requested) {
     struct Errand {
@@ -176,8 +156,8 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         }
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
-    const auto run_aside = [errand, goes_on = WorkAlongside::this_thread().goes_on] {
-        const WorkAlongside alongside({nullptr, goes_on});
+    const auto run_aside = [errand, rules = StopScope::for_all()] {
+        const StopScope scope(rules);
         const WorkUntil until(errand->given_up.get_token());
         errand->run();
     };

@@ -3,6 +3,8 @@
 // An error handed on to the caller, in one line. For .cpp files: a macro has no namespace, and headers of the
 // solver are installed.
 
+#include <utility>
+
 /// TRY(f()); of a Result: where it is an error, the function returns it.
 #define TRY(...) \
     if (auto tried_ = (__VA_ARGS__); !tried_) return tried_.error()

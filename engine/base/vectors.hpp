@@ -1,14 +1,21 @@
 #pragma once
 
+// Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
+// CPUs may have.
+//
+// usable_vector_units lists the units of this CPU, the widest first; run_vectors calls a kernel in a function
+// compiled for one of them, with the vectors that fit it (LaneKind). The loads, stores and comparisons below
+// are what such kernels have in common. Every unit gives the same bits, which tests compare.
+//
+// Vectors never cross a function call that is not inlined, so it does not matter what the ABI says of those
+// that the oldest CPUs lack (-Wno-psabi): a kernel, and whatever it calls that takes vectors, is
+// `always_inline`. Pure functions, for any thread.
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
 #include <utility>
-
-// Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
-// CPUs may have: the widest that is there is chosen at run time. Vectors never cross a function call that is
-// not inlined, so it does not matter what the ABI says of those that the oldest CPUs lack (-Wno-psabi).
 
 namespace touchable {
 
@@ -61,27 +68,22 @@ template <class Lanes>
 
 /// Every second of the values of two vectors that follow each other: from the first one on, and from the
 /// second.
-template <class Lanes, std::size_t... N>
-[[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd,
-                                               std::index_sequence<N...>) {
-    even = __builtin_shufflevector(a, b, (2 * N)...);
-    odd = __builtin_shufflevector(a, b, (2 * N + 1)...);
-}
 template <class Lanes>
 [[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd) {
-    split_lanes(a, b, even, odd, std::make_index_sequence<lane_count<Lanes>>());
+    const auto split = [&]<std::size_t... n>(std::index_sequence<n...>) __attribute__((always_inline)) {
+        even = __builtin_shufflevector(a, b, (2 * n)...);
+        odd = __builtin_shufflevector(a, b, (2 * n + 1)...);
+    };
+    split(std::make_index_sequence<lane_count<Lanes>>());
 }
 /// The other way.
-template <class Lanes, std::size_t... N>
-[[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b,
-                                              std::index_sequence<N...>) {
-    constexpr std::size_t lanes = sizeof...(N);
-    a = __builtin_shufflevector(even, odd, (N / 2 + N % 2 * lanes)...);
-    b = __builtin_shufflevector(even, odd, ((lanes + N) / 2 + N % 2 * lanes)...);
-}
 template <class Lanes>
 [[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b) {
-    join_lanes(even, odd, a, b, std::make_index_sequence<lane_count<Lanes>>());
+    const auto join = [&]<std::size_t... n>(std::index_sequence<n...>) __attribute__((always_inline)) {
+        a = __builtin_shufflevector(even, odd, (n / 2 + n % 2 * lane_count<Lanes>)...);
+        b = __builtin_shufflevector(even, odd, ((lane_count<Lanes> + n) / 2 + n % 2 * lane_count<Lanes>)...);
+    };
+    join(std::make_index_sequence<lane_count<Lanes>>());
 }
 
 /// What a kernel gets to know its vectors by.
@@ -91,24 +93,19 @@ struct LaneKind {
 };
 
 #ifdef __x86_64__
-template <class Kernel>
-[[gnu::target("sse4.1")]] void run_with_sse4(const Kernel& kernel) {
+[[gnu::target("sse4.1")]] void run_with_sse4(const auto& kernel) {
     kernel(LaneKind<Lanes16>());
 }
-template <class Kernel>
-[[gnu::target("avx2")]] void run_with_avx2(const Kernel& kernel) {
+[[gnu::target("avx2")]] void run_with_avx2(const auto& kernel) {
     kernel(LaneKind<Lanes32>());
 }
-template <class Kernel>
-[[gnu::target("avx512bw")]] void run_with_avx512(const Kernel& kernel) {
+[[gnu::target("avx512bw")]] void run_with_avx512(const auto& kernel) {
     kernel(LaneKind<Lanes64>());
 }
 #endif
 
-/// Calls `kernel(LaneKind<Lanes>())` in a function compiled for this unit, which the CPU must have. The
-/// kernel, and whatever of it takes vectors, is to be `always_inline`.
-template <class Kernel>
-void run_vectors(VectorUnit unit, const Kernel& kernel) {
+/// Calls `kernel(LaneKind<Lanes>())` in a function compiled for this unit, which the CPU must have.
+void run_vectors(VectorUnit unit, const auto& kernel) {
 #ifdef __x86_64__
     if (unit == VectorUnit::avx512) return run_with_avx512(kernel);
     if (unit == VectorUnit::avx2) return run_with_avx2(kernel);

@@ -9,6 +9,45 @@
 #include <vector>
 
 namespace touchable {
+namespace {
+
+bool is_continuation(char byte) {
+    return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+/// Control characters below space, delete, and those of U+0080 to U+009F, of which UTF-8 makes two bytes.
+bool is_control(std::string_view text) {
+    const auto byte = static_cast<unsigned char>(text[0]);
+    if (byte < 0x20 || byte == 0x7F) return true;
+    return byte == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0;
+}
+
+std::string escaped(char control) {
+    if (control == '\n') return "\\n";
+    if (control == '\r') return "\\r";
+    if (control == '\t') return "\\t";
+    constexpr std::array digits{'0', '1', '2', '3', '4', '5', '6', '7',
+                                '8', '9', 'a', 'b', 'c', 'd', 'e', 'f'};
+    const auto byte = static_cast<unsigned char>(control);
+    return {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
+}
+
+std::size_t letters_between(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t corner = std::exchange(row[0], i + 1);
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t changed = corner + (a[i] == b[j] ? 0 : 1);
+            corner = row[j + 1];
+            row[j + 1] = std::min({changed, corner + 1, row[j] + 1});
+        }
+    }
+    return row.back();
+}
+
+}  // namespace
+
 std::string formatted(const char* format, ...) {
     std::va_list values, again;
     va_start(values, format);
@@ -44,31 +83,6 @@ std::optional<double> parsed_number(std::string_view text) {
     if (failure == std::errc() && last == end && std::isfinite(value)) return value;
     return std::nullopt;
 }
-
-namespace {
-
-bool is_continuation(char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-}
-
-/// Control characters below space, delete, and those of U+0080 to U+009F, of which UTF-8 makes two bytes.
-bool is_control(std::string_view text) {
-    const auto byte = static_cast<unsigned char>(text[0]);
-    if (byte < 0x20 || byte == 0x7F) return true;
-    return byte == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0;
-}
-
-std::string escaped(char control) {
-    if (control == '\n') return "\\n";
-    if (control == '\r') return "\\r";
-    if (control == '\t') return "\\t";
-    constexpr std::array digits{'0', '1', '2', '3', '4', '5', '6', '7',
-                                '8', '9', 'a', 'b', 'c', 'd', 'e', 'f'};
-    const auto byte = static_cast<unsigned char>(control);
-    return {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
-}
-
-}  // namespace
 
 std::string printable(std::string_view foreign, std::size_t most) {
     std::string text;
@@ -117,24 +131,6 @@ std::string shell_word(std::string_view file) {
     }
     return (has_control ? "$'" : "'") + inside + '\'';
 }
-
-namespace {
-
-std::size_t letters_between(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t corner = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t changed = corner + (a[i] == b[j] ? 0 : 1);
-            corner = row[j + 1];
-            row[j + 1] = std::min({changed, corner + 1, row[j] + 1});
-        }
-    }
-    return row.back();
-}
-
-}  // namespace
 
 std::string nearest_word(std::string_view typed, std::span<const std::string> words) {
     constexpr std::size_t most_letters = 3, longest = 64;

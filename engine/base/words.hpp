@@ -24,8 +24,7 @@ namespace touchable {
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
 /// The fewest digits that are read as the same number; `format` as std::to_chars takes it, or none.
-template <class Number, class... Format>
-std::string exact_number(Number number, Format... format) {
+std::string exact_number(auto number, auto... format) {
     std::array<char, 64> digits{};
     return {digits.data(),
             std::to_chars(digits.data(), digits.data() + digits.size(), number, format...).ptr};
@@ -34,7 +33,7 @@ std::string exact_number(Number number, Format... format) {
 /// At most six decimals, without zeros at their end.
 std::string trimmed_number(double number);
 
-/// The decimal number that somebody wrote who has this float: 0.001, not 0.0010000000475.
+/// The shortest decimal number that is stored as this float: 0.001, not 0.0010000000475.
 double decimal_of(float value);
 
 /// A finite number for a person to read: `count` digits that count, and all of a large one: 1235,
@@ -53,7 +52,7 @@ std::string in_quotes(std::string_view foreign);
 /// not as an option.
 std::string shell_word(std::string_view file);
 
-/// Of `words` the one that somebody may have meant who typed `typed`: the fewest letters put in, left out or
+/// The one of `words` that a person who typed `typed` may have meant: the fewest letters put in, left out or
 /// changed (Levenshtein's distance), three at most and less than half of them. Empty: none.
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
 

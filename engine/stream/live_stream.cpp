@@ -166,7 +166,7 @@ void LiveStream::is_over(const std::string& why) {
 }
 
 void LiveStream::receive() {
-    const WorkAfterStop until_this_ends;  // the wait of the stream ends it
+    const StopScope until_this_ends(StopScope::after_stop());  // the wait of the stream ends it
     while (true) {
         if (leaves_out_colour_) receiver_->leave_out_colour();
         auto received = receiver_->next(source_.patience.silence);

@@ -224,7 +224,7 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
     // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
     // nothing.
-    const WorkForAll work;
+    const StopScope work(StopScope::for_all());
     // Not known where reading fails.
     if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
     auto frame = clip_->next();

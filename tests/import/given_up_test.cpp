@@ -164,11 +164,11 @@ TEST(GivenUp, WorkWithinWork) {
             EXPECT_FALSE(stop_requested());
             around.request_stop();
             EXPECT_TRUE(stop_requested()) << "who gives up all gives up each part";
-            const auto whom = WorkAlongside::this_thread();
+            const auto rules = StopScope::current();
             std::thread([&] {
                 EXPECT_FALSE(stop_requested()) << "of this thread alone";
                 {
-                    const WorkAlongside part(whom);
+                    const StopScope part(rules);
                     EXPECT_TRUE(stop_requested()) << "but for what it does a part of";
                 }
                 EXPECT_FALSE(stop_requested());

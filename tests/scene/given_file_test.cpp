@@ -176,8 +176,8 @@ TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
     char bytes[10];
     request_stop();
     {
-        const WorkAfterStop outer;
-        { const WorkAfterStop inner; }
+        const StopScope outer(StopScope::after_stop());
+        { const StopScope inner(StopScope::after_stop()); }
         if (stop_requested() || !file.read(0, bytes, sizeof bytes)) std::_Exit(2);
         bool elsewhere = false;
         std::thread([&elsewhere] { elsewhere = stop_requested(); }).join();
