@@ -12,7 +12,7 @@
 #include "engine/base/try.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
 using namespace touchable;

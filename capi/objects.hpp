@@ -10,8 +10,8 @@
 #include "capi/handle_table.hpp"
 #include "capi/status.hpp"
 #include "capi/touchable.h"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_timeline.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
 

@@ -10,7 +10,7 @@
 #include "capi/scene_text.hpp"
 #include "capi/status.hpp"
 #include "engine/scene/frames.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
 using namespace touchable;

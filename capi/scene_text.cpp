@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "engine/base/try.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::capi {
 

@@ -21,8 +21,8 @@
 #include <limits>
 #include <optional>
 
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

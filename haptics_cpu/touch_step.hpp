@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 

@@ -10,8 +10,8 @@
 #include "capi/touchable.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/scene/scene_file.hpp"
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/touch/touch_case.hpp"
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {

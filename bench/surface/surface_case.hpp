@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "engine/scene/frames.hpp"
-#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

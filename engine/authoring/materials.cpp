@@ -169,7 +169,7 @@ private:
     HapticPainter painter_;
     std::vector<bool> met_;  // by label
     std::vector<std::uint16_t> labels_before_;
-    std::optional<FramePlace> before_;
+    std::optional<RawFrame::Place> before_;
 };
 
 MaterialReader::MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges,

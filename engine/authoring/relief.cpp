@@ -113,7 +113,7 @@ private:
     std::vector<std::string> notes_;
     ReliefFilter filter_;
     ReliefHeights heights_;
-    std::optional<FramePlace> before_;
+    std::optional<RawFrame::Place> before_;
     bool has_told_flicker_ = false;
 
     void add_flicker();

@@ -10,7 +10,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/base/words.hpp"
 #include "engine/formats/guessed_scene.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
@@ -78,7 +78,7 @@ Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& d
 /// A far plane that is open lies well beyond what the first pictures show.
 Result<DepthMeaning> settled(const SceneDescription& described, std::vector<std::filesystem::path> inputs,
                              std::span<const PlaneView> first, const std::string& node) {
-    FoundInClip found;
+    SceneDescription::FoundInClip found;
     if (described.unstated.far) {
         const auto far = far_beyond(first, described.scene.depth);
         if (!far) return input_error(node + ": " + far.error().message);

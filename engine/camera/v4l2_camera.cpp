@@ -18,7 +18,7 @@
 #include "engine/camera/camera_reader.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

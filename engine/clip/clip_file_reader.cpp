@@ -301,7 +301,7 @@ private:
     std::string file_;
     std::unique_ptr<ClipContainer> container_;
     Scene scene_;
-    Unstated unstated_;  // by its description
+    SceneDescription::Unstated unstated_;  // by its description
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;

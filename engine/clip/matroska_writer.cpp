@@ -7,7 +7,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

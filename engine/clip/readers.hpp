@@ -141,7 +141,7 @@ inline constexpr std::int64_t first_frames = 16, spread_frames = 16;
 /// Their numbers, ascending, in a clip of `count` frames of which each can be read on its own.
 std::vector<std::int64_t> telling_frames(std::int64_t count);
 
-/// A clip at its beginning. Where its description leaves the far plane open (Unstated::far), so that it is
+/// A clip at its beginning. Where its description leaves the far plane open (SceneDescription::Unstated::far), so that it is
 /// the deepest code's so far, it is settled, and a note says it; otherwise the clip is unchanged. The far
 /// plane is 5 % beyond the depth that at most one valid pixel in 10 000 exceeds, in the frames that tell
 /// (telling_frames); of a clip that cannot seek, the first ones. What lies beyond it is invalid. A later

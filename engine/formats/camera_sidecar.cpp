@@ -176,12 +176,12 @@ Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& na
 }
 
 /// The nearest in time for each frame.
-PoseRow nearest_poses(const std::vector<TimedPose>& poses, const std::vector<double>& frame_seconds) {
+PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses, const std::vector<double>& frame_seconds) {
     std::vector<double> seconds;
-    for (const TimedPose& pose : poses) seconds.push_back(pose.seconds);
+    for (const CameraPath::TimedPose& pose : poses) seconds.push_back(pose.seconds);
     PoseRow row;
     for (const double frame : frame_seconds) {
-        const TimedPose& nearest = poses[nearest_key(seconds, frame)];
+        const CameraPath::TimedPose& nearest = poses[nearest_key(seconds, frame)];
         const bool is_near = std::abs(nearest.seconds - frame) <= most_apart_seconds;
         row.push_back(is_near ? std::optional(nearest.pose) : std::nullopt);
     }

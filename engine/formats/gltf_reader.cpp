@@ -21,7 +21,6 @@
 #include "engine/formats/touch_maps.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/scene_file.hpp"
 
 namespace touchable {
 namespace {

@@ -18,7 +18,7 @@
 #include "engine/formats/formats_written.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

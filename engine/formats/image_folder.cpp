@@ -28,7 +28,7 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/numpy.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
@@ -305,7 +305,7 @@ protected:
 
     fs::path place_;
     Scene scene_;
-    Unstated unstated_;
+    SceneDescription::Unstated unstated_;
     HiddenFolder hidden_;
     std::int64_t frames_ = 0;
     bool complete_ = false;

@@ -22,7 +22,7 @@
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/stream/receiving.hpp"
 
 namespace touchable {

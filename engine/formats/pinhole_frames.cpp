@@ -59,8 +59,8 @@ std::vector<std::int32_t> unbent_pixels(const Scene& scene, const LensDistortion
     from.reserve(static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height));
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {
-            const LensPoint point{(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy};
-            const LensPoint shown = lens.distorted(point);
+            const LensDistortion::Point point{(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy};
+            const LensDistortion::Point shown = lens.distorted(point);
             const double column = std::floor(stored.fx * shown.x + stored.cx + 0.5),
                          row = std::floor(stored.fy * shown.y + stored.cy + 0.5);
             const bool is_there = point.x * point.x + point.y * point.y <= reach * reach && column >= 0 &&
@@ -249,7 +249,7 @@ ColourRegistration::Place ColourRegistration::place_of(int x, int y, double leng
     const double u = (x - camera_.cx) / camera_.fx, v = (y - camera_.cy) / camera_.fy;
     const double ahead = (r[6] * u + r[7] * v + r[8]) * length + t[2];
     if (!(length > 0) || !(ahead > 0)) return {};
-    LensPoint point{((r[0] * u + r[1] * v + r[2]) * length + t[0]) / ahead,
+    LensDistortion::Point point{((r[0] * u + r[1] * v + r[2]) * length + t[0]) / ahead,
                     ((r[3] * u + r[4] * v + r[5]) * length + t[1]) / ahead};
     if (!(point.x * point.x + point.y * point.y <= reach_ * reach_)) return {};
     if (colour_.lens.any()) point = colour_.lens.distorted(point);

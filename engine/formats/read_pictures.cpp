@@ -153,7 +153,7 @@ MaterialPictures::MaterialPictures(const SceneDescription& described) : samples_
         samples_[3 * index + 2] = sample_of(properties.dynamic_friction, scene.haptic.dynamic_friction);
     };
     for (std::size_t index = 0; index <= no_index; ++index) set(index, scene.default_properties);
-    for (const Material& material : described.materials)
+    for (const SceneDescription::Material& material : described.materials)
         set(static_cast<std::size_t>(material.index), material.properties);
 }
 

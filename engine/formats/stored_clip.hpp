@@ -59,7 +59,7 @@ struct StoredClip {
     std::unique_ptr<FrameSource> pictures{};
     std::int64_t count = 0;          ///< of its frames, at least 1
     std::vector<PlaneRole> roles{};  ///< of its tracks, depth the first
-    FoundInClip found{};
+    SceneDescription::FoundInClip found{};
     std::vector<Camera> cameras{};  ///< of the frames; none: the scene's
     std::vector<std::string> notes{};
     std::vector<std::filesystem::path> inputs{};

@@ -47,7 +47,7 @@ private:
     SurfaceRecording recording_;
     BlockList list_;
     StoredPlane stored_;
-    std::optional<FramePlace> last_;  // of the frame that is remembered
+    std::optional<RawFrame::Place> last_;  // of the frame that is remembered
     std::vector<GpuTime> stages_;
 };
 

@@ -484,19 +484,18 @@ Result<void> SceneEncoder::prototype(const Prototype& prototype) {
         name(spec.name);
         const bool is_said = spec.kind.is_list || !spec.initial.empty();
         const std::vector<FieldValue> initial = is_said ? spec.initial : std::vector{zero_of(spec.kind.type)};
-        if (auto put = values(spec, initial); !put) return put;
+        TRY(values(spec, initial));
     }
     bits_.put(0, 1);
     bits_.put(prototype.elsewhere.empty() ? 0 : 1, 1);
     if (!prototype.elsewhere.empty()) {
         const FieldSpec urls{"url", {FieldType::url, true}};
-        if (auto put = values(urls, {prototype.elsewhere.begin(), prototype.elsewhere.end()}); !put)
-            return put;
+        TRY(values(urls, {prototype.elsewhere.begin(), prototype.elsewhere.end()}));
     } else {
         bits_.put(0, 1);  // no prototypes of its own
         inside_ = &prototype;
         for (const NodePtr& part : prototype.body) {
-            if (auto put = node(part, NodeSlot::world); !put) return put;
+            TRY(node(part, NodeSlot::world));
             bits_.put(&part == &prototype.body.back() ? 0 : 1, 1);
         }
         inside_ = nullptr;
@@ -517,7 +516,7 @@ Result<void> SceneEncoder::node(const NodePtr& node, NodeSlot slot) {
         bits_.put(ids_.at(node.get()), config_.node_id_bits);
         return {};
     }
-    if (auto put = type_code(*node, slot); !put) return put;
+    TRY(type_code(*node, slot));
     bits_.put(node->name.empty() ? 0 : 1, 1);
     if (!node->name.empty()) {
         bits_.put(ids_.at(node.get()), config_.node_id_bits);
@@ -622,7 +621,7 @@ Result<void> SceneEncoder::values(const FieldSpec& spec, const std::vector<Field
     }
     for (const FieldValue& each : values) {
         if (as_list) bits_.put(0, 1);
-        if (auto put = value(each, spec.slot); !put) return put;
+        TRY(value(each, spec.slot));
     }
     if (as_list) bits_.put(1, 1);
     return {};
@@ -650,8 +649,7 @@ Result<void> SceneEncoder::value(const FieldValue& value, NodeSlot slot) {
             else
                 string(each.file);
         } else {
-            for (const float number : each)
-                if (auto written = real(number); !written) return written;
+            for (const float number : each) TRY(real(number));
         }
         return {};
     };

@@ -8,7 +8,7 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::mpeg4 {
 
@@ -175,7 +175,7 @@ Result<void> read_shape(const NodeView& shape, ClipNodes& made) {
     if (!geometry) return geometry.error();
     if (!appearance) return appearance.error();
     if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
-    if (auto read = read_depth(**geometry, made); !read) return read;
+    TRY(read_depth(**geometry, made));
     TRY_ASSIGN(auto surface, haptic_surface_of(**geometry));
     if (*appearance) {
         TRY_ASSIGN(auto colour, (*appearance)->texture("texture"));

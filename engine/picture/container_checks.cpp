@@ -84,7 +84,7 @@ Result<void> Walk::boxes(std::uint64_t at, std::uint64_t end, int depth) {
         const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
         const std::uint64_t found_end = at + std::min(size, end - at);
         const Box found{type, std::min(at + before, found_end), found_end};
-        if (auto checked = box(found, depth); !checked) return checked;
+        TRY(box(found, depth));
         at = found.end;
     }
     return {};
@@ -315,7 +315,7 @@ Result<std::array<std::uint8_t, count>> head_at(ByteSource& bytes, std::uint64_t
 
 Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end) {
     Walk walk(bytes, end);
-    if (auto checked = walk.boxes(0, end, 0); !checked) return checked;
+    TRY(walk.boxes(0, end, 0));
     return walk.check_edits();
 }
 

@@ -62,7 +62,7 @@ Result<void> TrackSearch::boxes(std::uint64_t place, std::uint64_t end) {
                                                  : stated;
         if (size < before || size > end - place) return {};
         const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
-        if (auto done = box(type, place + before, place + size); !done) return done;
+        TRY(box(type, place + before, place + size));
         place += size;
     }
     return {};
@@ -97,7 +97,7 @@ public:
         : bytes_(std::move(bytes)), names_at_(std::move(names_at)) {}
     std::uint64_t size() const override { return bytes_->size(); }
     Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        if (auto done = bytes_->read(at, to, count); !done) return done;
+        TRY(bytes_->read(at, to, count));
         for (const std::uint64_t name : names_at_)
             for (std::size_t k = 0; k < hevc.size(); ++k)
                 if (name + k >= at && name + k < at + count) to[name + k - at] = hevc[k];

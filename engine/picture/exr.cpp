@@ -427,8 +427,7 @@ Result<void> read_together(const ExrFile& file, const std::vector<ExrPicture*>& 
         for (const ExrChannel* channel : picture->channels()) channels.push_back(channel);
     }
     return file.read(part, channels, [&](const ExrChunk& chunk) -> Result<void> {
-        for (std::size_t k = 0; k < pictures.size(); ++k)
-            if (auto taken = pictures[k]->put(chunk, first[k]); !taken) return taken;
+        for (std::size_t k = 0; k < pictures.size(); ++k) TRY(pictures[k]->put(chunk, first[k]));
         return {};
     });
 }
@@ -507,8 +506,7 @@ Result<void> ExrFile::open() {
     if (exr_start_read(&context_, "picture", &how) != EXR_ERR_SUCCESS) return damaged();
     int parts = 0;
     if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
-    for (int part = 0; part < parts; ++part)
-        if (auto listed = list_channels(part); !listed) return listed;
+    for (int part = 0; part < parts; ++part) TRY(list_channels(part));
     return {};
 }
 
@@ -576,7 +574,7 @@ Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChann
                 return damaged();
             const ExrChunk unpacked{data.x - part.display.x + x, data.y - part.display.y + y, width, height,
                                     chunks.numbers()};
-            if (auto taken = put(unpacked); !taken) return taken;
+            TRY(put(unpacked));
         }
     return {};
 }

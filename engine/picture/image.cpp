@@ -251,13 +251,13 @@ Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& im
 }
 
 Result<void> write_png(NewFile& file, const PlaneView& image, PngColours colours) {
-    if (auto usable = file.check(); !usable) return usable;
+    TRY(file.check());
     return write_png_to(file.path(), image, file.target(), PngEffort::thorough, colours);
 }
 
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image) {
     NewFile output(file);
-    if (auto written = write_png(output, image); !written) return written;
+    TRY(write_png(output, image));
     return output.commit();
 }
 

@@ -221,10 +221,8 @@ public:
                 return input_error(std::string("cannot be unpacked: ") + zip_strerror(archive_.get()));
         }
         char passed[16384];
-        while (position_ < at)
-            if (auto got = take(passed, std::min<std::uint64_t>(at - position_, sizeof passed)); !got)
-                return got;
-        if (auto got = take(to, count); !got) return got;
+        while (position_ < at) TRY(take(passed, std::min<std::uint64_t>(at - position_, sizeof passed)));
+        TRY(take(to, count));
         // Only behind its last byte is a member's sum compared.
         return position_ == size_ && zip_fread(member_.get(), passed, 1) < 0 ? damage() : Result<void>{};
     }

@@ -25,11 +25,11 @@ glm::dvec3 unproject(const Camera& camera, double x, double y, double planar_dep
     return {planar_depth * camera.u(x), planar_depth * camera.v(y), -planar_depth};
 }
 
-std::optional<ImagePoint> project(const Camera& camera, const glm::dvec3& point) {
+std::optional<Camera::ImagePoint> project(const Camera& camera, const glm::dvec3& point) {
     if (!(point.z < 0.0)) return std::nullopt;
     const double planar_depth = -point.z;
-    return ImagePoint{camera.cx + camera.fx * (point.x / planar_depth),
-                      camera.cy - camera.fy * (point.y / planar_depth), planar_depth};
+    return Camera::ImagePoint{camera.cx + camera.fx * (point.x / planar_depth),
+                              camera.cy - camera.fy * (point.y / planar_depth), planar_depth};
 }
 
 namespace {
@@ -98,7 +98,7 @@ std::array<double, 4> quaternion_of(const std::array<double, 9>& r) {
 
 }  // namespace
 
-LensPoint LensDistortion::distorted(LensPoint point) const {
+LensDistortion::Point LensDistortion::distorted(Point point) const {
     const double x = point.x, y = point.y, r2 = x * x + y * y, stretch = radial(terms, r2);
     const double p1 = terms[2], p2 = terms[3];
     return {x * stretch + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
@@ -239,9 +239,9 @@ bool is_rotation(const std::array<double, 9>& m) {
     return volume > 0;
 }
 
-Result<std::vector<TimedPose>> parse_timed_poses(std::string_view text, const std::string& name,
-                                                 double metres_per_unit) {
-    std::vector<TimedPose> poses;
+Result<std::vector<CameraPath::TimedPose>> parse_timed_poses(std::string_view text, const std::string& name,
+                                                             double metres_per_unit) {
+    std::vector<CameraPath::TimedPose> poses;
     for (int number = 1; !text.empty(); ++number) {
         const auto end = text.find('\n');
         std::string_view line = text.substr(0, end);
@@ -284,10 +284,10 @@ std::string timed_poses_text(const CameraPath& path, const FrameRate& rate, doub
     return text;
 }
 
-CameraPath path_of_timed_poses(const std::vector<TimedPose>& poses, const FrameRate& rate) {
+CameraPath path_of_timed_poses(const std::vector<CameraPath::TimedPose>& poses, const FrameRate& rate) {
     constexpr double latest_seconds = 4e9;
     CameraPath path;
-    for (const TimedPose& pose : poses) {
+    for (const CameraPath::TimedPose& pose : poses) {
         if (!(pose.seconds >= 0 && pose.seconds < latest_seconds)) continue;
         const std::int64_t ns = std::llround(pose.seconds * 1e9), frame = rate.nearest(ns);
         if (frame < 0 || frame >= static_cast<std::int64_t>(most_path_frames)) continue;

@@ -1,8 +1,16 @@
 #pragma once
 
-// JSON from outside, read member by member with checks: a fault (Refusal) names the member by its path, its
-// value and what would be right. The function that reads a text turns a Refusal into an Error. Include it
-// only where JSON is read: it brings nlohmann/json. Pure functions, for any thread.
+// JSON from outside, read member by member with checks.
+//
+// parse takes a whole text, within limits of size and depth. A Node is one value of it with its path: its
+// functions give the value as what it must be, or throw a Refusal, which names the member by its path, its
+// value and what would be right. Members that are not known are refused by Node::allow_only.
+//
+// Here alone is thrown across functions: the one that reads a text catches a Refusal, and the library's own
+// exceptions, and makes an Error of it, so that none leaves a module. Include it only where JSON is read: it
+// brings nlohmann/json.
+//
+// A Node refers to the Json that it is of. Pure functions, for any thread.
 
 #include <cstddef>
 #include <cstdint>
@@ -30,8 +38,7 @@ struct Refusal {
 /// this very run goes through here.
 Json parse(std::string_view text, std::size_t largest = largest_text);
 
-/// A value and its path, such as depth.invalid[1]; the empty path is the whole text. Refers to the Json
-/// given.
+/// A value and its path, such as depth.invalid[1]; the empty path is the whole text.
 class Node {
 public:
     Node(const Json& value, std::string path) : value_(value), path_(std::move(path)) {}
@@ -52,7 +59,7 @@ public:
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
     int whole() const;  ///< not negative
     std::string text() const;
-    std::string json() const { return value_.dump(); }  ///< whatever it is, as a text of its own
+    std::string json() const { return value_.dump(); }  ///< of any kind, as a text of its own
     std::size_t size() const { return value_.size(); }
     /// Of a list that one; nothing beyond its end.
     std::optional<Node> element(std::size_t number) const;

@@ -3,9 +3,13 @@
 // The codes that filters work on, and the numbers that each filter's settings become there.
 //
 // Stored codes need not be even steps of length (disparity, hue, logarithms): WorkingCodes are, and say how
-// one becomes the other. TerraceFilter, FlyingPixels and TemporalFilter are what a Scene's settings mean in
-// these integers, the same for every builder, on the CPU and on the GPU (docs/conventions.md). Pure
-// functions, for any thread.
+// one becomes the other. A CodeCurve is a length that grows with depth, told in codes. TerraceFilter,
+// FlyingPixels and TemporalFilter are what a Scene's settings mean in these integers, the same for every
+// builder, on the CPU and on the GPU (docs/conventions.md): a builder asks for each by the function of its
+// name, which gives nothing where the scene does not want that filter. step_of_code, level_distance and kappa
+// say how coarse depth is, by which filters are advised and a person is told of it.
+//
+// Plain values and pure functions, for any thread; a filter refers to nothing of its scene.
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +21,39 @@
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
+
+/// A length in the place of one that grows as depth does, `share` (z + shift): of those that are off it
+/// by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07, 1:8 1.23,
+/// 1:30 1.5.
+DepthLength length_along_depth(double share, double shift, double near, double far);
+
+/// So twice as much has 16 bits.
+inline constexpr int code_curve_most = 32767;
+
+/// A DepthLength at a code, told in codes, in integers (docs/conventions.md): a polynomial of second degree
+/// in the code's distance from one end. For inverse depth w it is constant w^2 + quadratic. For log codes it
+/// equals the length at both planes and in the middle. It is not negative. Of its coefficients only the
+/// linear one can be, for log codes and where codes have a shift; then it can be least between the ends.
+struct CodeCurve {
+    std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
+    bool falls = false;                                     ///< the linear coefficient counts as negative
+    std::uint16_t last = 0;                                 ///< largest code
+    int shift = 0;                                          ///< by which a distance fills 16 bits
+    bool from_last = false;                                 ///< distances are taken from `last`, not from 0
+
+    /// At most code_curve_most.
+    int at(std::uint16_t code) const {
+        const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
+        const std::uint32_t sloped = linear * n >> 16;
+        std::uint32_t value = constant + (quadratic * (n * n >> 16) >> 16);
+        value = falls ? value - std::min(value, sloped) : value + sloped;
+        return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
+    }
+    bool is_zero() const { return (constant | linear | quadratic) == 0; }
+    bool operator==(const CodeCurve&) const = default;
+};
+/// `times` the length, in codes of `coding`.
+CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
 
 /// What stored codes become before terraces are removed and noise is averaged, so that a mean of two has
 /// somewhere to lie: `factor` times as many. Or, where these would not fit 15 bits, or be coarse where a hand
@@ -146,7 +183,7 @@ std::optional<FlyingPixels> flying_pixels(const Scene& scene);
 /// Frames for which a pixel without depth keeps what it had.
 inline constexpr int temporal_hold_frames = 3;
 /// Where a clip is not read from its beginning, the filter begins empty so many frames before the first that
-/// anybody wants.
+/// is wanted.
 inline constexpr int temporal_warm_up_frames = 16;
 
 /// The temporal filter, as it works on one scene's codes; docs/conventions.md has the arithmetic.

@@ -6,15 +6,44 @@
 
 namespace touchable {
 
+namespace {
+
+/// Nothing seen yet: any depth narrows it, and so does the union with another tile.
+constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity(), false};
+
+std::size_t row_bytes(const PlaneView& plane) {
+    return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
+           static_cast<std::size_t>(plane.bytes_per_sample);
+}
+
+void copy_bytes(const PlaneView& plane, std::vector<std::uint8_t>& out) {
+    out.resize(row_bytes(plane) * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y)
+        std::memcpy(out.data() + row_bytes(plane) * static_cast<std::size_t>(y), plane.row(y),
+                    row_bytes(plane));
+}
+
+void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
+    const auto width = static_cast<std::size_t>(plane.width);
+    out.resize(width * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* from = plane.row(y);
+        std::uint16_t* to = out.data() + width * static_cast<std::size_t>(y);
+        if (plane.bytes_per_sample == 2)
+            std::memcpy(to, from, width * 2);
+        else
+            for (std::size_t x = 0; x < width; ++x) to[x] = from[x];
+    }
+}
+
+}  // namespace
+
 RawFrame kept_frame(const RawFrame& frame) {
     if (frame.storage) return frame;
     RawFrame kept = frame;
     std::size_t bytes = 0;
     PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
-    const auto row_bytes = [](const PlaneView& plane) {
-        return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
-               static_cast<std::size_t>(plane.bytes_per_sample);
-    };
     // Samples of two bytes stay at even places.
     const auto room = [&](const PlaneView& plane) {
         return plane.empty() ? 0 : (row_bytes(plane) * static_cast<std::size_t>(plane.height) + 1) / 2 * 2;
@@ -44,10 +73,8 @@ bool same_form(const PlaneView& a, const PlaneView& b) {
 bool same_samples(const PlaneView& a, const PlaneView& b) {
     if (!same_form(a, b)) return false;
     if (a.empty() || (a.data == b.data && a.stride == b.stride)) return true;
-    const auto row_bytes = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.channels) *
-                           static_cast<std::size_t>(a.bytes_per_sample);
     for (int y = 0; y < a.height; ++y)
-        if (std::memcmp(a.row(y), b.row(y), row_bytes) != 0) return false;
+        if (std::memcmp(a.row(y), b.row(y), row_bytes(a)) != 0) return false;
     return true;
 }
 
@@ -55,34 +82,6 @@ bool same_touch_planes(const RawFrame& a, const RawFrame& b) {
     return same_samples(a.depth, b.depth) && same_samples(a.haptic, b.haptic) &&
            same_samples(a.height, b.height);
 }
-
-namespace {
-
-/// Nothing seen yet: any depth narrows it, and so does the union with another tile.
-constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
-                               -std::numeric_limits<double>::infinity(), false};
-
-void copy_bytes(const PlaneView& plane, std::vector<std::uint8_t>& out) {
-    const auto row_bytes = static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels);
-    out.resize(row_bytes * static_cast<std::size_t>(plane.height));
-    for (int y = 0; y < plane.height; ++y)
-        std::memcpy(out.data() + row_bytes * static_cast<std::size_t>(y), plane.row(y), row_bytes);
-}
-
-void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
-    const auto width = static_cast<std::size_t>(plane.width);
-    out.resize(width * static_cast<std::size_t>(plane.height));
-    for (int y = 0; y < plane.height; ++y) {
-        const std::uint8_t* from = plane.row(y);
-        std::uint16_t* to = out.data() + width * static_cast<std::size_t>(y);
-        if (plane.bytes_per_sample == 2)
-            std::memcpy(to, from, width * 2);
-        else
-            for (std::size_t x = 0; x < width; ++x) to[x] = from[x];
-    }
-}
-
-}  // namespace
 
 TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
     TileDepths depths = no_depths;

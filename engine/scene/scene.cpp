@@ -26,7 +26,7 @@ double real_code(const DepthCoding& coding, double depth) {
     return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
 }
 
-/// Whether codes stand for depths at all. Who makes a Scene derives the range before validate has its say.
+/// Whether codes stand for depths at all. The valid range is derived before a Scene is validated.
 bool has_depths(const DepthCoding& coding) {
     if (coding.code_max == 0) return false;
     const auto has_inverse = [](double plane) {
@@ -79,83 +79,54 @@ Result<void> check_not_negative(const std::string& member, double value) {
     return check_within(member, value, 0.0, longest);
 }
 
-/// The first refusal among checks, which are made in order only as far as needed.
-template <class... Checks>
-Result<void> first_refusal(Checks... checks) {
-    Result<void> result;
-    ((result = checks(), result.ok()) && ...);
-    return result;
-}
-
 Result<void> check_camera(const std::string& member, const Camera& camera) {
-    return first_refusal([&] { return check_length(member + ".fx", camera.fx); },
-                         [&] { return check_length(member + ".fy", camera.fy); },
-                         [&] { return check_within(member + ".cx", camera.cx, -longest, longest); },
-                         [&] { return check_within(member + ".cy", camera.cy, -longest, longest); });
+    TRY(check_length(member + ".fx", camera.fx));
+    TRY(check_length(member + ".fy", camera.fy));
+    TRY(check_within(member + ".cx", camera.cx, -longest, longest));
+    return check_within(member + ".cy", camera.cy, -longest, longest);
 }
 
 Result<void> check_lens(const std::string& member, const LensDistortion& lens) {
     constexpr double strongest = 1e6;
     for (const double term : lens.terms)
-        if (auto term_fits = check_within(member + ".distortion", term, -strongest, strongest); !term_fits)
-            return term_fits;
+        TRY(check_within(member + ".distortion", term, -strongest, strongest));
     return {};
 }
 
-/// A rotation keeps lengths and angles, but for what a few digits leave of that.
 Result<void> check_pose(const std::string& member, const CameraPose& pose) {
-    constexpr double tolerance = 1e-3;
-    const CameraPose turned_back = pose.after(pose.inverse()), none;
-    const auto& r = pose.rotation;
-    bool is_rotation = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-                           r[2] * (r[3] * r[7] - r[4] * r[6]) >
-                       0;
-    for (std::size_t k = 0; k < r.size(); ++k)
-        is_rotation = is_rotation && std::abs(turned_back.rotation[k] - none.rotation[k]) < tolerance;
-    if (!is_rotation)
+    if (!is_rotation(pose.rotation))
         return input_error(member +
                            " does not begin with a rotation in its rows: must be [r, r, r, t, r, r, "
                            "r, t, r, r, r, t, 0, 0, 0, 1]");
     for (const double length : pose.translation)
-        if (auto fits = check_within(member + "'s translation", length, -longest, longest); !fits)
-            return fits;
+        TRY(check_within(member + "'s translation", length, -longest, longest));
     return {};
 }
 
 Result<void> check_colour_camera(const Scene& scene) {
     if (!scene.colour_camera) return {};
     const ColourCamera& colour = *scene.colour_camera;
-    return first_refusal([&] { return check_within("colour_camera.width", colour.width, 1, max_side); },
-                         [&] { return check_within("colour_camera.height", colour.height, 1, max_side); },
-                         [&] { return check_camera("colour_camera", colour.camera); },
-                         [&] { return check_lens("colour_camera", colour.lens); },
-                         [&] { return check_pose("colour_camera.from_depth", colour.from_depth); });
-}
-
-/// Near may be 0, whose code is then no depth, where the shift is more.
-Result<void> check_log(const DepthCoding& depth) {
-    return first_refusal([&] { return check_not_negative("depth.near", depth.near); },
-                         [&] { return check_length("depth.far", depth.far); },
-                         [&] { return check_within("depth.shift", depth.shift, -longest, longest); },
-                         [&]() -> Result<void> {
-                             if (depth.near + depth.shift >= shortest) return {};
-                             return refuse("depth.shift", depth.shift,
-                                           "greater than -depth.near, which is " + text(-depth.near));
-                         });
+    TRY(check_within("colour_camera.width", colour.width, 1, max_side));
+    TRY(check_within("colour_camera.height", colour.height, 1, max_side));
+    TRY(check_camera("colour_camera", colour.camera));
+    TRY(check_lens("colour_camera", colour.lens));
+    return check_pose("colour_camera.from_depth", colour.from_depth);
 }
 
 Result<void> check_planes(const DepthCoding& depth) {
-    if (depth.kind == DepthCodingKind::metric)
-        return first_refusal([&] { return check_length("depth.scale", depth.scale); },
-                             [&] { return check_not_negative("depth.near", depth.near); },
-                             [&] { return check_length("depth.far", depth.far); });
-    if (depth.kind == DepthCodingKind::log) return check_log(depth);
-    return first_refusal([&] { return check_length("depth.near", depth.near); },
-                         [&] { return check_length("depth.far", depth.far); });
+    const bool is_log = depth.kind == DepthCodingKind::log;
+    if (depth.kind == DepthCodingKind::metric) TRY(check_length("depth.scale", depth.scale));
+    // Near may be 0 where its code is no depth, and of log codes where the shift is more.
+    TRY(is_log || depth.kind == DepthCodingKind::metric ? check_not_negative("depth.near", depth.near)
+                                                        : check_length("depth.near", depth.near));
+    TRY(check_length("depth.far", depth.far));
+    if (!is_log) return {};
+    TRY(check_within("depth.shift", depth.shift, -longest, longest));
+    if (depth.near + depth.shift >= shortest) return {};
+    return refuse("depth.shift", depth.shift, "greater than -depth.near, which is " + text(-depth.near));
 }
 
-/// What valid_min and valid_max have to be; nobody writes them in a file, but who makes a Scene can forget
-/// them.
+/// What valid_min and valid_max have to be. No file has them, but code that makes a Scene can forget them.
 Result<void> check_valid_range(const DepthCoding& depth) {
     DepthCoding derived = depth;
     derive_valid_range(derived);
@@ -188,20 +159,18 @@ Result<void> check_depth_ratio(const DepthCoding& depth) {
 Result<void> check_depth(const Scene& scene) {
     const DepthCoding& depth = scene.depth;
     const bool hue = depth.kind == DepthCodingKind::hue;
-    if (auto bits = check_within("depth.bits", scene.depth_bits, 8, 16); !bits) return bits;
+    TRY(check_within("depth.bits", scene.depth_bits, 8, 16));
     if (hue && scene.depth_bits != 8)
         return refuse("depth.bits", scene.depth_bits, "8, of each of red, green and blue, for hue");
-    if (auto sum = check_within("depth.least_sum", depth.least_sum, 0, hue ? 3 * 255 : 0); !sum) return sum;
+    TRY(check_within("depth.least_sum", depth.least_sum, 0, hue ? 3 * 255 : 0));
     const int largest_code = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
-    if (auto top = check_within("depth.code_max", int{depth.code_max}, 1, largest_code); !top) return top;
-    if (auto planes = check_planes(depth); !planes) return planes;
+    TRY(check_within("depth.code_max", int{depth.code_max}, 1, largest_code));
+    TRY(check_planes(depth));
     if (!(depth.near < depth.far))
         return refuse("depth.near", depth.near, "less than depth.far, which is " + text(depth.far));
-    if (auto count = check_within("depth.invalid's number of codes", depth.invalid_code_count, 0,
-                                  DepthCoding::max_invalid_codes);
-        !count)
-        return count;
-    if (auto range = check_valid_range(depth); !range) return range;
+    TRY(check_within("depth.invalid's number of codes", depth.invalid_code_count, 0,
+                     DepthCoding::max_invalid_codes));
+    TRY(check_valid_range(depth));
     return check_depth_ratio(depth);
 }
 
@@ -210,7 +179,7 @@ Result<void> check_depth(const Scene& scene) {
 /// pixel finds it. Needs a depth coding that passed check_depth.
 Result<void> check_height(const Scene& scene) {
     const HeightCoding& height = scene.height_coding;
-    if (auto maximum = check_not_negative("height_map.max", height.max_height); !maximum) return maximum;
+    TRY(check_not_negative("height_map.max", height.max_height));
     const int steps = height.code_max + 1;
     if (height.code_max < 255 || (steps & (steps - 1)) != 0)
         return refuse("the largest height code", int{height.code_max},
@@ -233,7 +202,7 @@ Result<void> check_height(const Scene& scene) {
 }
 
 Result<void> check_range(const std::string& member, const PropertyRange& range) {
-    if (auto least = check_not_negative(member + "'s minimum", range.min); !least) return least;
+    TRY(check_not_negative(member + "'s minimum", range.min));
     if (range.max >= range.min) return check_not_negative(member + "'s maximum", range.max);
     return refuse(member + "'s maximum", range.max, "at least its minimum, which is " + text(range.min));
 }
@@ -243,38 +212,33 @@ Result<void> check_properties(const HapticProperties& properties) {
     if (!(properties.stiffness > 0.0 && properties.stiffness <= longest))
         return refuse("default_properties.stiffness (in N/m)", properties.stiffness,
                       "greater than 0 and at most " + text(longest));
-    if (auto check = check_not_negative("default_properties.static_friction", static_friction); !check)
-        return check;
-    if (auto check = check_not_negative("default_properties.dynamic_friction", dynamic_friction); !check)
-        return check;
+    TRY(check_not_negative("default_properties.static_friction", static_friction));
+    TRY(check_not_negative("default_properties.dynamic_friction", dynamic_friction));
     if (dynamic_friction <= static_friction) return {};
     return refuse("default_properties.dynamic_friction", dynamic_friction,
                   "at most static_friction, which is " + text(static_friction));
+}
+
+/// `whose`: the member, as in "filter.levels'".
+Result<void> check_along_depth(const std::string& whose, const DepthLength& length) {
+    TRY(check_not_negative(whose + " constant", length.constant));
+    return check_not_negative(whose + " quadratic", length.quadratic);
 }
 
 Result<void> check_filter(const Scene& scene) {
     const FilterSettings& filter = scene.filter;
     if (filter.median != 0 && filter.median != 3 && filter.median != 5)
         return refuse("filter.median", filter.median, "0 (off), 3 or 5");
-    if (auto passes = check_within("filter.fill_holes", filter.fill_holes, 0, 16); !passes) return passes;
+    TRY(check_within("filter.fill_holes", filter.fill_holes, 0, 16));
     if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
         return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
     if (filter.terrace_reach < least_terrace_reach || filter.terrace_reach > most_terrace_reach ||
         !std::has_single_bit(static_cast<unsigned>(filter.terrace_reach)))
         return refuse("filter.terrace_reach", filter.terrace_reach, "16, 32, 64 or 128 pixels");
-    if (auto part = check_not_negative("filter.levels' constant", filter.levels.constant); !part) return part;
-    if (auto part = check_not_negative("filter.levels' quadratic", filter.levels.quadratic); !part)
-        return part;
-    const DepthLength& noise = filter.temporal_noise;
-    if (auto part = check_not_negative("filter.temporal_noise's constant", noise.constant); !part)
-        return part;
-    if (auto part = check_not_negative("filter.temporal_noise's quadratic", noise.quadratic); !part)
-        return part;
-    const DepthLength& flying = filter.flying_pixels;
-    if (auto part = check_not_negative("filter.flying_pixels' constant", flying.constant); !part) return part;
-    if (auto part = check_not_negative("filter.flying_pixels' quadratic", flying.quadratic); !part)
-        return part;
-    if (filter.temporal && noise == DepthLength{})
+    TRY(check_along_depth("filter.levels'", filter.levels));
+    TRY(check_along_depth("filter.temporal_noise's", filter.temporal_noise));
+    TRY(check_along_depth("filter.flying_pixels'", filter.flying_pixels));
+    if (filter.temporal && filter.temporal_noise == DepthLength{})
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "
             "units, because filter.temporal is on");
@@ -322,9 +286,8 @@ Result<void> check_numbers(const std::string& member, const std::string& pattern
                            text(numbers.first ? *numbers.first : *numbers.step) +
                            ": must be left out, because " + in_quotes(pattern) +
                            " has no field of digits, such as %06d");
-    return first_refusal(
-        [&] { return check_within(member + ".first", numbers.first.value_or(0), 0, largest_number); },
-        [&] { return check_within(member + ".step", numbers.step.value_or(1), 1, largest_number); });
+    TRY(check_within(member + ".first", numbers.first.value_or(0), 0, largest_number));
+    return check_within(member + ".step", numbers.step.value_or(1), 1, largest_number);
 }
 
 /// A still has one picture of each kind. (One of materials may serve a row of depths.)
@@ -347,7 +310,7 @@ Result<void> check_still(const FolderSource& folder) {
 
 Result<void> check_cameras(const FolderSource& folder) {
     if (folder.cameras.empty() && !folder.camera_numbers.any()) return {};
-    if (auto check = check_pattern("folder.cameras", folder.cameras); !check) return check;
+    TRY(check_pattern("folder.cameras", folder.cameras));
     if (is_still(folder.cameras))
         return input_error("folder.cameras is " + in_quotes(folder.cameras) +
                            ": must be a file for each frame, such as \"cameras/%06d.json\", "
@@ -357,22 +320,22 @@ Result<void> check_cameras(const FolderSource& folder) {
 }
 
 Result<void> check_folder(const FolderSource& folder) {
-    if (auto depth = check_pattern("folder.depth", folder.depth); !depth) return depth;
+    TRY(check_pattern("folder.depth", folder.depth));
     const std::tuple<const char*, const std::string&, const PictureNumbers&> optional_planes[] = {
         {"folder.colour", folder.colour, folder.colour_numbers},
         {"folder.haptic", folder.haptic, folder.haptic_numbers},
         {"folder.height", folder.height, folder.height_numbers}};
     for (const auto& [member, pattern, numbers] : optional_planes) {
         if (pattern.empty() && !numbers.any()) continue;
-        if (auto check = check_pattern(member, pattern); !check) return check;
-        if (auto check = check_numbers(member, pattern, numbers); !check) return check;
+        TRY(check_pattern(member, pattern));
+        TRY(check_numbers(member, pattern, numbers));
     }
-    if (auto cameras = check_cameras(folder); !cameras) return cameras;
+    TRY(check_cameras(folder));
     const PictureNumbers of_depth{{}, folder.step == 1 ? std::optional<int>() : folder.step};
-    if (auto step = check_numbers("folder.depth", folder.depth, of_depth); !step) return step;
-    if (auto first = check_within("folder.first", folder.first, 0, largest_number); !first) return first;
+    TRY(check_numbers("folder.depth", folder.depth, of_depth));
+    TRY(check_within("folder.first", folder.first, 0, largest_number));
     const int most = (largest_number - folder.first) / folder.step;
-    if (auto count = check_within("folder.count", folder.count, 0, most); !count) return count;
+    TRY(check_within("folder.count", folder.count, 0, most));
     return check_still(folder);
 }
 
@@ -502,32 +465,27 @@ double largest_height(const HeightCoding& height, const DepthCoding& depth) {
 }
 
 Result<void> validate(const Scene& scene) {
-    return first_refusal(
-        [&] { return check_within("width", scene.width, 1, max_side); },
-        [&] { return check_within("height", scene.height, 1, max_side); },
-        [&] { return check_within("rate's numerator", scene.rate.num, std::int64_t{1}, max_rate_term); },
-        [&] { return check_within("rate's denominator", scene.rate.den, std::int64_t{1}, max_rate_term); },
-        [&] { return check_length("metres_per_unit", scene.metres_per_unit); },
-        [&] { return check_camera("camera", scene.camera); },
-        [&] { return check_lens("camera", scene.lens); }, [&] { return check_colour_camera(scene); },
-        [&] { return check_depth(scene); }, [&] { return check_height(scene); },
-        [&] { return check_range("haptic.stiffness", scene.haptic.stiffness); },
-        [&] { return check_range("haptic.static_friction", scene.haptic.static_friction); },
-        [&] { return check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction); },
-        [&] { return check_properties(scene.default_properties); },
-        [&] {
-            return scene.hole_stiffness ? check_not_negative("hole_stiffness", *scene.hole_stiffness)
-                                        : Result<void>{};
-        },
-        [&] { return check_filter(scene); },
-        [&] {
-            return scene.device_metres_per_unit
-                       ? check_length("device_metres_per_unit", *scene.device_metres_per_unit)
-                       : Result<void>{};
-        },
-        [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; },
-        [&] { return check_one_focal_length(scene); },
-        [&] { return scene.video ? check_video(scene) : Result<void>{}; });
+    TRY(check_within("width", scene.width, 1, max_side));
+    TRY(check_within("height", scene.height, 1, max_side));
+    TRY(check_within("rate's numerator", scene.rate.num, std::int64_t{1}, max_rate_term));
+    TRY(check_within("rate's denominator", scene.rate.den, std::int64_t{1}, max_rate_term));
+    TRY(check_length("metres_per_unit", scene.metres_per_unit));
+    TRY(check_camera("camera", scene.camera));
+    TRY(check_lens("camera", scene.lens));
+    TRY(check_colour_camera(scene));
+    TRY(check_depth(scene));
+    TRY(check_height(scene));
+    TRY(check_range("haptic.stiffness", scene.haptic.stiffness));
+    TRY(check_range("haptic.static_friction", scene.haptic.static_friction));
+    TRY(check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction));
+    TRY(check_properties(scene.default_properties));
+    if (scene.hole_stiffness) TRY(check_not_negative("hole_stiffness", *scene.hole_stiffness));
+    TRY(check_filter(scene));
+    if (scene.device_metres_per_unit)
+        TRY(check_length("device_metres_per_unit", *scene.device_metres_per_unit));
+    if (scene.folder) TRY(check_folder(*scene.folder));
+    TRY(check_one_focal_length(scene));
+    return scene.video ? check_video(scene) : Result<void>();
 }
 
 Result<void> validate(const SceneDescription& described) {
@@ -538,10 +496,10 @@ Result<void> validate(const SceneDescription& described) {
     return validate(scene);
 }
 
-Result<Scene> settle(const SceneDescription& described, const FoundInClip& found) {
+Result<Scene> settle(const SceneDescription& described, const SceneDescription::FoundInClip& found) {
     SceneDescription settled = described;
     Scene& scene = settled.scene;
-    const Unstated& open = described.unstated;
+    const SceneDescription::Unstated& open = described.unstated;
     if (open.camera && !found.camera)
         return input_error(
             "camera is missing: must be given in the scene file, as its folder.cameras are of the pictures "

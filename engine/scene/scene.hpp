@@ -7,8 +7,9 @@
 // by which Camera (and Lens, and ColourCamera beside it) its pictures were taken and where it stood
 // (CameraPath), how stored depth becomes lengths (DepthCoding, along a CodeCurve), how heights and haptic
 // pictures become metres, N/m and friction, which filters a builder applies, and at which times frames are
-// shown (FrameRate). Remarks say to a person what was guessed. docs/conventions.md has the exact definitions,
-// docs/scene_file.md the file (engine/scene/scene_file.hpp).
+// shown (FrameRate). Remarks say to a person what was guessed. docs/conventions.md has the exact definitions.
+// parse_scene and read_scene_file read a scene file, JSON from outside, of which each member is checked
+// (docs/scene_file.md); scene_to_json gives a text that is read as the same scene.
 //
 // Lengths are in scene units unless a name says metres; pixels have integer coordinates at their centres,
 // rows go down. All are plain values and pure functions, for any thread.
@@ -18,6 +19,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
@@ -37,6 +39,11 @@ enum class DepthSemantics { range, planar };
 /// x to the right, row y down, pixel (i, j) at integer coordinates. Focal lengths and centre in pixels.
 struct Camera {
     double fx = 0, fy = 0, cx = 0, cy = 0;
+
+    struct ImagePoint {
+        double x, y;          ///< pixel frame
+        double planar_depth;  ///< scene units, > 0
+    };
 
     /// The ray of pixel (x, y) is (u, v, -1).
     double u(double x) const { return (x - cx) / fx; }
@@ -59,26 +66,22 @@ double planar_depth(const Camera& camera, DepthSemantics semantics, double x, do
 /// World point of pixel (x, y) at a planar depth. Scene units.
 glm::dvec3 unproject(const Camera& camera, double x, double y, double planar_depth);
 
-struct ImagePoint {
-    double x, y;          ///< pixel frame
-    double planar_depth;  ///< scene units, > 0
-};
 /// Where a world point is seen; nothing for a point that is not in front of the camera (Z >= 0).
-std::optional<ImagePoint> project(const Camera& camera, const glm::dvec3& point);
-
-/// A place in the plane at distance 1 of a camera: x to the right, y down.
-struct LensPoint {
-    double x, y;
-};
+std::optional<Camera::ImagePoint> project(const Camera& camera, const glm::dvec3& point);
 
 /// How a lens bends what a pinhole would see, after Brown and Conrady, in OpenCV's terms and order: k1, k2,
 /// p1, p2, k3, k4, k5, k6. All 0: not at all.
 struct LensDistortion {
     std::array<double, 8> terms{};
 
+    /// A place in the plane at distance 1 of a camera: x to the right, y down.
+    struct Point {
+        double x, y;
+    };
+
     bool any() const { return *this != LensDistortion{}; }
     /// Where the lens shows what a pinhole shows at `point`.
-    LensPoint distorted(LensPoint point) const;
+    Point distorted(Point point) const;
     /// So far from the axis distances grow with those of a pinhole. What is farther off would be shown on top
     /// of what is nearer: no lens does that, the terms only say nothing of it. At most 10.
     double reach() const;
@@ -113,7 +116,7 @@ struct FrameRate {
     std::shared_ptr<const std::vector<std::int64_t>> own_times{};  ///< ns, from 0 up; null: evenly
 
     std::int64_t time_ns(std::int64_t frame) const;     ///< exact; no overflow for frame < 2^40
-    std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact likewise
+    std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact too
     std::int64_t nearest(std::int64_t time_ns) const;   ///< the frame that is, the earlier of two
     double per_second() const { return static_cast<double>(num) / static_cast<double>(den); }
 };
@@ -123,10 +126,15 @@ inline constexpr std::int64_t shortest_frame_ns = 1'000'000;
 /// one is less than `shortest_frame_ns` after the one before, or where all last longer than 126 years.
 std::optional<FrameRate> rate_of_own_times(std::vector<std::int64_t> times_ns);
 
-/// Where a clip's camera stood at each frame, as somebody else measured it: a point of the camera is R p + t
+/// Where a clip's camera stood at each frame, as its makers measured it: a point of the camera is R p + t
 /// in a world that stands still. Nothing that is seen or felt goes by it.
 struct CameraPath {
     std::vector<std::optional<CameraPose>> poses;  ///< of frames 0, 1, ...; nothing: not known
+
+    struct TimedPose {
+        double seconds = 0;
+        CameraPose pose;
+    };
 
     std::size_t known() const;
     /// The way from each known place to the next one, scene units.
@@ -140,12 +148,6 @@ struct CameraPath {
 /// often than frames.
 inline constexpr std::size_t most_path_frames = 200'000, most_timed_poses = 2'000'000;
 
-/// A camera's pose at a time.
-struct TimedPose {
-    double seconds = 0;
-    CameraPose pose;
-};
-
 /// The rotation of a quaternion, which need not be exactly of length 1; nothing where it is no rotation.
 std::optional<std::array<double, 9>> rotation_of(double x, double y, double z, double w);
 /// At a place in metres; nothing where that is a million kilometres away or more.
@@ -156,12 +158,12 @@ bool is_rotation(const std::array<double, 9>& matrix);
 
 /// Lines "time tx ty tz qx qy qz qw", seconds and metres, as TUM RGB-D's groundtruth.txt; '#' begins a
 /// remark. An error names the line.
-Result<std::vector<TimedPose>> parse_timed_poses(std::string_view text, const std::string& name,
-                                                 double metres_per_unit);
+Result<std::vector<CameraPath::TimedPose>> parse_timed_poses(std::string_view text, const std::string& name,
+                                                             double metres_per_unit);
 /// The known poses in that form, at the times of their frames.
 std::string timed_poses_text(const CameraPath& path, const FrameRate& rate, double metres_per_unit);
 /// Poses with the frames of these times; those that are at no frame's time are left out.
-CameraPath path_of_timed_poses(const std::vector<TimedPose>& poses, const FrameRate& rate);
+CameraPath path_of_timed_poses(const std::vector<CameraPath::TimedPose>& poses, const FrameRate& rate);
 
 /// How a code becomes a depth in scene units; n = code / code_max where near_is_high, 1 - that otherwise.
 /// - linear:  far + (near - far) n                   (Eq. 3)
@@ -247,39 +249,6 @@ struct DepthLength {
     bool operator==(const DepthLength&) const = default;
 };
 
-/// Such a length in the place of one that grows as depth does, `share` (z + shift): of those that are off it
-/// by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07, 1:8 1.23,
-/// 1:30 1.5.
-DepthLength length_along_depth(double share, double shift, double near, double far);
-
-/// So twice as much has 16 bits.
-inline constexpr int code_curve_most = 32767;
-
-/// Such a length at a code, told in codes, in integers (docs/conventions.md): a polynomial of second degree
-/// in the code's distance from one end. For inverse depth w it is constant w^2 + quadratic. For log codes it
-/// equals the length at both planes and in the middle. It is not negative. Of its coefficients only the
-/// linear one can be, for log codes and where codes have a shift; then it can be least between the ends.
-struct CodeCurve {
-    std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
-    bool falls = false;                                     ///< the linear coefficient counts as negative
-    std::uint16_t last = 0;                                 ///< largest code
-    int shift = 0;                                          ///< by which a distance fills 16 bits
-    bool from_last = false;                                 ///< distances are taken from `last`, not from 0
-
-    /// At most code_curve_most.
-    int at(std::uint16_t code) const {
-        const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
-        const std::uint32_t sloped = linear * n >> 16;
-        std::uint32_t value = constant + (quadratic * (n * n >> 16) >> 16);
-        value = falls ? value - std::min(value, sloped) : value + sloped;
-        return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
-    }
-    bool is_zero() const { return (constant | linear | quadratic) == 0; }
-    bool operator==(const CodeCurve&) const = default;
-};
-/// `times` the length, in codes of `coding`.
-CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
-
 /// What a person should know of how a scene came to mean what it means.
 struct Remark {
     std::string what;       ///< "the camera sees 60 degrees from left to right"
@@ -294,7 +263,7 @@ inline constexpr std::size_t most_remarks = 100, longest_remark = 2000;  ///< by
 
 /// Adds one, on one line and short enough for a scene file; once only, and none beyond `most_remarks`.
 void add_remark(std::vector<Remark>& remarks, Remark remark);
-/// `first`, then `rest`, likewise.
+/// `first`, then `rest`, added one by one.
 std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<Remark>& rest);
 
 /// As a scene file has it: a guess begins with "guessed: ". What says another is left out, as it may be of
@@ -420,8 +389,8 @@ struct VideoSource {
     std::string haptic{}, height{};  ///< stills that serve all frames; empty: none
 };
 
-/// What pictures hold where it is not the codes of `Scene::depth`. Whoever reads them makes codes of it, by
-/// what is in all frames, and settles that coding then.
+/// What pictures hold where it is not the codes of `Scene::depth`. Their reader makes codes of it, by what is
+/// in all frames, and settles that coding then.
 struct StoredDepth {
     enum class Kind {
         codes,      ///< of Scene::depth; of floats, lengths (metric) or shares of code_max (others)
@@ -447,9 +416,9 @@ struct Scene {
     FrameRate rate;
     double metres_per_unit = 0.001;
     Camera camera;
-    LensDistortion lens;  ///< of depth as it is stored; whoever opens a clip undoes it
-                          ///< (engine/formats/pinhole_frames.hpp)
-    /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.
+    /// Of depth as it is stored; opening a clip undoes it (engine/formats/pinhole_frames.hpp).
+    LensDistortion lens;
+    /// Of colour as it is stored; without it colour has depth's pixels. Opening a clip brings it there.
     std::optional<ColourCamera> colour_camera;
     DepthCoding depth;
     StoredDepth stored;
@@ -466,8 +435,7 @@ struct Scene {
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
     std::optional<VideoSource> video;  ///< beside a folder: neither, or one of them
-    /// Where its camera stood, for who asks; null: nobody knows. A scene file does not say it: it lies beside
-    /// the pictures.
+    /// Where its camera stood; null: not known. A scene file does not say it: it lies beside the pictures.
     std::shared_ptr<const CameraPath> path{};
 };
 
@@ -477,8 +445,8 @@ struct Scene {
 /// than a thousandth of the nearest depth or a millionth of the deepest.
 Result<void> validate(const Scene& scene);
 
-/// Filters that nobody stated. Whoever opens a clip to play it chooses them by what its first frames tell
-/// (choose_filters); in the scene they are off.
+/// Filters that were not stated. They are chosen when a clip is opened to be played, by what its first frames
+/// tell (choose_filters); in the scene they are off.
 struct UnstatedFilters {
     bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
     /// Of terrace removal, whether that is stated or not.
@@ -488,48 +456,59 @@ struct UnstatedFilters {
 };
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true, true};
 
-/// What a description leaves open.
-struct Unstated {
-    bool rate = false;    ///< the frames' own times stand
-    bool camera = false;  ///< the median of the cameras in `folder.cameras` stands
-    bool far = false;     ///< of metric coding: what the frames reach stands (engine/clip/readers.hpp)
-    UnstatedFilters filters{};
-    bool operator==(const Unstated&) const = default;
-};
-
-/// What a renderer's material of this index, 0 to 65535, feels like.
-struct Material {
-    int index = 0;
-    HapticProperties properties;
-};
 inline constexpr int largest_material_index = 65535;
 inline constexpr std::size_t most_materials = 256;
 
 /// What a scene file, a format or a person says of a clip. `settle` makes its scene of that, once the clip
 /// itself is there.
 struct SceneDescription {
+    /// What it leaves open.
+    struct Unstated {
+        bool rate = false;    ///< the frames' own times stand
+        bool camera = false;  ///< the median of the cameras in `folder.cameras` stands
+        bool far = false;     ///< of metric coding: what the frames reach stands (engine/clip/readers.hpp)
+        UnstatedFilters filters{};
+        bool operator==(const Unstated&) const = default;
+    };
+    /// What the clip tells of that.
+    struct FoundInClip {
+        std::optional<FrameRate> rate{};  ///< without it 30 frames a second
+        std::optional<Camera> camera{};
+        std::optional<double> far{};  ///< without it the depth of the deepest code
+    };
+    /// What a renderer's material of this index, 0 to 65535, feels like.
+    struct Material {
+        int index = 0;
+        HapticProperties properties;
+    };
+
     SceneDescription() = default;
     /// Of a scene, which leaves nothing open.
     SceneDescription(Scene settled) : scene(std::move(settled)) {}
 
     Scene scene;  ///< what is stated. Of what is not: a camera that could be, the deepest code as far plane
     Unstated unstated;
-    /// Where there are any, haptic pictures are of material indices; whoever reads them makes properties of
-    /// them, by Scene::haptic, which holds them all. By index, each once, at most 256.
+    /// Where there are any, haptic pictures are of material indices; their reader makes properties of them,
+    /// by Scene::haptic, which holds them all. By index, each once, at most 256.
     std::vector<Material> materials{};
 };
 
 /// As `validate` of a scene, of what is known already.
 Result<void> validate(const SceneDescription& described);
 
-/// What a clip tells of what its description leaves open.
-struct FoundInClip {
-    std::optional<FrameRate> rate{};  ///< without it 30 frames a second
-    std::optional<Camera> camera{};
-    std::optional<double> far{};  ///< without it the depth of the deepest code
-};
 /// The one place where a description becomes a scene. What is stated stands, and what was found fills in the
 /// rest. Refused without a place: a camera that was neither stated nor found, and what `validate` refuses.
-Result<Scene> settle(const SceneDescription& described, const FoundInClip& found);
+Result<Scene> settle(const SceneDescription& described, const SceneDescription::FoundInClip& found);
+
+inline constexpr int scene_format_version = 1;
+
+/// Reads and validates a scene file: JSON (docs/scene_file.md). `where` names the text in messages.
+/// A newer format version, an unknown member or an impossible number is refused by name.
+Result<SceneDescription> parse_scene(std::string_view json, std::string_view where);
+Result<SceneDescription> read_scene_file(const std::filesystem::path& file);
+
+/// The same description as text; parse_scene gives back the same, every double to its last bit. (Of a remark
+/// what says otherwise is not kept.) What it leaves open stays open.
+std::string scene_to_json(const SceneDescription& described);
 
 }  // namespace touchable

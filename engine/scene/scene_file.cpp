@@ -1,4 +1,4 @@
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -17,10 +17,9 @@ namespace touchable {
 namespace {
 
 using checked_json::Node;
-using OrderedJson = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;  // members stay in the order a person would write them
 
-/// What `depth.coding` can be: a coding of codes, or of what the frames settle
-/// to be one.
+/// What `depth.coding` can be: a coding of codes, or of what the frames settle to be one.
 struct Coding {
     DepthCodingKind kind;
     StoredDepth::Kind stored = StoredDepth::Kind::codes;
@@ -106,7 +105,7 @@ OrderedJson write_folder(const FolderSource& folder) {
 
 constexpr double stiffest = 1e6;  // N/mm
 
-/// A name of digits as somebody writes a number.
+/// A name of digits, as a number is written.
 int read_index(const Node& materials, const std::string& name) {
     int index = -1;
     const char* const end = name.data() + name.size();
@@ -153,8 +152,7 @@ void read_properties(const Node& node, HapticProperties& properties) {
 }
 
 OrderedJson write_properties(const HapticProperties& properties) {
-    // Not every double in N/m is a thousand times a double; those are written in
-    // N/m.
+    // Not every double in N/m is a thousand times a double; those are written in N/m.
     OrderedJson json;
     const double in_n_per_mm = properties.stiffness / 1000.0;
     if (in_n_per_mm * 1000.0 == properties.stiffness)
@@ -169,36 +167,38 @@ OrderedJson write_properties(const HapticProperties& properties) {
 /// The member `haptic.materials`: properties by index. What an entry leaves out is as of `otherwise`. A range
 /// that `haptic` does not state becomes that of the materials and of `otherwise`; one that it states has to
 /// hold them.
-std::vector<Material> read_materials(const Node& haptic, const HapticProperties& otherwise,
-                                     HapticRanges& ranges) {
+std::vector<SceneDescription::Material> read_materials(const Node& haptic, const HapticProperties& otherwise,
+                                                       HapticRanges& ranges) {
     const Node node = haptic["materials"];
     const std::vector<std::string> names = node.members();
     if (names.empty() || names.size() > most_materials)
         node.refuse(
             "an object of 1 to 256 materials, such as {\"1\": "
             "{\"stiffness\": 0.8}}");
-    std::vector<Material> materials;
+    std::vector<SceneDescription::Material> materials;
     for (const std::string& name : names) {
-        Material material{read_index(node, name), otherwise};
+        SceneDescription::Material material{read_index(node, name), otherwise};
         read_properties(node[name.c_str()], material.properties);
         check(node[name.c_str()], material.properties);
         materials.push_back(material);
     }
     std::sort(materials.begin(), materials.end(),
-              [](const Material& a, const Material& b) { return a.index < b.index; });
+              [](const SceneDescription::Material& a, const SceneDescription::Material& b) {
+                  return a.index < b.index;
+              });
     const auto hold_all = [&](const HapticProperties& properties, bool is_first) {
         hold(haptic, "stiffness", is_first, properties.stiffness / 1000, ranges.stiffness);
         hold(haptic, "static_friction", is_first, properties.static_friction, ranges.static_friction);
         hold(haptic, "dynamic_friction", is_first, properties.dynamic_friction, ranges.dynamic_friction);
     };
     hold_all(otherwise, true);
-    for (const Material& material : materials) hold_all(material.properties, false);
+    for (const SceneDescription::Material& material : materials) hold_all(material.properties, false);
     return materials;
 }
 
-OrderedJson write_materials(const std::vector<Material>& materials) {
+OrderedJson write_materials(const std::vector<SceneDescription::Material>& materials) {
     OrderedJson json = OrderedJson::object();
-    for (const Material& material : materials)
+    for (const SceneDescription::Material& material : materials)
         json[std::to_string(material.index)] = write_properties(material.properties);
     return json;
 }
@@ -385,8 +385,7 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
     unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
                 !node.has("flying_pixels")};
-    // Removal that is stated is as it was before there was a reach, above all
-    // where a recording repeats it.
+    // Removal that is stated is as it was before there was a reach, above all where a recording repeats it.
     unstated.terrace_reach =
         !node.has("terrace_reach") && (unstated.terraces || filter.terraces == TerraceRemoval::automatic);
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
@@ -418,14 +417,13 @@ std::vector<Remark> read_remarks(const Node& node) {
 }
 
 SceneDescription read_scene(const Node& node) {
-    check_version(node["touchable_scene"]);  // first: a newer format may well have
-                                             // more members
+    check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
                      "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
     SceneDescription described;
     Scene& scene = described.scene;
-    Unstated& open = described.unstated;
+    SceneDescription::Unstated& open = described.unstated;
     if (node.has("remarks")) scene.remarks = read_remarks(node["remarks"]);
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
@@ -456,8 +454,6 @@ SceneDescription read_scene(const Node& node) {
             "left out where no folder.haptic names pictures of material indices");
     return described;
 }
-
-/// Members stay in the order a person would write them.
 
 template <class Choice, std::size_t n>
 const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice sought) {
@@ -589,7 +585,7 @@ Result<SceneDescription> read_scene_file(const std::filesystem::path& file) {
 
 std::string scene_to_json(const SceneDescription& described) {
     const Scene& scene = described.scene;
-    const Unstated& open = described.unstated;
+    const SceneDescription::Unstated& open = described.unstated;
     OrderedJson json = {{"touchable_scene", scene_format_version}};
     if (!scene.remarks.empty()) json["remarks"] = write_remarks(scene.remarks);
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});

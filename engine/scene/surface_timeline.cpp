@@ -1,4 +1,4 @@
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -24,8 +24,7 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
 std::uint64_t pins(std::size_t one, std::size_t other) {
     return std::uint64_t{one + 1} << 32 | std::uint64_t{other + 1};
 }
-template <class Pins>
-bool is_pinned(const Pins& pins, std::size_t slot) {
+bool is_pinned(const auto& pins, std::size_t slot) {
     return std::any_of(pins.begin(), pins.end(), [slot](std::uint64_t pair) {
         return pair >> 32 == slot + 1 || (pair & 0xffffffffU) == slot + 1;
     });
@@ -82,7 +81,7 @@ void SurfaceTimeline::end_epoch() {
 
 Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns) {
     if (!acquired_) return Error{ErrorKind::internal, "timeline: publish without an acquired frame"};
-    if (auto later = check_later(number, time_ns); !later) return later;
+    TRY(check_later(number, time_ns));
     append(number, time_ns, *acquired_);
     acquired_.reset();
     return {};
@@ -182,7 +181,7 @@ void SurfaceTimeline::show(std::int64_t tick) {
     shown_pins_[readers_place_].store(0, std::memory_order_release);
 }
 
-const HeldPair* SurfaceTimeline::look() {
+const SurfaceTimeline::HeldPair* SurfaceTimeline::look() {
     if (between_.load(std::memory_order_relaxed) & is_new) {
         shown_pins_[eyes_place_].store(0, std::memory_order_release);
         eyes_place_ = between_.exchange(eyes_place_, std::memory_order_acq_rel) & ~is_new;

@@ -7,7 +7,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/stream/hls.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/stream_pictures.hpp"

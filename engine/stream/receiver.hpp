@@ -143,7 +143,7 @@ public:
     static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source);
 
     const Scene& scene() const { return scene_; }
-    const Unstated& unstated() const { return unstated_; }
+    const SceneDescription::Unstated& unstated() const { return unstated_; }
     const std::vector<TrackInfo>& tracks() const { return tracks_; }
     const std::vector<std::string>& notes() const { return notes_; }
     /// Whether both say the same of scene and planes.
@@ -183,7 +183,7 @@ private:
     std::unique_ptr<StreamPictures> pictures_;
     Scene scene_;
     std::string scene_text_;
-    Unstated unstated_;
+    SceneDescription::Unstated unstated_;
     std::optional<FramesetAssembler> assembler_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;

@@ -7,7 +7,7 @@
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/tracks.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/memory_muxer.hpp"
 #include "engine/stream/sending.hpp"

@@ -174,7 +174,7 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
 
 /// A picture, and of each pixel for how many frames it has only been held.
 struct Remembered {
-    FramePlace place;
+    RawFrame::Place place;
     Picture picture;
     std::vector<int> held;
 };
@@ -191,10 +191,10 @@ void smooth(Picture picture, const RawFrame& raw, const TemporalFilter& filter,
             std::optional<Remembered>& remembered) {
     for (Pixel& pixel : picture.pixels) pixel.code = filter.working.of(pixel.code);
     if (!remembered || !remembered->place.is_before(raw)) {
-        remembered = {FramePlace(raw), picture, std::vector<int>(picture.pixels.size(), 0)};
+        remembered = {RawFrame::Place(raw), picture, std::vector<int>(picture.pixels.size(), 0)};
         return;
     }
-    remembered->place = FramePlace(raw);
+    remembered->place = RawFrame::Place(raw);
     for (std::size_t k = 0; k < picture.pixels.size(); ++k) {
         const Pixel& now = picture.pixels[k];
         Pixel& kept = remembered->picture.pixels[k];

@@ -40,7 +40,7 @@ private:
     std::size_t words_ = 0;  // of a row
     std::vector<std::uint16_t> codes_;
     std::vector<std::uint32_t> known_, held_low_, held_high_;
-    std::optional<FramePlace> last_;
+    std::optional<RawFrame::Place> last_;
 };
 
 }  // namespace touchable

@@ -25,7 +25,6 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"

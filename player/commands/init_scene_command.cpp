@@ -10,7 +10,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"

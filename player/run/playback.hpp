@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_timeline.hpp"
 
 namespace touchable {
 

@@ -21,7 +21,6 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/surface_timeline.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {

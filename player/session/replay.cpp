@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "engine/base/words.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/session/clip_choice.hpp"

@@ -216,7 +216,7 @@ Result<void> WatchedSession::ask(PlaybackVerb verb, std::int64_t first, std::int
 }
 
 const WatchedMoment* WatchedSession::look() {
-    const HeldPair* held = setup_->feed->timeline().look();
+    const SurfaceTimeline::HeldPair* held = setup_->feed->timeline().look();
     if (!held) return nullptr;
     const auto nearer = [](const FramePair& pair) { return pair.blend < 0.5 ? pair.prev : pair.next; };
     seen_.held = *held;

@@ -17,7 +17,6 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
-#include "engine/scene/surface_timeline.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/pictures.hpp"

@@ -203,7 +203,7 @@ std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const Hei
         goes_over = false;
         return std::nullopt;
     }
-    const auto at = [&](const ImagePoint& pixel, double beyond_nearest_m) {
+    const auto at = [&](const Camera::ImagePoint& pixel, double beyond_nearest_m) {
         const double depth = surface->nearest + beyond_nearest_m / metres;
         return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
     };

@@ -12,7 +12,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/capi/hill.hpp"
 #include "tests/temporary_folder.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -120,7 +120,7 @@ TEST(RandomWalk, MovesAPixelAndThreeUnitsAndJumpsEveryFiftiethTick) {
     const auto scene = made("noise", sized(128, 128));
     const Scene& s = scene->scene();
     RandomWalk walk(s, 1), again(s, 1), other(s, 2);
-    ImagePoint before = *project(s.camera, walk.next());
+    Camera::ImagePoint before = *project(s.camera, walk.next());
     (void)again.next();
     int jumps = 0, in_picture = 0;
     bool differs = false;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <thread>
 
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/frame/marked_frame.hpp"
 #include "tests/frame/random.hpp"

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/frame/marked_frame.hpp"
 #include "tests/frame/random.hpp"
@@ -35,7 +35,7 @@ TEST(SurfaceTimelineEye, SeesWhatTheHandHeldLast) {
         timeline.show(tick);
     }
     for (int k = 0; k < 3; ++k) {
-        const HeldPair* seen = timeline.look();
+        const SurfaceTimeline::HeldPair* seen = timeline.look();
         ASSERT_NE(seen, nullptr);
         EXPECT_EQ(seen->tick, 8);
         EXPECT_EQ(seen->pair.prev.number, 1);
@@ -51,7 +51,7 @@ TEST(SurfaceTimelineEye, HowEverLongItLooksItKeepsItsFramesAndNobodyElseWaits) {
     FramePair pair;
     ASSERT_TRUE(timeline.pair_at(frame_ns / 2, pair));
     timeline.show(0);
-    const HeldPair* seen = timeline.look();
+    const SurfaceTimeline::HeldPair* seen = timeline.look();
     for (std::int64_t n = 2; n < 200; ++n) {
         if (n % 50 == 0) timeline.begin_epoch(static_cast<std::uint64_t>(n));
         ASSERT_TRUE(write_marked(timeline, n)) << n;
@@ -74,7 +74,7 @@ TEST(SurfaceTimelineEye, NeitherShowingNorLookingAllocates) {
     timeline.pair_at(frame_ns / 2, pair);
     const std::size_t before = allocations();
     for (int tick = 0; tick < 5; ++tick) timeline.show(tick);
-    const HeldPair* seen = timeline.look();
+    const SurfaceTimeline::HeldPair* seen = timeline.look();
     EXPECT_EQ(allocations(), before);
     EXPECT_EQ(seen->tick, 4);
 }
@@ -117,7 +117,7 @@ void expect_three_get_on(std::chrono::microseconds stare, int looks) {
     int seen_torn = 0, stuck = 0;
     std::int64_t newest = -1;
     for (int k = 0; k < looks;) {
-        const HeldPair* seen = timeline.look();
+        const SurfaceTimeline::HeldPair* seen = timeline.look();
         if (seen == nullptr || seen->tick == newest) {
             std::this_thread::yield();
             continue;

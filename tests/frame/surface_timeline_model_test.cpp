@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/frame/marked_frame.hpp"
 #include "tests/frame/random.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "engine/scene/surface_timeline.hpp"
+#include "engine/scene/frames.hpp"
 #include "tests/frame/random.hpp"
 
 namespace touchable {

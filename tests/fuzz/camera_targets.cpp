@@ -10,7 +10,7 @@
 #include "engine/camera/v4l2_camera.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/pinhole_frames.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -6,7 +6,7 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

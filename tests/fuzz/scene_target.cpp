@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/scene/checked_json.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -2,7 +2,7 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,7 +1,7 @@
 // A clip that was written as a glTF scene comes back; so does what other programs could have written.
 #include <algorithm>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/gltf/gltf_fixture.hpp"
 
 namespace touchable::test {

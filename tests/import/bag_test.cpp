@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/limited_memory.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "engine/scene/frames.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/video/quicktime.hpp"

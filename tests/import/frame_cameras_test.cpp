@@ -11,7 +11,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

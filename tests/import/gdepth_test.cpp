@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/picture/encoded_picture.hpp"

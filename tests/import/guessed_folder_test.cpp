@@ -4,7 +4,7 @@
 
 #include "engine/formats/guessed_scene.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

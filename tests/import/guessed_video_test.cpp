@@ -6,7 +6,7 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/raw_png.hpp"
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/video/quicktime.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/formats/formats_read.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 

@@ -12,7 +12,7 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/clip/clip_file.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

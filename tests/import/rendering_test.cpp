@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/opened_files.hpp"

@@ -11,7 +11,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
 

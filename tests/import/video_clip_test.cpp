@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/clip/tracks.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 

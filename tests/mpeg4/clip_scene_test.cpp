@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "engine/mpeg4/bifs.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
 
 namespace touchable::mpeg4 {

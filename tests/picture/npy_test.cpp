@@ -6,7 +6,7 @@
 
 #include "engine/picture/image.hpp"
 #include "engine/picture/numpy.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/real_data.hpp"

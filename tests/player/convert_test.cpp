@@ -15,7 +15,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "player/commands/commands.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"

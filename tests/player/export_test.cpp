@@ -7,7 +7,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

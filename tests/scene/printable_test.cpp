@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

@@ -13,13 +13,13 @@ SceneDescription of_millimetres(const std::string& more = {}) {
                      more + "}");
 }
 
-FoundInClip all_found() {
+SceneDescription::FoundInClip all_found() {
     return {.rate = FrameRate{25, 1}, .camera = Camera{5, 6, 1, 2}, .far = 2.5};
 }
 
 TEST(SceneDescription, TakesWhatIsOpenFromTheClip) {
     const SceneDescription open = of_millimetres();
-    EXPECT_EQ(open.unstated, (Unstated{true, true, true, all_unstated}));
+    EXPECT_EQ(open.unstated, (SceneDescription::Unstated{true, true, true, all_unstated}));
     const auto scene = settle(open, all_found());
     ASSERT_TRUE(scene.ok()) << scene.error().message;
     EXPECT_EQ(scene->rate.num, 25);
@@ -31,14 +31,14 @@ TEST(SceneDescription, TakesWhatIsOpenFromTheClip) {
 
 TEST(SceneDescription, KeepsWhatIsStated) {
     SceneDescription stated = parsed(recording);
-    EXPECT_EQ(stated.unstated, Unstated{});
+    EXPECT_EQ(stated.unstated, SceneDescription::Unstated{});
     const auto scene = settle(stated, all_found());
     ASSERT_TRUE(scene.ok()) << scene.error().message;
     EXPECT_EQ(scene_to_json(*scene), scene_to_json(stated));
 }
 
 TEST(SceneDescription, HasDefaultsOfRateAndFarButNotOfTheCamera) {
-    FoundInClip camera_alone;
+    SceneDescription::FoundInClip camera_alone;
     camera_alone.camera = Camera{5, 6, 1, 2};
     const auto scene = settle(of_millimetres(), camera_alone);
     ASSERT_TRUE(scene.ok()) << scene.error().message;
@@ -52,7 +52,7 @@ TEST(SceneDescription, HasDefaultsOfRateAndFarButNotOfTheCamera) {
 // Whether levels leave room for finer codes is known with the far plane.
 TEST(SceneDescription, TerraceRemovalIsJudgedWithTheFarPlane) {
     const SceneDescription open = of_millimetres(R"(, "filter": {"terraces": "on", "levels": [0, 30]})");
-    FoundInClip found = all_found();
+    SceneDescription::FoundInClip found = all_found();
     EXPECT_TRUE(settle(open, found).ok());
     found.far = 60;
     const auto too_far = settle(open, found);

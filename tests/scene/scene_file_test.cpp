@@ -1,4 +1,4 @@
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <cctype>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/scene/random.hpp"
 
 namespace touchable {

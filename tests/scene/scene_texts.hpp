@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable {
 

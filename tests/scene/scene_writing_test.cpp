@@ -6,7 +6,7 @@
 #include <string>
 
 #include "engine/scene/filter_codes.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 #include "tests/sweep.hpp"
@@ -84,7 +84,7 @@ PropertyRange random_range(Random& random) {
 SceneDescription random_description(Random& random) {
     SceneDescription described;
     Scene& scene = described.scene;
-    Unstated& open = described.unstated;
+    SceneDescription::Unstated& open = described.unstated;
     scene.name = random.below(2) ? "globe \"twice\" \u00e9\u4e16\n" : "";
     scene.width = 1 + static_cast<int>(random.below(16384));
     scene.height = 1 + static_cast<int>(random.below(16384));

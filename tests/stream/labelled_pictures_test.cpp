@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "engine/clip/clip_file.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/clip_remux.hpp"

@@ -6,7 +6,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/formats_written.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
 

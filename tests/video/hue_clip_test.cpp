@@ -2,7 +2,7 @@
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 // Depth as hue in the project's own clips and in folders of images.

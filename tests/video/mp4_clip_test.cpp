@@ -10,7 +10,7 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/sound.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/video/mp4_boxes.hpp"

@@ -6,7 +6,7 @@
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/sound.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/sweep.hpp"

@@ -11,7 +11,7 @@
 
 #include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/sanitizers.hpp"
