@@ -58,8 +58,7 @@ Result<FramePtr> frame_around(const TakenPicture& picture, const StreamFormat& f
 
 Result<FramePtr> decoded(const TakenPicture& picture) {
     const auto* const bytes = reinterpret_cast<const char*>(picture.bytes->data());
-    TRY_ASSIGN(auto made, decode_picture({bytes, picture.bytes->size()}, "its picture"));
-    return std::move(made.frame);
+    return decode_picture({bytes, picture.bytes->size()}, "its picture");
 }
 
 /// As many pixels as the depth has, as nearly as the format offers them.

@@ -461,7 +461,7 @@ protected:
     std::int64_t time_ms(std::int64_t frame) const;
 
     const Scene scene_;
-    const Unstated unstated_;
+    const SceneDescription::Unstated unstated_;
     const ClipStorage storage_;
     FrameCheck check_;
     NewFile output_;

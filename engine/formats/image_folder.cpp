@@ -27,7 +27,6 @@
 #include "engine/formats/touch_maps.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/picture/numpy.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -62,7 +62,7 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     if (const auto there = stacks_.find(name); there != stacks_.end()) return there->second;
     if (pictures_.contains(name) || !is_npy_file(source(file))) return std::shared_ptr<ImageStack>();
     TRY_ASSIGN(auto stack, open_npy_stack(source(file), least_confidence_));
-    return stacks_[name] = std::make_shared<ImageStack>(std::move(stack));
+    return stacks_[name] = std::move(stack);
 }
 
 void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {

@@ -14,7 +14,6 @@
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/picture/numpy.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -41,7 +40,7 @@ public:
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
     /// The pictures of a file that is a stack of them (.npy, .npz), which stays open; null of others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
-    /// Of stacks that are opened from now on (ImageStack::trust).
+    /// Of stacks that are opened from now on (open_npy_stack).
     void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
     std::optional<double> least_confidence() const { return least_confidence_; }
     /// Keeps one for `take`, with what is beside it.

@@ -47,7 +47,7 @@ struct SourceDescription {
     std::optional<double> metres_per_code;  ///< of metric depth: of a stored 1
     std::filesystem::path file;             ///< that `intrinsics` were read from, if any
     std::string preset;                     ///< a name of a Preset or of VideoValues; empty: none
-    /// Of arrays with a confidence beside depth (ImageStack::trust).
+    /// Of arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
     bool operator==(const SourceDescription&) const = default;
 };

@@ -1,4 +1,4 @@
-#include "engine/picture/container_checks.hpp"
+#include "engine/picture/input.hpp"
 
 extern "C" {
 #include <libavutil/crc.h>
@@ -59,24 +59,16 @@ private:
     Result<void> edits(const Box& box);
     Result<void> hold(const Box& box, std::uint64_t entries, std::uint64_t bits, std::uint64_t skipped);
     Result<void> count_unsized(const Box& box, std::uint64_t samples);
-    Result<std::array<std::uint8_t, head_bytes>> head_at(std::uint64_t at);
+    auto head_of(const Box& box) { return head_at<head_bytes>(bytes_, box.content, end_); }
 
     ByteSource& bytes_;
     std::uint64_t end_;
     std::uint64_t unsized_ = 0, samples_ = 0, edits_ = 0;
 };
 
-/// As many as there are; the rest is zero.
-Result<std::array<std::uint8_t, head_bytes>> Walk::head_at(std::uint64_t at) {
-    std::array<std::uint8_t, head_bytes> head{};
-    const auto some = static_cast<std::size_t>(std::min<std::uint64_t>(head_bytes, end_ - at));
-    TRY(bytes_.read(at, reinterpret_cast<char*>(head.data()), some));
-    return head;
-}
-
 Result<void> Walk::boxes(std::uint64_t at, std::uint64_t end, int depth) {
     while (at + 8 <= end) {
-        TRY_ASSIGN(const auto head, head_at(at));
+        TRY_ASSIGN(const auto head, head_at<head_bytes>(bytes_, at, end_));
         const std::uint64_t stated = AV_RB32(head.data());
         const std::uint64_t before = stated == 1 ? 16 : 8;
         const std::uint64_t size = stated == 0 ? end - at : stated == 1 ? AV_RB64(head.data() + 8) : stated;
@@ -94,7 +86,7 @@ Result<void> Walk::boxes(std::uint64_t at, std::uint64_t end, int depth) {
 /// so.
 Result<bool> Walk::hides_a_movie(const Box& box) {
     if ((box.type != "free" && box.type != "hoov") || box.content + 8 > box.end) return false;
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     const std::string_view first(reinterpret_cast<const char*>(head.data()) + 4, 4);
     return first == "mvhd" || first == "cmov";
 }
@@ -130,27 +122,27 @@ Result<void> Walk::count_unsized(const Box& box, std::uint64_t samples) {
 }
 
 Result<void> Walk::table(const Box& box, const TableKind& kind) {
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     return hold(box, AV_RB32(head.data() + 4), 8 * kind.entry_bytes, 8);
 }
 
 /// QuickTime's are boxes alone; MP4's stand behind a version.
 Result<void> Walk::metadata(const Box& box, int depth) {
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     const bool is_quicktime = AV_RB32(head.data() + 4) == AV_RB32("hdlr");
     return boxes(std::min(box.content + (is_quicktime ? 0 : 4), box.end), box.end, depth + 1);
 }
 
 /// Of samples that belong together: which do, or what there is to know of each group, of a byte or more.
 Result<void> Walk::groups(const Box& box) {
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     const std::uint64_t count_at = head[0] == 0 ? 8 : 12;
     return hold(box, AV_RB32(head.data() + count_at), box.type == "sbgp" ? 64 : 8, count_at + 4);
 }
 
 /// Of samples: one for all, or each its own.
 Result<void> Walk::sizes(const Box& box) {
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     const std::uint64_t samples = AV_RB32(head.data() + 8);
     samples_ += samples;
     const bool is_compact = box.type == "stz2";
@@ -160,7 +152,7 @@ Result<void> Walk::sizes(const Box& box) {
 
 /// Of a fragment's samples: its flags say what each has an entry of.
 Result<void> Walk::run(const Box& box) {
-    TRY_ASSIGN(const auto head, head_at(box.content));
+    TRY_ASSIGN(const auto head, head_of(box));
     const std::uint32_t flags = AV_RB32(head.data());
     std::uint64_t bits = 0;
     for (const std::uint32_t flag : {0x100U, 0x200U, 0x400U, 0x800U})
@@ -299,18 +291,6 @@ Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment,
     return is_short ? cut_here(end) : MatroskaEnd{end, is_stated};
 }
 
-/// As many as there are; the rest is zero.
-template <std::size_t count>
-Result<std::array<std::uint8_t, count>> head_at(ByteSource& bytes, std::uint64_t position) {
-    std::array<std::uint8_t, count> head{};
-    const auto some = std::min<std::uint64_t>(count, bytes.size() - position);
-    if (auto read =
-            bytes.read(position, reinterpret_cast<char*>(head.data()), static_cast<std::size_t>(some));
-        !read)
-        return read.error();
-    return head;
-}
-
 }  // namespace
 
 Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end) {
@@ -341,7 +321,7 @@ Result<std::optional<std::uint64_t>> end_of_boxes(ByteSource& bytes) {
     const std::uint64_t length = bytes.size();
     std::uint64_t position = 0;
     while (position < length) {
-        TRY_ASSIGN(const auto head, head_at<16>(bytes, position));
+        TRY_ASSIGN(const auto head, head_at<16>(bytes, position, length));
         const bool is_json = head[0] == '{' && head[1] == '"';
         const bool is_nothing =
             std::all_of(head.begin(), head.begin() + 8, [](auto byte) { return byte == 0; });
@@ -360,7 +340,7 @@ Result<std::optional<std::uint64_t>> end_of_riff(ByteSource& bytes) {
     const std::uint64_t length = bytes.size();
     std::uint64_t position = 0;
     while (position + 8 < length) {
-        TRY_ASSIGN(const auto head, head_at<8>(bytes, position));
+        TRY_ASSIGN(const auto head, head_at<8>(bytes, position, length));
         const bool is_chunk = AV_RB32(head.data()) == AV_RB32("RIFF");
         if (!is_chunk && position > 0) break;
         const std::uint64_t end = position + 8 + AV_RL32(head.data() + 4);

@@ -17,10 +17,6 @@ namespace touchable {
 
 namespace {
 
-Error no_memory() {
-    return {ErrorKind::internal, "out of memory"};
-}
-
 std::string_view view_of(const AVPacket& packet) {
     return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
@@ -114,7 +110,7 @@ Result<PacketPtr> packet_of(std::string_view bytes) {
     }
     take(bytes.size());
     PacketPtr packet(av_packet_alloc());
-    if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return no_memory();
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return memory_error();
     std::uint8_t* to = packet->data;
     for (const std::string_view part : parts) to = std::copy(part.begin(), part.end(), to);
     return packet;
@@ -217,7 +213,7 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     const AVCodec* codec = avcodec_find_decoder(codec_id);
     CodecPtr decoder(avcodec_alloc_context3(codec));
     FramePtr frame(av_frame_alloc());
-    if (!codec || !decoder || !frame) return no_memory();
+    if (!codec || !decoder || !frame) return memory_error();
     decoder->thread_count = 1;
     decoder->max_pixels = std::int64_t{16384} * 16384;
     decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
@@ -261,17 +257,16 @@ bool takes_long(AVCodecID codec, const AVPacket& packet) {
     return std::max<std::uint64_t>(png_header(bytes).bytes, deflate_expansion * packed_pixels(bytes)) >= many;
 }
 
-/// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
-/// does not wait for them.
+/// FFmpeg decodes a picture in one go, which takes seconds of the largest. A stop does not wait for them.
 Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
                                        std::optional<LastRow> last_row) {
     if (!takes_long(codec, packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
     PacketPtr own(av_packet_clone(&packet));
-    if (!own) return no_memory();
+    if (!own) return memory_error();
     auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
         return decode(where, codec, *packet, last_row ? &*last_row : nullptr);
     });
-    if (!frame) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    if (!frame) return interrupted_read(where);
     return std::move(*frame);
 }
 
@@ -320,16 +315,6 @@ const AVPixFmtDescriptor& descriptor(const AVFrame& frame) {
     return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
 }
 
-Image rgb_of_size(int width, int height) {
-    Image image{width, height, 1, 3, {}};
-    image.samples.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
-    return image;
-}
-
-std::uint8_t* row_of(Image& image, int y) {
-    return image.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 3;
-}
-
 void move_palette(const AVFrame& frame, const std::uint8_t* from, std::uint8_t* to) {
     for (int x = 0; x < frame.width; ++x, to += 3) {
         std::uint32_t entry;  // 0xAARRGGBB in host order
@@ -352,6 +337,29 @@ std::optional<PlaneView> first_plane(const AVFrame& frame) {
     return PlaneView{frame.data[0], frame.linesize[0], frame.width, frame.height, bytes, 1};
 }
 
+/// 8-bit RGB of `count` rows from `first` on; the frame is_rgb8.
+Image rgb_rows(const AVFrame& frame, int first, int count) {
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(frame.width);
+    Image image{frame.width, count, 1, 3, {}};
+    image.samples.resize(row_bytes * static_cast<std::size_t>(count));
+    for (int y = 0; y < count; ++y)
+        move_rgb_row(frame, first + y, image.samples.data() + row_bytes * static_cast<std::size_t>(y));
+    return image;
+}
+
+/// Gives these rows' memory back to the system, as far as it is whole pages: they may not be read again. Of a
+/// frame that has no other owner.
+void drop_rows(AVFrame& frame, int first, int count) {
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
+    if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
+    for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
+        const auto stride = static_cast<std::size_t>(std::max(frame.linesize[plane], 0));
+        give_back(frame.data[plane] + stride * static_cast<std::size_t>(first),
+                  stride * static_cast<std::size_t>(count));
+    }
+}
+
 /// Rows that are copied at once; then their memory goes back, so that a picture is held once and not twice.
 constexpr int rows_at_once = 64;
 
@@ -364,8 +372,7 @@ Result<std::optional<Image>> gathered(const std::string& where, AVFrame& frame, 
     image.samples.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
                           static_cast<std::size_t>(bytes * channels));
     for (int first = 0; first < frame.height; first += rows_at_once) {
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        if (stop_requested()) return interrupted_read(where);
         const int count = std::min(rows_at_once, frame.height - first);
         if (!append(image.samples, first, count)) return std::optional<Image>{};
         drop_rows(frame, first, count);
@@ -446,7 +453,7 @@ Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr fra
         return std::optional<Image>{};
     if (!is_rgb8(*frame)) {
         auto rgb = unless_stopped([frame = std::move(frame)] { return RgbConverter().converted(*frame); });
-        if (!rgb) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+        if (!rgb) return interrupted_read(where);
         if (!*rgb) return input_error(where + ": " + rgb->error().message);
         frame = std::move(**rgb);
     }
@@ -472,7 +479,7 @@ void gather(Image& image, int bits) {
 
 }  // namespace
 
-Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where) {
+Result<FramePtr> decode_picture(std::string_view bytes, const std::string& where) {
     silence_ffmpeg();
     const AVCodecID codec = codec_of(bytes);
     if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
@@ -487,7 +494,7 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
                                : decode_unless_stopped(where, codec, *packet, std::nullopt));
     if (header.colours && frame->format == AV_PIX_FMT_PAL8)
         TRY(check_indices(where, *frame, *header.colours));
-    return DecodedPicture{std::move(frame), codec, header.grey ? header.bits : 8, header.interlaced};
+    return frame;
 }
 
 std::string format_name(const AVFrame& frame) {
@@ -557,45 +564,26 @@ Image rgb_exact(const AVFrame& frame) {
     return rgb_rows(frame, 0, frame.height);
 }
 
-Image rgb_rows(const AVFrame& frame, int first, int count) {
-    Image image = rgb_of_size(frame.width, count);
-    for (int y = 0; y < count; ++y) move_rgb_row(frame, first + y, row_of(image, y));
-    return image;
-}
-
-void drop_rows(AVFrame& frame, int first, int count) {
-    const AVPixFmtDescriptor& format = descriptor(frame);
-    const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
-    if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
-    for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
-        const auto stride = static_cast<std::size_t>(std::max(frame.linesize[plane], 0));
-        give_back(frame.data[plane] + stride * static_cast<std::size_t>(first),
-                  stride * static_cast<std::size_t>(count));
-    }
-}
-
 Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where) {
-    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
-    const std::string format = format_name(*picture.frame);
-    TRY_ASSIGN(auto image, image_from(where, std::move(picture.frame)));
-    if (picture.bits < 8) gather(image, picture.bits);
-    if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    TRY_ASSIGN(auto frame, decode_picture(bytes, where));
+    const PngHeader header = png_header(bytes);
     StoredImage stored;
-    stored.image = std::move(image);
-    stored.codec = avcodec_get_name(picture.codec);
-    stored.pixel_format = format;
-    stored.bits = picture.bits;
-    stored.interlaced = picture.interlaced;
+    stored.codec = avcodec_get_name(codec_of(bytes));
+    stored.pixel_format = format_name(*frame);
+    stored.bits = header.grey ? header.bits : 8;
+    stored.interlaced = header.interlaced;
+    TRY_ASSIGN(stored.image, image_from(where, std::move(frame)));
+    if (stored.bits < 8) gather(stored.image, stored.bits);
+    if (stop_requested()) return interrupted_read(where);
     return stored;
 }
 
 Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
-    TRY_ASSIGN(auto picture, decode_picture(bytes, where));
-    const AVFrame& frame = *picture.frame;
-    if (picture.codec == AV_CODEC_ID_PNG && frame.format == AV_PIX_FMT_PAL8) {
+    TRY_ASSIGN(const auto frame, decode_picture(bytes, where));
+    if (codec_of(bytes) == AV_CODEC_ID_PNG && frame->format == AV_PIX_FMT_PAL8) {
         auto indices =
-            gathered(where, *picture.frame, 1, 1,
-                     packed_grey({frame.data[0], frame.linesize[0], frame.width, frame.height, 1, 1}));
+            gathered(where, *frame, 1, 1,
+                     packed_grey({frame->data[0], frame->linesize[0], frame->width, frame->height, 1, 1}));
         if (!indices) return indices.error();  // TRY_ASSIGN's move of an optional picture makes GCC 12 warn
         return std::move(**indices);
     }

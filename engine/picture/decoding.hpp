@@ -2,14 +2,16 @@
 
 // What FFmpeg has decoded, as samples: exact where a format is grey or RGB, converted where it is not.
 //
-// decode_picture is a PNG or JPEG by FFmpeg's decoders. grey_samples and luma_samples show a frame's own
-// samples; move_rgb_row, rgb_exact and rgb_rows move bytes of packed, planar and palette RGB; RgbConverter
-// converts any other colour to RGB of 8 bits, by vectors for YUV 4:2:0 (the same bits as swscale's plain C)
+// decode_picture decodes a PNG or JPEG by FFmpeg. grey_samples and luma_samples show a frame's own samples;
+// rgb_exact moves bytes of packed, planar and palette RGB; RgbConverter converts any other colour to packed
+// RGB of 8 bits, three bytes a pixel: by the CPU's vectors for YUV 4:2:0 (the same bits as swscale's plain C)
 // and by swscale otherwise. joined_bytes puts two planes of bytes together to one of 16 bits.
 //
-// Include it in .cpp files and in private headers: it brings FFmpeg's own. An RgbConverter is one thread's.
-
-// Packed RGB: 8 bits, three bytes a pixel, made by the CPU's vectors.
+// join_channels, take_channels and RgbConverter::convert_yuv420 are the loops of these conversions for one
+// vector unit, which tests compare; others leave the choice of the unit to the functions above.
+//
+// Include it in .cpp files and in private headers: it brings FFmpeg's own. An RgbConverter is one thread's,
+// the functions are any thread's.
 
 #include <array>
 #include <cstddef>
@@ -26,39 +28,6 @@
 #include "engine/scene/frames.hpp"
 
 namespace touchable {
-
-/// A row whose red, green and blue lie apart, as H.264 has them.
-void join_channels(VectorUnit unit, const std::array<const std::uint8_t*, 3>& channels, int width,
-                   std::uint8_t* rgb);
-
-/// A row of four bytes a pixel; `places`: which of them are red, green and blue, from 0.
-void take_channels(VectorUnit unit, const std::uint8_t* pixels, const std::array<int, 3>& places, int width,
-                   std::uint8_t* rgb);
-
-/// What YUV of 8 bits counts for in red, green and blue, in 8192ths.
-struct YuvFactors {
-    int black = 0;  ///< the y of black
-    int y = 0, red_of_v = 0, green_of_u = 0, green_of_v = 0, blue_of_u = 0;
-};
-/// Of a table as swscale has it for each colour space: in 65536ths, v in red, u in blue, u and v taken from
-/// green, where y goes from 16 to 235. `full`: it goes from 0 to 255.
-YuvFactors yuv_factors(const int* table, bool full);
-
-/// Whose u and v have a sample for each four pixels.
-struct Yuv420Picture {
-    std::array<const std::uint8_t*, 3> planes{};  ///< y, u, v
-    std::array<std::ptrdiff_t, 3> strides{};      ///< bytes from one row to the next
-    int width = 0, height = 0;
-};
-/// Pictures of other sizes swscale enlarges by other filters.
-constexpr bool is_converted(int width, int height) {
-    return width % 2 == 0 && height % 2 == 0 && width >= 10 && height >= 10;
-}
-/// As RGB, the same bits as swscale's plain C for RGB24 with bilinear, accurate, bit-exact and full chroma:
-/// they are in relief that recordings were made with. That takes its u and v from left to right between their
-/// samples, but of every second row as they are. The picture's size is_converted.
-void convert_yuv420(VectorUnit unit, const Yuv420Picture& picture, const YuvFactors& factors,
-                    std::uint8_t* rgb, std::ptrdiff_t stride);
 
 /// FFmpeg's name of the format, "gray10le" for one.
 std::string format_name(const AVFrame& frame);
@@ -83,12 +52,12 @@ Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8
 void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb);
 /// The same of all rows.
 Image rgb_exact(const AVFrame& frame);
-/// The same of `count` rows from `first` on.
-Image rgb_rows(const AVFrame& frame, int first, int count);
-
-/// Gives these rows' memory back to the system, as far as it is whole pages: nobody may read them again. Of
-/// a frame that nobody else has.
-void drop_rows(AVFrame& frame, int first, int count);
+/// A row whose red, green and blue lie apart, as H.264 has them.
+void join_channels(VectorUnit unit, const std::array<const std::uint8_t*, 3>& channels, int width,
+                   std::uint8_t* rgb);
+/// A row of four bytes a pixel; `places`: which of them are red, green and blue, from 0.
+void take_channels(VectorUnit unit, const std::uint8_t* pixels, const std::array<int, 3>& places, int width,
+                   std::uint8_t* rgb);
 
 /// 8-bit RGB of any colour format: bytes moved where the format is RGB, otherwise rounded. Keeps what it has
 /// set up for frames of one kind.
@@ -96,6 +65,21 @@ class RgbConverter {
 public:
     /// A frame of format RGB24.
     Result<FramePtr> converted(const AVFrame& frame);
+
+    /// What YUV of 8 bits counts for in red, green and blue, in 8192ths.
+    struct YuvFactors {
+        int black = 0;  ///< the y of black
+        int y = 0, red_of_v = 0, green_of_u = 0, green_of_v = 0, blue_of_u = 0;
+    };
+    /// Of a table as swscale has it for each colour space: in 65536ths, v in red, u in blue, u and v taken
+    /// from green, where y goes from 16 to 235. `full`: it goes from 0 to 255.
+    static YuvFactors yuv_factors(const int* table, bool full);
+    /// A frame of YUV 4:2:0 of 8 bits as RGB, the same bits as swscale's plain C for RGB24 with bilinear,
+    /// accurate, bit-exact and full chroma: they are in relief that recordings were made with. That takes its
+    /// u and v from left to right between their samples, but of every second row as they are. Width and
+    /// height are even and at least 10; pictures of other sizes swscale enlarges by other filters.
+    static void convert_yuv420(VectorUnit unit, const AVFrame& frame, const YuvFactors& factors,
+                               std::uint8_t* rgb, std::ptrdiff_t stride);
 
 private:
     bool is_set_up_for(const AVFrame& frame) const;
@@ -113,14 +97,7 @@ private:
 /// The same of one frame.
 Result<Image> rgb_converted(const AVFrame& frame);
 
-struct DecodedPicture {
-    FramePtr frame;
-    AVCodecID codec = AV_CODEC_ID_NONE;
-    int bits = 8;             ///< of a sample as stored; grey of 2 and 4 is spread over 8 in the frame
-    bool interlaced = false;  ///< a PNG that is; then it is not found out where its data end too early
-};
-
 /// PNG or JPEG by its first bytes. Refused where it is cut, damaged, or has data for a part of it only.
-Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where);
+Result<FramePtr> decode_picture(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

@@ -13,8 +13,8 @@ extern "C" {
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
-#include "engine/picture/container_checks.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 
 namespace touchable {
 namespace {
@@ -39,15 +39,6 @@ public:
 
 private:
     Result<void> box(std::string_view type, std::uint64_t content, std::uint64_t end);
-    /// The bytes from there on; zeros beyond the end.
-    template <std::size_t count>
-    Result<std::array<std::uint8_t, count>> at(std::uint64_t place, std::uint64_t end) {
-        std::array<std::uint8_t, count> read{};
-        const auto some = static_cast<std::size_t>(std::min<std::uint64_t>(count, end - place));
-        TRY(bytes_.read(place, reinterpret_cast<char*>(read.data()), some));
-        return read;
-    }
-
     ByteSource& bytes_;
     DisparityTracks found_;
     int track_ = 0, depth_ = 0;
@@ -55,7 +46,7 @@ private:
 
 Result<void> TrackSearch::boxes(std::uint64_t place, std::uint64_t end) {
     while (place + 8 <= end) {
-        TRY_ASSIGN(const auto head, at<16>(place, end));
+        TRY_ASSIGN(const auto head, head_at<16>(bytes_, place, end));
         const std::uint64_t stated = AV_RB32(head.data()), before = stated == 1 ? 16 : 8;
         const std::uint64_t size = stated == 0   ? end - place
                                    : stated == 1 ? AV_RB64(head.data() + 8)
@@ -77,12 +68,12 @@ Result<void> TrackSearch::box(std::string_view type, std::uint64_t content, std:
             return searched;
         }
     if (type == "tkhd" && content < end) {
-        TRY_ASSIGN(const auto head, at<24>(content, end));
+        TRY_ASSIGN(const auto head, head_at<24>(bytes_, content, end));
         track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // behind its times
     }
     constexpr std::uint64_t entry = 8;  // behind version and count
     if (type == "stsd" && content + entry + 8 <= end) {
-        TRY_ASSIGN(const auto head, at<16>(content, end));
+        TRY_ASSIGN(const auto head, head_at<16>(bytes_, content, end));
         const std::string_view name(reinterpret_cast<const char*>(head.data()) + entry + 4, 4);
         if (name != disparity || found_.ids.size() == most_tracks) return {};
         found_.ids.push_back(track_);
@@ -91,6 +82,7 @@ Result<void> TrackSearch::box(std::string_view type, std::uint64_t content, std:
     return {};
 }
 
+/// The same bytes with `hvc1` in place of each of these names.
 class ShownAsHevc final : public ByteSource {
 public:
     ShownAsHevc(std::unique_ptr<ByteSource> bytes, std::vector<std::uint64_t> names_at)
@@ -116,19 +108,6 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
     const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
     if (!found) return std::nullopt;
     return found->value;
-}
-
-/// Of QuickTime, up to `end`.
-Result<DisparityTracks> find_disparity_tracks(ByteSource& bytes, std::uint64_t end) {
-    TrackSearch search(bytes);
-    TRY(search.boxes(0, end));
-    return search.take();
-}
-
-/// The same bytes with `hvc1` in place of each of these names.
-std::unique_ptr<ByteSource> shown_as_hevc(std::unique_ptr<ByteSource> bytes,
-                                          std::vector<std::uint64_t> names_at) {
-    return std::make_unique<ShownAsHevc>(std::move(bytes), std::move(names_at));
 }
 
 }  // namespace
@@ -160,13 +139,15 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSou
         auto boxes = end_of_boxes(*bytes);
         if (!boxes || !*boxes) return boxes;
         TRY(check_box_tables(*bytes, **boxes));
-        TRY_ASSIGN(auto found, find_disparity_tracks(*bytes, **boxes));
-        disparity = std::move(found);
+        TrackSearch search(*bytes);
+        TRY(search.boxes(0, **boxes));
+        disparity = search.take();
         return boxes;
     }();
     if (!end) return error_at(file, end.error());
     if (!*end) return input_error(file + ": is truncated, or no QuickTime or MP4 file");
-    if (!disparity.ids.empty()) bytes = shown_as_hevc(std::move(bytes), std::move(disparity.names_at));
+    if (!disparity.ids.empty())
+        bytes = std::make_unique<ShownAsHevc>(std::move(bytes), std::move(disparity.names_at));
     auto demuxer = open(std::move(bytes), **end, file, "mov", "QuickTime or MP4");
     if (demuxer) (*demuxer)->disparities_ = std::move(disparity.ids);
     return demuxer;
@@ -253,22 +234,24 @@ std::optional<std::string> Demuxer::attachment(const std::string& file_name) con
     return std::nullopt;
 }
 
-Result<PacketPtr> Demuxer::next_packet() {
+/// Null at the end; `failed` follows the file's name where it cannot be read.
+Result<PacketPtr> Demuxer::read_packet(const char* failed) {
     PacketPtr packet(av_packet_alloc());
-    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    if (!packet) return memory_error();
     const int status = av_read_frame(container_.get(), packet.get());
     if (status == AVERROR_EOF && container_->pb->error >= 0) return PacketPtr();
-    if (status < 0) return error_at(file_, input_failure(*container_, status));
+    if (status < 0) return error_at(file_ + failed, input_failure(*container_, status));
     return packet;
+}
+
+Result<PacketPtr> Demuxer::next_packet() {
+    return read_packet("");
 }
 
 /// Puts one packet into its queue; false at the end of the file.
 Result<bool> Demuxer::read_one() {
-    PacketPtr packet(av_packet_alloc());
-    if (!packet) return Error{ErrorKind::internal, "out of memory"};
-    const int status = av_read_frame(container_.get(), packet.get());
-    if (status == AVERROR_EOF && container_->pb->error >= 0) return false;
-    if (status < 0) return error_at(file_ + ": cannot be read further", input_failure(*container_, status));
+    TRY_ASSIGN(auto packet, read_packet(": cannot be read further"));
+    if (!packet) return false;
     const auto queue = queues_.find(packet->stream_index);
     if (queue == queues_.end()) return true;
     if (queue->second.size() >= queue_limit)

@@ -2,11 +2,11 @@
 
 // FFmpeg's C API with owners, the files that it reads and writes, and base64 by it.
 //
-// FramePtr, PacketPtr, CodecPtr and ScalerPtr own FFmpeg's objects; what differs between FFmpeg's versions is
-// here and nowhere else. open_input lets FFmpeg read a ByteSource by our own reads, so that a stop is obeyed
-// whatever it does, and open_flow bytes as they come. A Demuxer takes a video file apart into packets by
-// stream: what a container claims of itself is checked first (its boxes, its Matroska elements, where it
-// ends), before FFmpeg believes it. ReservedOutput writes a container with room kept for its end.
+// FramePtr, PacketPtr, CodecPtr, ScalerPtr and InputPtr own FFmpeg's objects; what differs between FFmpeg's
+// versions is here and nowhere else. A Demuxer takes a video file apart into packets by stream: what a
+// container claims of itself is checked first (its boxes, its Matroska elements, where it ends), before
+// FFmpeg believes it, and FFmpeg reads by our own reads, so that a stop is obeyed meanwhile. ReservedOutput
+// writes a container with room kept for its end.
 //
 // Include it in .cpp files and in private headers: it brings FFmpeg's own. Errors are lines about the named
 // file (ErrorKind::input), or ErrorKind::interrupted. Each object is used by one thread at a time.
@@ -44,16 +44,22 @@ struct FfmpegDeleter {
     void operator()(AVPacket* packet) const { av_packet_free(&packet); }
     void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
     void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+    void operator()(AVFormatContext* input) const;  ///< with the bytes that it reads
 };
 using FramePtr = std::unique_ptr<AVFrame, FfmpegDeleter>;
 using PacketPtr = std::unique_ptr<AVPacket, FfmpegDeleter>;
 using CodecPtr = std::unique_ptr<AVCodecContext, FfmpegDeleter>;
 using ScalerPtr = std::unique_ptr<SwsContext, FfmpegDeleter>;
+using InputPtr = std::unique_ptr<AVFormatContext, FfmpegDeleter>;
+
+inline Error memory_error() {
+    return {ErrorKind::internal, "out of memory"};
+}
 
 /// What FFmpeg means by a negative return value.
 std::string ffmpeg_text(int error);
 
-/// A path as FFmpeg takes it: never mistaken for a protocol or an option, whatever its characters.
+/// A path as FFmpeg takes it: with no characters mistaken for a protocol or an option.
 std::string file_url(const std::filesystem::path& path);
 
 /// Errors come back as Results, so FFmpeg itself prints nothing. Holds for the whole process; called wherever
@@ -75,46 +81,20 @@ bool is_key_frame(const AVFrame& frame);
 /// Whether an encoder takes pictures of this format. One that lists none takes any.
 bool encodes(const AVCodec& codec, AVPixelFormat format);
 
-struct InputCloser {
-    void operator()(AVFormatContext* container) const;
-};
-using InputPtr = std::unique_ptr<AVFormatContext, InputCloser>;
-
-/// How a container is opened.
-struct InputKind {
-    const char* format = nullptr;  ///< as FFmpeg calls it; null: what the bytes look like, of `formats`
-    const char* formats = nullptr;
-    int error_recognition = 0;  ///< AV_EF_
-    int most_streams = 0;       ///< 0: as many as FFmpeg allows
-    std::int64_t probed = 0;    ///< bytes that are looked at to open it; 0: as many as FFmpeg likes
-};
-
-/// Bytes that come one after the other, and once.
-class ByteFlow {
-public:
-    virtual ~ByteFlow() = default;
-    /// At most `count` bytes, as soon as there are any: how many; 0 at the end.
-    virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
-};
-
-/// Lets FFmpeg see the first `end` bytes, under the name `file`. Once somebody asks the program to stop it is
-/// given no more of them, however far it would read on (ErrorKind::interrupted). An error's words go behind
-/// the name and a colon (error_at).
-Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end, const std::string& file,
-                            const InputKind& kind);
-
-/// The same of bytes as they come. What keeps them from coming is for `flow` to say, and to end.
-Result<InputPtr> open_flow(std::shared_ptr<ByteFlow> flow, const InputKind& kind);
-
-/// Why it reads no further with this status, likewise: what its bytes say, or FFmpeg.
-Error input_failure(const AVFormatContext& container, int status);
-
 /// Of a file that does not say how long it is.
 Error never_completed(const std::string& file);
 
 /// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
 class Demuxer {
 public:
+    /// Bytes that come one after the other, and once.
+    class ByteFlow {
+    public:
+        virtual ~ByteFlow() = default;
+        /// At most `count` bytes, as soon as there are any: how many; 0 at the end.
+        virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
+    };
+
     /// Refused is a file that does not say how long it is, unless it may be a stream.
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
     /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity are
@@ -158,7 +138,7 @@ public:
     /// The next packet of any stream, whatever is selected; null after the last.
     Result<PacketPtr> next_packet();
     /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
-    /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
+    /// where the file offers no way there. What follows may be anything: a reader checks the times.
     bool seek(int stream, std::int64_t timestamp);
     /// When the index has a packet of `stream` that decoding can begin with, at `timestamp` or the last
     /// before; nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there
@@ -176,6 +156,7 @@ public:
     Result<const AVPacket*> peek(int stream);
 
 private:
+    Result<PacketPtr> read_packet(const char* failed);
     Result<bool> read_one();
     bool has_flag(int stream, int entry, int flag) const;
     int entry_of(int stream, std::int64_t picture) const;
@@ -195,8 +176,8 @@ private:
 Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end);
 
 /// A file that an FFmpeg muxer writes, which has room on its disk for what is still to come before it is
-/// written: the next pictures, and what a muxer puts at the end. So whoever stops in time has a whole file on
-/// a disk that became full. File systems that cannot reserve room have none.
+/// written: the next pictures, and what a muxer puts at the end. So a writer that stops in time leaves a
+/// whole file on a disk that became full. File systems that cannot reserve room have none.
 class ReservedOutput {
 public:
     ReservedOutput() = default;

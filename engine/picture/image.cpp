@@ -20,17 +20,12 @@ extern "C" {
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/number_pictures.hpp"
-#include "engine/picture/numpy.hpp"
 
 namespace touchable {
 
 namespace {
 
 Error file_error(const std::filesystem::path& file, const std::string& what) {
-    return input_error(file.string() + ": " + what);
-}
-
-Error picture_error(const std::filesystem::path& file, const std::string& what) {
     return input_error(file.string() + ": " + what);
 }
 
@@ -81,20 +76,22 @@ std::string kinds_text() {
     return text;
 }
 
-Error no_room_for_png() {
-    return {ErrorKind::internal, "out of memory"};
+/// A frame of the image's size.
+Result<FramePtr> png_frame(const PlaneView& image, AVPixelFormat format) {
+    FramePtr frame(av_frame_alloc());
+    if (!frame) return memory_error();
+    frame->width = image.width;
+    frame->height = image.height;
+    frame->format = format;
+    if (av_frame_get_buffer(frame.get(), 0) < 0) return memory_error();
+    return frame;
 }
 
 /// What the PNG encoder takes: the plane's samples, those of 16 bits with their high byte first.
 Result<FramePtr> png_input(const PlaneView& image) {
-    FramePtr frame(av_frame_alloc());
-    if (!frame) return no_room_for_png();
-    frame->width = image.width;
-    frame->height = image.height;
-    frame->format = image.channels == 3           ? AV_PIX_FMT_RGB24
-                    : image.bytes_per_sample == 2 ? AV_PIX_FMT_GRAY16BE
-                                                  : AV_PIX_FMT_GRAY8;
-    if (av_frame_get_buffer(frame.get(), 0) < 0) return no_room_for_png();
+    TRY_ASSIGN(auto frame, png_frame(image, image.channels == 3           ? AV_PIX_FMT_RGB24
+                                            : image.bytes_per_sample == 2 ? AV_PIX_FMT_GRAY16BE
+                                                                          : AV_PIX_FMT_GRAY8));
     for (int y = 0; y < image.height; ++y) {
         std::uint8_t* to = frame->data[0] + static_cast<std::ptrdiff_t>(frame->linesize[0]) * y;
         if (image.bytes_per_sample == 1) {
@@ -135,12 +132,7 @@ std::vector<std::uint32_t> few_colours(const PlaneView& image) {
 
 /// The same picture as indices of its colours.
 Result<FramePtr> indexed_input(const PlaneView& image, const std::vector<std::uint32_t>& colours) {
-    FramePtr frame(av_frame_alloc());
-    if (!frame) return no_room_for_png();
-    frame->width = image.width;
-    frame->height = image.height;
-    frame->format = AV_PIX_FMT_PAL8;
-    if (av_frame_get_buffer(frame.get(), 0) < 0) return no_room_for_png();
+    TRY_ASSIGN(auto frame, png_frame(image, AV_PIX_FMT_PAL8));
     std::vector<std::uint32_t> palette = colours;
     palette.resize(256, 0xFF000000U);
     std::memcpy(frame->data[1], palette.data(), 4 * palette.size());
@@ -179,7 +171,7 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     if (!codec) return Error{ErrorKind::internal, "this FFmpeg has no PNG encoder"};
     CodecPtr encoder(avcodec_alloc_context3(codec));
     PacketPtr packet(av_packet_alloc());
-    if (!encoder || !packet) return no_room_for_png();
+    if (!encoder || !packet) return memory_error();
     encoder->width = frame.width;
     encoder->height = frame.height;
     encoder->pix_fmt = static_cast<AVPixelFormat>(frame.format);
@@ -266,6 +258,10 @@ std::string_view picture_kind(std::string_view begin) {
     return kind ? kind->name : std::string_view();
 }
 
+Error interrupted_read(const std::string& where) {
+    return {ErrorKind::interrupted, "interrupted while " + where + " was read"};
+}
+
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where) {
     const auto usable = [](std::int64_t side) { return side >= 1 && side <= largest_picture_side; };
     if (usable(width) && usable(height)) return {};
@@ -282,7 +278,7 @@ Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const
 
 Result<std::string> read_picture_bytes(const SourceFile& file) {
     auto bytes = file.read("a picture", largest_file);
-    if (bytes && bytes->empty()) return picture_error(file.path(), "is empty");
+    if (bytes && bytes->empty()) return file_error(file.path(), "is empty");
     return bytes;
 }
 
@@ -303,18 +299,16 @@ Result<StoredImage> decode_stored_image(std::string bytes, const std::string& wh
 
 Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& where, DecodePicture decode) {
     constexpr std::size_t quick = 4096;  // bytes: what they unpack to is decoded in a few milliseconds
-    const Error interrupted{ErrorKind::interrupted, "interrupted while " + where + " was read"};
-    if (stop_requested()) return interrupted;
+    if (stop_requested()) return interrupted_read(where);
     if (bytes.size() <= quick) return decode(bytes, where);
     auto decoded = unless_stopped(
         [bytes = std::move(bytes), where, decode = std::move(decode)] { return decode(bytes, where); });
-    return decoded ? std::move(*decoded) : interrupted;
+    return decoded ? std::move(*decoded) : interrupted_read(where);
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {
     TRY_ASSIGN(auto stored, read_stored_image(file));
-    if (!stored.values.empty())
-        return picture_error(file, "is a picture of floats: must be of integers here");
+    if (!stored.values.empty()) return file_error(file, "is a picture of floats: must be of integers here");
     return std::move(stored.image);
 }
 

@@ -6,12 +6,12 @@
 // read_stored_image reads a picture of any kind that its first bytes tell (PNG, JPEG, TIFF, OpenEXR, PGM,
 // PPM, PFM, NumPy) as it is stored: a StoredImage is integers as the file has them, or floats, and says how
 // it was stored, so that depth is never squeezed through a conversion. decode_* are the same of bytes in
-// memory, of one kind. write_png and png_bytes write PNG, lossless. NumPy's stacks of pictures are in
-// numpy.hpp, pictures of videos in decoding.hpp.
+// memory, of one kind. An ImageStack reads the pictures of a NumPy file (.npy, .npz) one by one. write_png
+// and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
 //
 // What a file claims (sizes, expansion) is checked before memory is taken for it. Errors begin with `where`
 // or the file's name (ErrorKind::input); a stop is obeyed within milliseconds. Functions may be called by any
-// thread.
+// thread; an ImageStack is one thread's.
 
 #include <cstddef>
 #include <cstdint>
@@ -59,7 +59,7 @@ std::optional<Image> as_grey(const Image& image);
 /// How 8-bit RGB is stored: as it is, or, where a picture has at most 256 colours, as indices into a palette
 /// of them, which takes fewer bytes where they lie in areas, as materials do. Both keep every value.
 enum class PngColours { rgb, indexed_if_few };
-/// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.
+/// Lossless. Grey of 8 or 16 bits, or RGB of 8. The owner of `file` commits it.
 Result<void> write_png(NewFile& file, const PlaneView& image, PngColours colours = PngColours::rgb);
 /// Quick: half the time, for 5 % more bytes of a photograph and fewer of smooth depth.
 enum class PngEffort { quick, thorough };
@@ -121,6 +121,8 @@ Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& 
 /// Refuses pictures of more than 64 MiB in files of less than a 4096th of that, before memory is taken for
 /// them.
 Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const std::string& where);
+/// What reading `where` ends with once the program is asked to stop.
+Error interrupted_read(const std::string& where);
 /// Refuses sides of 0 and beyond `largest_picture_side`.
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where);
 
@@ -150,5 +152,29 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
 Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string& where);
 /// Material indices alone, as numbers.
 Result<StoredImage> decode_exr_materials(std::string_view bytes, const std::string& where);
+
+/// The pictures of an array of numbers as NumPy writes them, read one by one: height x width, or a stack of
+/// such.
+class ImageStack {
+public:
+    virtual ~ImageStack() = default;
+    virtual std::int64_t count() const = 0;
+    virtual int width() const = 0;
+    virtual int height() const = 0;
+    /// From 0 on. All are alike: floats where any picture has a number that is no integer from 0 to 65535.
+    virtual Result<StoredImage> image(std::int64_t number) = 0;
+    /// Where a .npz has a confidence beside depth: there is no depth (NaN, of integers 0) where it is below.
+    virtual std::optional<double> least_confidence() const = 0;
+};
+
+/// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes: the
+/// only array; else the one that is named depth, or the only one whose name begins so; else the only one of
+/// pictures. An array of one picture is a stack of one. Without `least_confidence` it is half of the median
+/// of the first picture's.
+Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
+                                                   std::optional<double> least_confidence = {});
+
+/// Whether a file begins as such a one.
+bool is_npy_file(const SourceFile& file);
 
 }  // namespace touchable

@@ -1,5 +1,12 @@
 #pragma once
 
+// Pictures that are arrays of numbers: how their numbers are held in a file, and their readers (PGM, PPM,
+// PFM, TIFF, NumPy).
+//
+// A reader finds out the NumberFormat, puts blocks of numbers into a NumberPicture, and finishes it: codes
+// stay as they are, and what has other numbers becomes a picture of floats. Readers take the bytes of a file;
+// errors begin with `where`. A NumberPicture is one thread's, the functions are any thread's.
+
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -63,5 +70,13 @@ bool is_tiff(std::string_view begin);
 /// The first page: grey of integers or floats of 8 to 64 bits, colour of 8 (of 16 where it is grey). Other
 /// samples of a pixel, such as alpha, are dropped.
 Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where);
+
+bool is_npy(std::string_view begin);
+/// The one picture of a .npy file.
+Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where);
+
+bool is_npz(std::string_view begin);
+/// The same of a .npz file, which is a zip archive of .npy files: of the array that depth is read from.
+Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

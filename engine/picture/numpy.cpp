@@ -1,21 +1,41 @@
-#include "engine/picture/numpy.hpp"
-
 #include <zip.h>
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/number_pictures.hpp"
 
 namespace touchable {
 
 namespace {
 
 constexpr std::string_view npy_magic = "\x93NUMPY";
+
+/// What a file of NumPy's format 1.0 to 3.0 says before its data.
+struct NpyHeader {
+    NumberFormat format;
+    bool columns_first = false;  ///< Fortran order: the first index runs fastest
+    std::vector<std::int64_t> shape;
+    std::size_t data_at = 0;  ///< bytes before the data
+};
+
+/// The pictures of an array: height x width, or a stack, count x height x width; also with 1 behind it, and
+/// with 1 in any place before height.
+struct NpyPictures {
+    std::int64_t count = 1;
+    int width = 0, height = 0;
+};
 
 /// The few of Python's literals of which a header consists.
 class PythonText {
@@ -126,6 +146,50 @@ Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string&
     header.shape = std::move(*shape);
     return header;
 }
+
+/// Every extent of the shape is at most 2^31.
+Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
+    char begin[12] = {};
+    if (bytes.size() < sizeof begin) return damaged_header(where);
+    if (auto got = bytes.read(0, begin, sizeof begin); !got) return error_at(where, got.error());
+    if (!is_npy({begin, sizeof begin})) return damaged_header(where);
+    const auto byte = [&](int at) { return std::size_t{static_cast<unsigned char>(begin[at])}; };
+    if (byte(6) < 1 || byte(6) > 3)
+        return input_error(where + ": is of NumPy's format " + std::to_string(byte(6)) + ": must be 1 to 3");
+    const std::size_t text_at = byte(6) == 1 ? 10 : 12;
+    const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
+    if (length > 65536 || text_at + length > bytes.size()) return damaged_header(where);
+    std::string text(length, '\0');
+    if (auto got = bytes.read(text_at, text.data(), length); !got) return error_at(where, got.error());
+    auto header = header_of_text(text, where);
+    if (header) header->data_at = text_at + length;
+    return header;
+}
+
+Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& where) {
+    std::vector<std::int64_t> shape = header.shape;
+    if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
+    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
+    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
+        one = *one == 1 ? shape.erase(one) : one + 1;
+    if (shape.size() == 2) shape.insert(shape.begin(), 1);
+    if (shape.size() != 3 || shape[0] < 1)
+        return input_error(where + ": is an array of " + shape_text(header.shape) +
+                           ": must be height x width, or count x height x width");
+    if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
+        return input_error(where + ": is an array of " + shape_text(header.shape) + ", with " +
+                           std::to_string(shape[2]) + " numbers a pixel: must have one");
+    TRY(check_picture_size(shape[2], shape[1], where));
+    return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
+}
+
+/// A .npy file inside a .npz file, which is a zip archive.
+struct NpzMember {
+    std::unique_ptr<ByteSource> bytes;  ///< keeps the archive open
+    std::string where;                  ///< both names, as messages begin
+    /// An array of pictures named conf or confidence, which networks write beside depth; null: there is none.
+    std::unique_ptr<ByteSource> confidence{};
+};
 
 using ZipArchive = std::shared_ptr<zip_t>;
 constexpr zip_int64_t most_members = 4096;
@@ -327,36 +391,23 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
     return NpzMember{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
 }
 
-Result<NpzMember> open_archive(zip_source_t* source, zip_error_t& error, const std::string& where) {
-    zip_t* archive = source ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr;
+/// The array that depth is read from. Messages begin with `where`.
+Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string& where) {
+    zip_error_t failure;
+    zip_error_init(&failure);
+    auto own = std::make_unique<ArchiveBytes>(std::move(bytes));
+    zip_source_t* const source = zip_source_function_create(ArchiveBytes::answer, own.get(), &failure);
+    if (source) (void)own.release();
+    zip_t* const archive = source ? zip_open_from_source(source, ZIP_RDONLY, &failure) : nullptr;
+    const std::string why = zip_error_strerror(&failure);
+    zip_error_fini(&failure);
     if (archive) return depth_member_of(ZipArchive(archive, zip_discard), where);
     if (source) zip_source_free(source);
     if (stop_requested()) return error_at(where, interrupted_unpacking());
-    return input_error(where + ": is damaged: " + zip_error_strerror(&error));
+    return input_error(where + ": is damaged: " + why);
 }
-
-/// The error that an archive's opening fills in.
-struct ZipError {
-    ZipError() { zip_error_init(&error); }
-    ~ZipError() { zip_error_fini(&error); }
-    ZipError(const ZipError&) = delete;
-    ZipError& operator=(const ZipError&) = delete;
-    zip_error_t error;
-};
 
 constexpr std::size_t npy_block = std::size_t{1} << 20;
-
-Error interrupted_reading(const std::string& where) {
-    return {ErrorKind::interrupted, "interrupted while " + where + " was read"};
-}
-
-Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& where) {
-    if (!stack) return stack.error();
-    if (stack->count() == 1) return stack->image(0);
-    return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
-                       std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
-                       ": must be one picture here");
-}
 
 /// Of pixel k, row by row. What is no number is least.
 float number_at(const StoredImage& picture, std::size_t k) {
@@ -373,79 +424,49 @@ std::size_t pixels_of(const StoredImage& picture) {
     return static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
 }
 
-}  // namespace
+class NpyStack final : public ImageStack {
+public:
+    /// Of the bytes of a .npy file; messages begin with `where`.
+    static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where);
 
-bool is_npy(std::string_view begin) {
-    return begin.starts_with(npy_magic);
-}
+    std::int64_t count() const override { return pictures_.count; }
+    int width() const override { return pictures_.width; }
+    int height() const override { return pictures_.height; }
+    Result<StoredImage> image(std::int64_t number) override;
+    std::optional<double> least_confidence() const override { return least_confidence_; }
 
-Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
-    char begin[12] = {};
-    if (bytes.size() < sizeof begin) return damaged_header(where);
-    if (auto got = bytes.read(0, begin, sizeof begin); !got) return error_at(where, got.error());
-    if (!is_npy({begin, sizeof begin})) return damaged_header(where);
-    const auto byte = [&](int at) { return std::size_t{static_cast<unsigned char>(begin[at])}; };
-    if (byte(6) < 1 || byte(6) > 3)
-        return input_error(where + ": is of NumPy's format " + std::to_string(byte(6)) + ": must be 1 to 3");
-    const std::size_t text_at = byte(6) == 1 ? 10 : 12;
-    const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
-    if (length > 65536 || text_at + length > bytes.size()) return damaged_header(where);
-    std::string text(length, '\0');
-    if (auto got = bytes.read(text_at, text.data(), length); !got) return error_at(where, got.error());
-    auto header = header_of_text(text, where);
-    if (header) header->data_at = text_at + length;
-    return header;
-}
+    /// Where `confidence` is below `least` there is no depth. Refused where it is of other pictures.
+    Result<void> trust(NpyStack confidence, std::optional<double> least);
 
-Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& where) {
-    std::vector<std::int64_t> shape = header.shape;
-    if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
-    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
-    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
-        one = *one == 1 ? shape.erase(one) : one + 1;
-    if (shape.size() == 2) shape.insert(shape.begin(), 1);
-    if (shape.size() != 3 || shape[0] < 1)
-        return input_error(where + ": is an array of " + shape_text(header.shape) +
-                           ": must be height x width, or count x height x width");
-    if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
-        return input_error(where + ": is an array of " + shape_text(header.shape) + ", with " +
-                           std::to_string(shape[2]) + " numbers a pixel: must have one");
-    TRY(check_picture_size(shape[2], shape[1], where));
-    return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
-}
+private:
+    NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, NpyPictures pictures)
+        : bytes_(std::move(bytes)),
+          where_(std::move(where)),
+          header_(std::move(header)),
+          pictures_(pictures) {}
+    Result<void> check() const;
+    Result<void> find_floats();
+    Result<NumberPicture> read(std::int64_t number);
 
-bool is_npz(std::string_view begin) {
-    return begin.starts_with("PK\x03\x04");
-}
+    std::unique_ptr<ByteSource> bytes_;
+    std::string where_;
+    NpyHeader header_;
+    NpyPictures pictures_;
+    bool floats_ = false;
+    std::unique_ptr<NpyStack> confidence_;
+    std::optional<double> least_confidence_;
+};
 
-Result<NpzMember> open_npz(std::unique_ptr<ByteSource> archive, const std::string& where) {
-    ZipError failure;
-    auto bytes = std::make_unique<ArchiveBytes>(std::move(archive));
-    zip_source_t* source = zip_source_function_create(ArchiveBytes::answer, bytes.get(), &failure.error);
-    if (source) (void)bytes.release();
-    return open_archive(source, failure.error, where);
-}
-
-Result<NpzMember> depth_member(std::string_view archive, const std::string& where) {
-    ZipError failure;
-    zip_source_t* source = zip_source_buffer_create(archive.data(), archive.size(), 0, &failure.error);
-    return open_archive(source, failure.error, where);
-}
-
-ImageStack::ImageStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header,
-                       NpyPictures pictures)
-    : bytes_(std::move(bytes)), where_(std::move(where)), header_(std::move(header)), pictures_(pictures) {}
-
-Result<ImageStack> ImageStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
+Result<NpyStack> NpyStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
     TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
     TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
-    ImageStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
+    NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
     TRY(stack.check());
     TRY(stack.find_floats());
     return stack;
 }
 
-Result<void> ImageStack::check() const {
+Result<void> NpyStack::check() const {
     if (header_.columns_first && pictures_.count > 1)
         return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
                            "numpy.ascontiguousarray makes it");
@@ -459,7 +480,7 @@ Result<void> ImageStack::check() const {
 }
 
 /// Whether integers that may be beyond 16 bits are, in any picture.
-Result<void> ImageStack::find_floats() {
+Result<void> NpyStack::find_floats() {
     const bool codes =
         header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
     if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
@@ -470,7 +491,7 @@ Result<void> ImageStack::find_floats() {
     return {};
 }
 
-Result<NumberPicture> ImageStack::read(std::int64_t number) {
+Result<NumberPicture> NpyStack::read(std::int64_t number) {
     const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
     const bool columns = header_.columns_first;
     const int lines = columns ? width : height, line = bytes * (columns ? height : width);
@@ -482,7 +503,7 @@ Result<NumberPicture> ImageStack::read(std::int64_t number) {
                                              static_cast<std::uint64_t>(line) *
                                              static_cast<std::uint64_t>(lines);
     for (int first = 0; first < lines; first += together) {
-        if (stop_requested()) return interrupted_reading(where_);
+        if (stop_requested()) return interrupted_read(where_);
         const int now = std::min(together, lines - first);
         const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
         if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
@@ -495,13 +516,13 @@ Result<NumberPicture> ImageStack::read(std::int64_t number) {
     return picture;
 }
 
-Result<StoredImage> ImageStack::image(std::int64_t number) {
+Result<StoredImage> NpyStack::image(std::int64_t number) {
     if (number < 0 || number >= count())
         return usage_error(where_ + ": has no picture " + std::to_string(number) + ": must be from 0 to " +
                            std::to_string(count() - 1));
     TRY_ASSIGN(auto picture, read(number));
     StoredImage image = std::move(picture).finish("npy", floats_);
-    if (stop_requested()) return interrupted_reading(where_);
+    if (stop_requested()) return interrupted_read(where_);
     if (!confidence_) return image;
     TRY_ASSIGN(const auto confidence, confidence_->image(number));
     const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
@@ -515,11 +536,11 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
                             std::uint8_t{0});
         }
     });
-    if (!all_trusted) return interrupted_reading(where_);
+    if (!all_trusted) return interrupted_read(where_);
     return image;
 }
 
-Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> least) {
+Result<void> NpyStack::trust(NpyStack confidence, std::optional<double> least) {
     if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
         return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
                            " pictures of " + std::to_string(confidence.width()) + "x" +
@@ -534,20 +555,41 @@ Result<void> ImageStack::trust(ImageStack confidence, std::optional<double> leas
         least = *middle / 2.0;
     }
     least_confidence_ = least;
-    confidence_ = std::make_unique<ImageStack>(std::move(confidence));
+    confidence_ = std::make_unique<NpyStack>(std::move(confidence));
     return {};
 }
 
-Result<ImageStack> open_npy_stack(const SourceFile& file, std::optional<double> least_confidence) {
+Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where) {
+    if (!stack) return stack.error();
+    if (stack->count() == 1) return stack->image(0);
+    return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
+                       std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
+                       ": must be one picture here");
+}
+
+}  // namespace
+
+bool is_npy(std::string_view begin) {
+    return begin.starts_with(npy_magic);
+}
+
+bool is_npz(std::string_view begin) {
+    return begin.starts_with("PK\x03\x04");
+}
+
+Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
+                                                   std::optional<double> least_confidence) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
-    if (!is_npz(first_bytes(*bytes, 4))) return ImageStack::of(std::move(bytes), file.string());
-    TRY_ASSIGN(auto member, open_npz(std::move(bytes), file.string()));
-    auto stack = ImageStack::of(std::move(member.bytes), member.where);
-    if (!stack || !member.confidence) return stack;
-    auto confidence = ImageStack::of(std::move(member.confidence), file.string() + ": conf");
-    if (!confidence) return confidence;
-    TRY(stack->trust(std::move(*confidence), least_confidence));
-    return stack;
+    NpzMember member{std::move(bytes), file.string()};
+    if (is_npz(first_bytes(*member.bytes, 4))) {
+        TRY_ASSIGN(member, open_npz(std::move(member.bytes), file.string()));
+    }
+    TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
+    if (member.confidence) {
+        TRY_ASSIGN(auto confidence, NpyStack::of(std::move(member.confidence), file.string() + ": conf"));
+        TRY(stack.trust(std::move(confidence), least_confidence));
+    }
+    return std::shared_ptr<ImageStack>(std::make_shared<NpyStack>(std::move(stack)));
 }
 
 bool is_npy_file(const SourceFile& file) {
@@ -557,12 +599,12 @@ bool is_npy_file(const SourceFile& file) {
 }
 
 Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where) {
-    return only_image(ImageStack::of(bytes_in_memory(bytes), where), where);
+    return only_image(NpyStack::of(bytes_in_memory(bytes), where), where);
 }
 
 Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where) {
-    TRY_ASSIGN(auto member, depth_member(bytes, where));
-    return only_image(ImageStack::of(std::move(member.bytes), member.where), member.where);
+    TRY_ASSIGN(auto member, open_npz(bytes_in_memory(bytes), where));
+    return only_image(NpyStack::of(std::move(member.bytes), member.where), member.where);
 }
 
 }  // namespace touchable

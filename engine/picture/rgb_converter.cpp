@@ -1,5 +1,3 @@
-// Loops over plain arrays, which become vectors by themselves: a word for each pixel, then its three bytes.
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +11,10 @@
 namespace touchable {
 
 namespace {
+
+using YuvFactors = RgbConverter::YuvFactors;
+
+// Loops over plain arrays, which become vectors by themselves: a word for each pixel, then its three bytes.
 
 /// So many pixels at once, whose words stay in the nearest cache.
 constexpr int chunk = 512;
@@ -47,7 +49,7 @@ void make_row(VectorUnit unit, int width, std::uint8_t* rgb, const WordsOf& word
         });
 }
 
-/// Sums as swscale has them: of 32 bits, which colours that nobody sees go beyond, and are black then.
+/// Sums as swscale has them: of 32 bits, which colours that cannot be seen go beyond, and are black then.
 [[gnu::always_inline]] inline std::uint32_t channel_of(int sum) {
     const int value = static_cast<int>(static_cast<std::uint32_t>(sum) << 6) >> 22;
     const int positive = value < 0 ? 0 : value;
@@ -97,22 +99,13 @@ int rgb_stride(int width) {
 
 bool is_yuv420(const AVFrame& frame) {
     return (frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P) &&
-           is_converted(frame.width, frame.height);
+           frame.width % 2 == 0 && frame.height % 2 == 0 && frame.width >= 10 && frame.height >= 10;
 }
 
 /// Whether black and white are 0 and 255, as a range tag or the format says.
 bool is_full_range(const AVFrame& frame) {
     return frame.color_range == AVCOL_RANGE_UNSPECIFIED ? frame.format == AV_PIX_FMT_YUVJ420P
                                                         : frame.color_range == AVCOL_RANGE_JPEG;
-}
-
-void convert(const AVFrame& frame, const YuvFactors& factors, AVFrame& rgb) {
-    Yuv420Picture picture{.width = frame.width, .height = frame.height};
-    for (std::size_t n = 0; n < 3; ++n) {
-        picture.planes[n] = frame.data[n];
-        picture.strides[n] = frame.linesize[n];
-    }
-    convert_yuv420(usable_vector_units().front(), picture, factors, rgb.data[0], rgb.linesize[0]);
 }
 
 }  // namespace
@@ -143,7 +136,7 @@ void take_channels(VectorUnit unit, const std::uint8_t* pixels, const std::array
     make_row(unit, width, rgb, words_of);
 }
 
-YuvFactors yuv_factors(const int* table, bool full) {
+RgbConverter::YuvFactors RgbConverter::yuv_factors(const int* table, bool full) {
     const auto chroma = [full](int factor) {
         const std::int64_t of_range = full ? std::int64_t{factor} * 224 / 255 : factor;
         return static_cast<int>((of_range + 4) >> 3);
@@ -159,29 +152,30 @@ YuvFactors yuv_factors(const int* table, bool full) {
     return factors;
 }
 
-void convert_yuv420(VectorUnit unit, const Yuv420Picture& picture, const YuvFactors& factors,
-                    std::uint8_t* rgb, std::ptrdiff_t stride) {
-    ChromaRow row(picture.width), row_before(picture.width);
+void RgbConverter::convert_yuv420(VectorUnit unit, const AVFrame& frame, const YuvFactors& factors,
+                                  std::uint8_t* rgb, std::ptrdiff_t stride) {
+    const int width = frame.width, height = frame.height;
+    ChromaRow row(width), row_before(width);
     ChromaRow *now = &row, *before = &row_before;
-    const auto row_of = [&picture](std::size_t plane, int y) {
-        return picture.planes[plane] + picture.strides[plane] * y;
+    const auto row_of = [&frame](int plane, int y) {
+        return frame.data[plane] + std::ptrdiff_t{frame.linesize[plane]} * y;
     };
-    for (int y = 0; y < picture.height; ++y) {
+    for (int y = 0; y < height; ++y) {
         if (y % 2 == 0) {
             std::swap(now, before);
             run_vectors(
                 unit, [&](auto) __attribute__((always_inline)) {
-                    widen(row_of(1, y / 2), picture.width / 2, now->u.data());
-                    widen(row_of(2, y / 2), picture.width / 2, now->v.data());
+                    widen(row_of(1, y / 2), width / 2, now->u.data());
+                    widen(row_of(2, y / 2), width / 2, now->v.data());
                 });
         }
-        const bool is_between = y > 0 && (y % 2 == 0 || y + 1 == picture.height);
+        const bool is_between = y > 0 && (y % 2 == 0 || y + 1 == height);
         const ChromaRow &above = is_between ? *before : *now, &below = *now;
         const std::uint8_t* const bright = row_of(0, y);
         const auto words_of = [&](int from, int count, std::uint32_t* words) __attribute__((always_inline)) {
             make_words(bright + from, above, below, factors, from, count, words);
         };
-        make_row(unit, picture.width, rgb + stride * y, words_of);
+        make_row(unit, width, rgb + stride * y, words_of);
     }
 }
 
@@ -251,9 +245,9 @@ Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
         input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
     if (!is_set_up_for(frame) && !set_up_for(frame)) return unsupported;
     FramePtr rgb = new_rgb();
-    if (!rgb) return Error{ErrorKind::internal, "out of memory"};
+    if (!rgb) return memory_error();
     if (factors_) {
-        convert(frame, *factors_, *rgb);
+        convert_yuv420(usable_vector_units().front(), frame, *factors_, rgb->data[0], rgb->linesize[0]);
     } else if (!scaler_) {
         for (int y = 0; y < frame.height; ++y)
             move_rgb_row(frame, y, rgb->data[0] + std::ptrdiff_t{rgb->linesize[0]} * y);

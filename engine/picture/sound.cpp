@@ -10,19 +10,15 @@ extern "C" {
 #include <vector>
 
 #include "engine/base/try.hpp"
-#include "engine/picture/container_checks.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 
 namespace touchable {
 
+namespace {
+
 /// A file of a kind that may have sound: Matroska, QuickTime and MP4, WAV. Null where it is of another, or is
 /// no ordinary file.
-InputPtr open_sound_container(const std::filesystem::path& file);
-
-/// Seconds at which the clip's first frame is shown, which is when its sound begins to count: 0 where there
-/// is none near the file's begin. Goes on through the file.
-double begin_of_pictures(AVFormatContext& container, AVPacket& packet);
-
 InputPtr open_sound_container(const std::filesystem::path& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return nullptr;
@@ -32,6 +28,8 @@ InputPtr open_sound_container(const std::filesystem::path& file) {
     return container ? std::move(*container) : nullptr;
 }
 
+/// Seconds at which the clip's first frame is shown, which is when its sound begins to count: 0 where there
+/// is none near the file's begin. Goes on through the file.
 double begin_of_pictures(AVFormatContext& container, AVPacket& packet) {
     constexpr int most_packets = 1000;
     const int pictures = av_find_best_stream(&container, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
@@ -47,7 +45,10 @@ double begin_of_pictures(AVFormatContext& container, AVPacket& packet) {
     return seconds;
 }
 
-namespace {
+void leave_out_all_but(int stream, AVFormatContext& container) {
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (static_cast<int>(k) != stream) container.streams[k]->discard = AVDISCARD_ALL;
+}
 
 /// Where times in the file say otherwise by less, samples follow each other without a gap.
 constexpr std::int64_t tolerance = SoundTrack::rate / 50;
@@ -72,8 +73,7 @@ public:
           decoder_(std::move(decoder)),
           packet_(std::move(packet)),
           frame_(std::move(frame)) {
-        for (unsigned k = 0; k < container_->nb_streams; ++k)
-            if (static_cast<int>(k) != stream) container_->streams[k]->discard = AVDISCARD_ALL;
+        leave_out_all_but(stream, *container_);
         FfmpegSoundTrack::seek(0);
     }
 
@@ -143,7 +143,7 @@ private:
     /// After a jump a decoder may lack what came before, which is no damage.
     void note_fault() { is_damaged_ = is_damaged_ || next_.has_value(); }
 
-    /// Resamples the frame, and leaves out what nobody waits for any more.
+    /// Resamples the frame, and leaves out what is no longer waited for.
     void take() {
         decoded_ = resampled();
         const auto stated = sample_of(*frame_);
@@ -229,8 +229,7 @@ public:
           file_(sound.file.string()) {
         begin_ms_ = begin_s * 1000 + static_cast<double>(sound.from_ns) * 1e-6;
         length_ms_ = static_cast<double>(sound.to_ns - sound.from_ns) * 1e-6;
-        for (unsigned k = 0; k < container_->nb_streams; ++k)
-            if (static_cast<int>(k) != stream) container_->streams[k]->discard = AVDISCARD_ALL;
+        leave_out_all_but(stream, *container_);
         // What a file without an index holds before is read past.
         const double begin_ticks = begin_ms_ * 0.001 / av_q2d(stream_.time_base);
         if (av_seek_frame(container_.get(), stream, std::llround(begin_ticks), AVSEEK_FLAG_BACKWARD) < 0)
@@ -249,7 +248,7 @@ private:
     /// One packet of any stream: into `ahead_` if it is heard in the stretch.
     Result<void> read_one() {
         Packet packet(av_packet_alloc());
-        if (!packet) return Error{ErrorKind::internal, "out of memory"};
+        if (!packet) return memory_error();
         const int status = av_read_frame(container_.get(), packet.get());
         ended_ = status == AVERROR_EOF && container_->pb->error >= 0;
         if (ended_) return {};
@@ -292,7 +291,7 @@ Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path
     CodecPtr decoder(avcodec_alloc_context3(codec));
     PacketPtr packet(av_packet_alloc());
     FramePtr frame(av_frame_alloc());
-    if (!decoder || !packet || !frame) return Error{ErrorKind::internal, "out of memory"};
+    if (!decoder || !packet || !frame) return memory_error();
     int status = avcodec_parameters_to_context(decoder.get(), container->streams[stream]->codecpar);
     if (const int stated = container->streams[stream]->codecpar->sample_rate; stated > highest_rate)
         return refused("it has " + std::to_string(stated) + " samples a second; must be " +
@@ -308,15 +307,15 @@ void StoredSound::PacketDeleter::operator()(AVPacket* packet) const {
     av_packet_free(&packet);
 }
 
-std::optional<SoundFacts> sound_of(const std::filesystem::path& file) {
+std::optional<StoredSound::Facts> sound_of(const std::filesystem::path& file) {
     const InputPtr container = open_sound_container(file);
     const int stream = container ? sound_stream(*container) : -1;
     if (stream < 0) return std::nullopt;
     const AVCodecParameters& codec = *container->streams[stream]->codecpar;
     const bool in_mp4 = is_storable(codec) && is_storable(codec, "mp4");
     const bool told_by_packets = codec.codec_id == AV_CODEC_ID_AC3 || codec.codec_id == AV_CODEC_ID_EAC3;
-    return SoundFacts{avcodec_get_name(codec.codec_id), is_storable(codec), in_mp4,
-                      in_mp4 && !told_by_packets};
+    return StoredSound::Facts{avcodec_get_name(codec.codec_id), is_storable(codec), in_mp4,
+                              in_mp4 && !told_by_packets};
 }
 
 Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {
@@ -325,7 +324,7 @@ Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {
     if (stream < 0 || !is_storable(*container->streams[stream]->codecpar))
         return input_error(sound.file.string() + ": has no sound that a clip can hold");
     const PacketPtr packet(av_packet_alloc());
-    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    if (!packet) return memory_error();
     const double begin_s = begin_of_pictures(*container, *packet);
     return std::unique_ptr<StoredSound>(
         std::make_unique<FfmpegStoredSound>(std::move(container), stream, begin_s, sound));

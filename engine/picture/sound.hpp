@@ -2,14 +2,12 @@
 
 // The sound of a clip's file: decoded, or as it is stored.
 //
-// SoundTrack decodes to two channels at 48 kHz, whatever the file has, and seeks by sample; what is damaged
-// is silent. StoredSound hands out the packets of a stretch as they are stored, for a container that is
-// written (sound_of says which containers take them).
+// SoundTrack decodes to two channels at 48 kHz, from any number of channels at any rate, and seeks by sample;
+// what is damaged is silent. A SoundPart names a stretch of another file's sound, which a clip takes along;
+// StoredSound hands out its packets as they are stored, for a container that is written, and sound_of says
+// which containers take them.
 //
 // Objects are one thread's each. Errors are lines about the file (ErrorKind::input).
-
-struct AVCodecParameters;
-struct AVPacket;
 
 #include <cstddef>
 #include <cstdint>
@@ -21,14 +19,17 @@ struct AVPacket;
 
 #include "engine/base/result.hpp"
 
+struct AVCodecParameters;
+struct AVPacket;
+
 namespace touchable {
 
 struct StereoSample {
     float left = 0, right = 0;
 };
 
-/// The sound that a clip's file has beside its pictures, as two channels at 48 kHz, whatever it is stored as.
-/// Sample 0 is heard with the clip's first frame. One thread's.
+/// The sound that a clip's file has beside its pictures, as two channels at 48 kHz. Sample 0 is heard with
+/// the clip's first frame. One thread's.
 class SoundTrack {
 public:
     static constexpr int rate = 48'000;
@@ -46,16 +47,6 @@ public:
     virtual bool is_damaged() const = 0;
 };
 
-/// What a file has to be heard.
-struct SoundFacts {
-    std::string codec;                   ///< as FFmpeg names it
-    bool storable = false;               ///< whether Matroska has it
-    bool storable_in_mp4 = false;        ///< whether both have it
-    bool storable_in_fragments = false;  ///< of MP4: whether its header needs no packet of it
-};
-/// Nothing where the file has no sound, or is of no kind that could have any.
-std::optional<SoundFacts> sound_of(const std::filesystem::path& file);
-
 /// The sound of another file as it is stored there, of a stretch of that file's pictures.
 struct SoundPart {
     std::filesystem::path file;
@@ -66,6 +57,14 @@ struct SoundPart {
 /// The packets of a file's sound, as they are stored there. One thread's.
 class StoredSound {
 public:
+    /// What a file has to be heard.
+    struct Facts {
+        std::string codec;                   ///< as FFmpeg names it
+        bool storable = false;               ///< whether Matroska has it
+        bool storable_in_mp4 = false;        ///< whether both have it
+        bool storable_in_fragments = false;  ///< of MP4: whether its header needs no packet of it
+    };
+
     /// Refused (ErrorKind::input) where the file has no sound that can be stored.
     static Result<std::unique_ptr<StoredSound>> open(const SoundPart& sound);
     virtual ~StoredSound() = default;
@@ -80,5 +79,8 @@ public:
     /// there is none before the stretch ends.
     virtual Result<Packet> next(std::int64_t until_ms) = 0;
 };
+
+/// Nothing where the file has no sound, or is of no kind that could have any.
+std::optional<StoredSound::Facts> sound_of(const std::filesystem::path& file);
 
 }  // namespace touchable

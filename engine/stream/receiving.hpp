@@ -75,7 +75,7 @@ private:
 /// A sender's bytes as they come: by libsrt, over FFmpeg's protocols, of which it uses those of its address
 /// alone, or through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one
 /// elsewhere is refused. One thread.
-class StreamBytes : public ByteFlow {
+class StreamBytes : public Demuxer::ByteFlow {
 public:
     /// Connected, within that time; otherwise why not, without the stream's name.
     static Result<std::shared_ptr<StreamBytes>> connect(const StreamUrl& url,

@@ -91,9 +91,9 @@ struct MatroskaHead;
 /// before it looks at any. FFmpeg is given a header of which each part is there once and holds no more than a
 /// clip's has (16 tracks), and clusters of blocks, each whole and of bounded size. Anything else between and
 /// in clusters is left out. Where something is missing or damaged it goes on with the next cluster.
-class MatroskaGate final : public ByteFlow {
+class MatroskaGate final : public Demuxer::ByteFlow {
 public:
-    explicit MatroskaGate(std::shared_ptr<ByteFlow> source) : source_(std::move(source)) {}
+    explicit MatroskaGate(std::shared_ptr<Demuxer::ByteFlow> source) : source_(std::move(source)) {}
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) override;
     /// It has ended within an element, of which this is not given.
     bool is_cut() const { return has_ended_ && there() > 0; }
@@ -114,7 +114,7 @@ private:
     void give(std::size_t bytes);
     Result<std::optional<MatroskaHead>> head();
 
-    const std::shared_ptr<ByteFlow> source_;
+    const std::shared_ptr<Demuxer::ByteFlow> source_;
     Place place_ = Place::before;
     std::vector<std::uint8_t> in_, out_;
     std::size_t at_ = 0, given_ = 0;  // bytes of them that are done with

@@ -226,7 +226,7 @@ struct WatchedTick {
 
 /// What the hand was at, to be drawn.
 struct WatchedMoment {
-    HeldPair held;                     ///< its frames stay whole until the next look
+    SurfaceTimeline::HeldPair held;    ///< its frames stay whole until the next look
     std::optional<HeldPlanes> stored;  ///< of the pair's frame nearer in time, where its reader keeps them
     WatchedTick felt;                  ///< by every finger: of that tick or one a few later
 

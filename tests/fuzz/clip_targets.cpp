@@ -4,8 +4,8 @@
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/containers.hpp"
-#include "engine/picture/container_checks.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -5,7 +5,6 @@
 
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"
-#include "engine/picture/numpy.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -18,7 +18,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"
-#include "engine/picture/numpy.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 

@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 #include "engine/picture/image.hpp"
-#include "engine/picture/numpy.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
@@ -152,19 +151,20 @@ TEST_F(Npy, AStackIsReadPictureByPictureAndAllAreAlike) {
     for (const char* name : {"stack.npy", "stack.npz", "batches.npy"}) {
         auto stack = open_npy_stack(file(name));
         ASSERT_EQ(message(stack), "");
-        ASSERT_EQ(stack->count(), 3);
-        for (const int number : {2, 0, 1, 2}) expect_numbers(stack->image(number), 100 * number + 1);
-        EXPECT_NE(message(stack->image(3)).find("has no picture 3: must be from 0 to 2"), std::string::npos);
+        ASSERT_EQ((*stack)->count(), 3);
+        for (const int number : {2, 0, 1, 2}) expect_numbers((*stack)->image(number), 100 * number + 1);
+        EXPECT_NE(message((*stack)->image(3)).find("has no picture 3: must be from 0 to 2"),
+                  std::string::npos);
         EXPECT_NE(refusal(name).find("is a stack of 3 pictures of 7x5"), std::string::npos) << refusal(name);
     }
     auto single = open_npy_stack(file("u2le_f.npy"));
     ASSERT_EQ(message(single), "");
-    ASSERT_EQ(single->count(), 1);
-    expect_numbers(single->image(0));
+    ASSERT_EQ((*single)->count(), 1);
+    expect_numbers((*single)->image(0));
 
     auto late = open_npy_stack(file("late.npy"));
     ASSERT_EQ(message(late), "");
-    const auto first = late->image(0), last = late->image(2);
+    const auto first = (*late)->image(0), last = (*late)->image(2);
     ASSERT_EQ(message(first) + message(last), "");
     EXPECT_EQ(first->pixel_format, last->pixel_format);
     EXPECT_EQ(first->values.front(), 1.0F);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/picture/numpy.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/npy_bytes.hpp"
 
@@ -37,15 +37,15 @@ protected:
 TEST_F(NpzConfidence, WhatIsNotTrustedIsNoDepth) {
     auto stack = open_npy_stack(SourceFile(write("da3.npz")));
     ASSERT_EQ(message(stack), "");
-    EXPECT_EQ(stack->least_confidence(), 3.5);  // the median is 7
-    const auto first = stack->image(0), second = stack->image(1), again = stack->image(0);
+    EXPECT_EQ((*stack)->least_confidence(), 3.5);  // the median is 7
+    const auto first = (*stack)->image(0), second = (*stack)->image(1), again = (*stack)->image(0);
     ASSERT_EQ(message(first) + message(second) + message(again), "");
     EXPECT_EQ(missing(*first), 3);
     EXPECT_EQ(first->values[3], 4);
     EXPECT_EQ(missing(*second), columns * rows);
     EXPECT_EQ(missing(*again), 3);
     auto strict = open_npy_stack(SourceFile(write("da3.npz")), 12);
-    EXPECT_EQ(missing(*strict->image(0)), 11);
+    EXPECT_EQ(missing(*(*strict)->image(0)), 11);
 }
 
 TEST_F(NpzConfidence, OfOtherPicturesIsRefused) {

@@ -70,16 +70,11 @@ Bytes by_swscale(const AVFrame& frame, const Look& look) {
 }
 
 Bytes by_vectors(VectorUnit unit, const AVFrame& frame, const Look& look) {
-    Yuv420Picture picture{.width = frame.width, .height = frame.height};
-    for (std::size_t n = 0; n < 3; ++n) {
-        picture.planes[n] = frame.data[n];
-        picture.strides[n] = frame.linesize[n];
-    }
     const std::ptrdiff_t stride = std::ptrdiff_t{3} * frame.width;
     constexpr std::uint8_t untouched = 77;
     Bytes rgb(static_cast<std::size_t>(stride) * static_cast<std::size_t>(frame.height) + 1, untouched);
-    convert_yuv420(unit, picture, yuv_factors(sws_getCoefficients(look.space), is_full(look)), rgb.data(),
-                   stride);
+    const auto factors = RgbConverter::yuv_factors(sws_getCoefficients(look.space), is_full(look));
+    RgbConverter::convert_yuv420(unit, frame, factors, rgb.data(), stride);
     EXPECT_EQ(rgb.back(), untouched) << "a byte beyond the picture was written";
     rgb.pop_back();
     return rgb;

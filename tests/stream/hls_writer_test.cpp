@@ -8,6 +8,7 @@
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 #include "engine/stream/hls.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -12,7 +12,7 @@ namespace touchable::test {
 namespace {
 
 /// Bytes in pieces.
-class BytesInPieces final : public ByteFlow {
+class BytesInPieces final : public Demuxer::ByteFlow {
 public:
     BytesInPieces(std::string bytes, std::size_t piece) : bytes_(std::move(bytes)), piece_(piece) {}
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) override {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
 

@@ -1,5 +1,5 @@
 // Recordings whose files go on where they end: zeros that a recorder had asked for, or what is written still.
-#include "engine/picture/container_checks.hpp"
+#include "engine/picture/input.hpp"
 
 #include <gtest/gtest.h>
 
