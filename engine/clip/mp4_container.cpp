@@ -52,13 +52,13 @@ Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t tr
     return input_error(what + ", track " + std::to_string(track) + ", which has no pictures");
 }
 
-std::optional<mpeg4::PlaneTexture> texture_of_plane(const mpeg4::ClipNodes& nodes, PlaneRole role) {
-    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
-                                                           nodes.height};
+std::optional<mpeg4::ClipNodes::Texture> texture_of_plane(const mpeg4::ClipNodes& nodes, PlaneRole role) {
+    const std::optional<mpeg4::ClipNodes::Texture> textures[] = {nodes.depth, nodes.colour, nodes.haptic,
+                                                                 nodes.height};
     return textures[static_cast<std::size_t>(role)];
 }
 
-std::string object_in_words(const std::string& plane, const mpeg4::PlaneTexture& texture) {
+std::string object_in_words(const std::string& plane, const mpeg4::ClipNodes::Texture& texture) {
     return "its MPEG-4 scene: " + plane + " is object " + std::to_string(texture.url.object);
 }
 

@@ -228,7 +228,7 @@ Result<mpeg4::SceneStream> Mp4StillsWriter::scene_stream() const {
     for (std::size_t track = 0; track < stills_.size(); ++track) {
         const Still& still = stills_[track];
         stream.objects[still.object] = static_cast<std::uint32_t>(track + 1);
-        const mpeg4::PlaneTexture texture{{.object = still.object}, false};
+        const mpeg4::ClipNodes::Texture texture{{.object = still.object}, false};
         switch (still.role) {
             case PlaneRole::depth:
                 nodes.depth = texture;

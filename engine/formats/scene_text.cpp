@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-using mpeg4::PlaneTexture;
+using PlaneTexture = mpeg4::ClipNodes::Texture;
 
 constexpr std::size_t longest_scene_text = std::size_t{1} << 20;
 

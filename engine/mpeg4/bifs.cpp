@@ -16,6 +16,7 @@ namespace touchable::mpeg4 {
 namespace {
 
 constexpr std::size_t longest_name = 256, longest_string = 4096, most_bytes = std::size_t{64} << 10;
+constexpr std::uint64_t scene_replace = 3;  // the command that begins a scene
 
 class SceneDecoder {
 public:
@@ -58,7 +59,6 @@ private:
 };
 
 Result<SceneTree> SceneDecoder::decode() {
-    constexpr std::uint64_t scene_replace = 3;
     if (bits_.get(2) != scene_replace)
         return wrong("an update of a scene: must be one that begins it (SceneReplace)");
     bits_.get(6);
@@ -68,9 +68,8 @@ Result<SceneTree> SceneDecoder::decode() {
         scene_.prototypes.push_back(std::move(made));
         if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
-    TRY_ASSIGN(auto root, node(NodeSlot::top, 0));
-    if (!root) return wrong("the scene is NULL: must be a node");
-    scene_.root = std::move(root);
+    TRY_ASSIGN(scene_.root, node(NodeSlot::top, 0));
+    if (!scene_.root) return wrong("the scene is NULL: must be a node");
     if (bits_.flag()) return wrong("a ROUTE: a touchable clip's scene has no behaviour");
     if (bits_.is_over()) return wrong("");
     return std::move(scene_);
@@ -103,8 +102,7 @@ Result<Prototype> SceneDecoder::prototype() {
         return wrong("a second PROTO of number " + std::to_string(id));
     Prototype made{.name = "Proto" + std::to_string(id)};
     if (has_names_) {
-        TRY_ASSIGN(auto text, name("PROTO"));
-        made.name = std::move(text);
+        TRY_ASSIGN(made.name, name("PROTO"));
     }
     TRY(prototype_fields(made));
     if (!has_names_) name_by_fields(made);
@@ -146,16 +144,14 @@ Result<void> SceneDecoder::prototype_fields(Prototype& made) {
             return wrong("PROTO " + printable(made.name) + ": has a field of type " + std::to_string(number) +
                          ", which is not read");
         if (has_names_) {
-            TRY_ASSIGN(auto text, name("field"));
-            spec.name = std::move(text);
+            TRY_ASSIGN(spec.name, name("field"));
         }
         if (field_named(made.fields, spec.name))
             return wrong("PROTO " + printable(made.name) + ": has " + spec.name + " twice");
         if (!spec.has_value())
             return wrong("PROTO " + printable(made.name) + ": has an event, " + printable(spec.name) +
                          ": a touchable clip's scene has no behaviour");
-        TRY_ASSIGN(auto initial, values(spec.kind, NodeSlot::world, 1));
-        spec.initial = std::move(initial);
+        TRY_ASSIGN(spec.initial, values(spec.kind, NodeSlot::world, 1));
         made.fields.push_back(std::move(spec));
         if (made.fields.size() > most_fields)
             return wrong("PROTO " + printable(made.name) + ": has more than 64 fields");
@@ -184,8 +180,7 @@ Result<NodePtr> SceneDecoder::node(NodeSlot slot, int depth) {
         id = bits_.get(config_.node_id_bits);
         made->name = "N" + std::to_string(*id + 1);
         if (has_names_) {
-            TRY_ASSIGN(auto text, name("node"));
-            made->name = std::move(text);
+            TRY_ASSIGN(made->name, name("node"));
         }
     }
     TRY(fields(*made, depth));
@@ -251,20 +246,14 @@ Result<void> SceneDecoder::field_list(Node& node, std::span<const FieldSpec> spe
         TRY_ASSIGN(auto read, field(spec, is_outer, depth));
         node.fields.push_back(std::move(read));
     }
-    const auto place = [specs](const Field& each) {
-        return std::find_if(specs.begin(), specs.end(),
-                            [&](const FieldSpec& spec) { return spec.name == each.name; });
-    };
-    std::stable_sort(node.fields.begin(), node.fields.end(),
-                     [&](const Field& a, const Field& b) { return place(a) < place(b); });
+    sort_fields(node, specs);
     return {};
 }
 
 Result<Field> SceneDecoder::field(const FieldSpec& spec, bool is_outer, int depth) {
     Field made{spec.name};
     if (!is_outer) {
-        TRY_ASSIGN(auto read, values(spec.kind, spec.slot, depth + 1));
-        made.values = std::move(read);
+        TRY_ASSIGN(made.values, values(spec.kind, spec.slot, depth + 1));
         return made;
     }
     const auto& outer = inside_->fields;
@@ -354,13 +343,10 @@ template <std::size_t n>
 Result<FieldValue> SceneDecoder::reals() {
     std::array<float, n> all{};
     for (float& each : all) {
-        TRY_ASSIGN(const auto read, real());
-        each = read;
+        TRY_ASSIGN(each, real());
     }
     return FieldValue(all);
 }
-
-constexpr std::uint64_t scene_replace = 3;
 
 void find_named(const NodePtr& node, std::vector<const Node*>& found);
 
@@ -602,9 +588,8 @@ Result<void> SceneEncoder::fields(const Node& node) {
 Result<void> SceneEncoder::field(const Field& field, const FieldSpec& spec) {
     if (field.is.empty()) return values(spec, field.values);
     const auto& outer = inside_->fields;
-    const auto meant = std::find_if(outer.begin(), outer.end(),
-                                    [&](const FieldSpec& each) { return each.name == field.is; });
-    bits_.put(static_cast<std::uint64_t>(meant - outer.begin()), bits_for(outer.size() - 1));
+    const FieldSpec* const meant = field_named(outer, field.is);
+    bits_.put(static_cast<std::uint64_t>(meant - outer.data()), bits_for(outer.size() - 1));
     return {};
 }
 

@@ -66,7 +66,7 @@ private:
     std::size_t at_ = 0;  // the next bit
 };
 
-/// How a stream of BIFS is to be read, as its decoder is told before it (BIFSConfig, BIFSv2Config).
+/// How a stream of BIFS is to be read, which is stated before it (BIFSConfig, BIFSv2Config).
 struct BifsConfig {
     int version = 2;  ///< 1 has no prototypes
     int node_id_bits = 1, route_id_bits = 0, prototype_id_bits = 0;

@@ -47,6 +47,25 @@ Result<Bytes> heads_between(ByteSource& file, std::uint64_t at, std::uint64_t en
     return heads;
 }
 
+/// A sample of a track, such as a picture.
+struct Sample {
+    std::uint32_t bytes = 0;
+    std::uint32_t duration = 0;    ///< until the next is decoded, in the track's time scale
+    std::int32_t shown_later = 0;  ///< than it is decoded
+    bool is_key = true;            ///< decoding can begin with it
+};
+/// Samples that stand one behind the other in the file.
+struct Chunk {
+    std::uint64_t at = 0;
+    std::uint32_t samples = 0;
+    std::uint32_t description = 1;  ///< which entry of the track's stsd
+};
+/// All of a track, in the order of decoding.
+struct TrackSamples {
+    std::vector<Sample> samples;
+    std::vector<Chunk> chunks;
+};
+
 constexpr std::size_t table_head = 8;  // version, flags, and how many entries
 
 /// The entries of a table, each of some numbers of four bytes.
@@ -164,6 +183,56 @@ List runs_of(const std::vector<Sample>& samples, Number number) {
     return runs;
 }
 
+/// What a track's tables say (box stbl); nothing where they are empty. An error where they contradict each
+/// other or have more than `most`.
+Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
+    TrackSamples track;
+    std::vector<Sample>& samples = track.samples;
+    TRY(read_sizes(stbl, most, samples));
+    TRY(each_in_runs(stbl, "stts", samples.size(),
+                     [&](std::size_t k, std::uint32_t number) { samples[k].duration = number; }));
+    TRY(each_in_runs(stbl, "ctts", samples.size(), [&](std::size_t k, std::uint32_t number) {
+        samples[k].shown_later = static_cast<std::int32_t>(number);
+    }));
+    TRY(read_keys(stbl, samples));
+    TRY(read_chunks(stbl, track));
+    return track;
+}
+
+/// The tables of these samples, which stand in a file so many bytes later: all boxes of a stbl but its stsd.
+Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
+    const auto& samples = track.samples;
+    Bytes all = runs_of(samples, [](const Sample& s) { return s.duration; }).box("stts");
+    if (std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.shown_later != 0; }))
+        put_bytes(all, runs_of(samples, [](const Sample& s) {
+                           return static_cast<std::uint32_t>(s.shown_later);
+                       }).box("ctts", 1));
+    List keys, chunks, places;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (!samples[k].is_key) continue;
+        keys.put(k + 1);
+        keys.end_entry();
+    }
+    Bytes sizes;
+    put_number(sizes, 0, 8);
+    put_number(sizes, samples.size(), 4);
+    for (const Sample& sample : samples) put_number(sizes, sample.bytes, 4);
+    for (std::size_t k = 0; k < track.chunks.size(); ++k) {
+        const Chunk& chunk = track.chunks[k];
+        for (const std::uint64_t number :
+             {std::uint64_t{k + 1}, std::uint64_t{chunk.samples}, std::uint64_t{chunk.description}})
+            chunks.put(number);
+        chunks.end_entry();
+        places.put(chunk.at + later, 8);
+        places.end_entry();
+    }
+    put_bytes(all, keys.box("stss"));
+    put_box(all, "stsz", sizes);
+    put_bytes(all, chunks.box("stsc"));
+    put_bytes(all, places.box("co64"));
+    return all;
+}
+
 constexpr std::uint64_t most_box_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 23;
 
@@ -199,14 +268,14 @@ class Gatherer {
 public:
     explicit Gatherer(ByteSource& file)
         : file_(file), most_samples_(std::min<std::uint64_t>(most_samples, file.size())) {}
-    Result<bool> read_movie(const BoxPlace& moov);
+    Result<bool> read_movie(const Box::Place& moov);
     /// False where some of its samples are not there.
-    Result<bool> add_fragment(const BoxPlace& moof);
+    Result<bool> add_fragment(const Box::Place& moof);
     Bytes head();
     Result<void> align();
 
 private:
-    Result<bool> read_runs(BytesView traf, const BoxPlace& moof, std::uint64_t& data_end,
+    Result<bool> read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
                            std::vector<FragmentRun>& runs);
     Result<bool> read_run(BytesView trun, const SampleDefaults& defaults, std::uint64_t base,
                           std::uint64_t& at, FragmentRun& to);
@@ -232,16 +301,15 @@ PictureTrack* Gatherer::track_of(std::uint64_t id) {
 }
 
 /// False where it speaks of no fragments.
-Result<bool> Gatherer::read_movie(const BoxPlace& moov) {
+Result<bool> Gatherer::read_movie(const Box::Place& moov) {
     TRY_ASSIGN(const auto place, first_box(file_, "mvex", moov.content, moov.end));
     if (!place) return false;
     if (moov.end - moov.content > most_box_bytes) return input_error("its movie box has more than 64 MiB");
-    TRY_ASSIGN(auto bytes, bytes_at(file_, moov.content, moov.end - moov.content));
-    moov_ = std::move(bytes);
+    TRY_ASSIGN(moov_, bytes_at(file_, moov.content, moov.end - moov.content));
     TRY_ASSIGN(const auto parts, boxes_in(moov_));
     const BytesView header = content_at(moov_, {"mvhd"});
     if (header.size() < 32) return input_error("its movie box has no header (mvhd)");
-    timescale_ = static_cast<std::uint32_t>(number_at(header, header[0] == 1 ? 20 : 12, 4));
+    timescale_ = number_behind_times(header);
     for (const Box& part : parts) {
         if (part.type != "trak") continue;
         const BytesView head = content_at(part.content, {"tkhd"}),
@@ -249,13 +317,12 @@ Result<bool> Gatherer::read_movie(const BoxPlace& moov) {
         if (head.size() < 24 || media.size() < 24) continue;
         PictureTrack& track = tracks_.emplace_back();
         track.trak = part.content;
-        track.id = static_cast<std::uint32_t>(number_at(head, head[0] == 1 ? 20 : 12, 4));
-        track.timescale = static_cast<std::uint32_t>(number_at(media, media[0] == 1 ? 20 : 12, 4));
+        track.id = number_behind_times(head);
+        track.timescale = number_behind_times(media);
         track.has_pictures = is_picture_handler(part.content) && track.timescale > 0;
         if (!track.has_pictures) continue;
-        TRY_ASSIGN(auto own,
+        TRY_ASSIGN(track.all,
                    samples_in(content_at(part.content, {"mdia", "minf", "stbl"}), most_samples_ - samples_));
-        track.all = std::move(own);
         samples_ += track.all.samples.size();
         for (const Sample& sample : track.all.samples) track.end += sample.duration;
     }
@@ -309,7 +376,7 @@ Result<bool> Gatherer::read_run(BytesView trun, const SampleDefaults& defaults, 
 
 /// Of a track in a fragment. `data_end`: of the track before, where this one's samples begin if it does not
 /// say otherwise.
-Result<bool> Gatherer::read_runs(BytesView traf, const BoxPlace& moof, std::uint64_t& data_end,
+Result<bool> Gatherer::read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
                                  std::vector<FragmentRun>& runs) {
     TRY_ASSIGN(const auto parts, boxes_in(traf));
     const Box* const head = box_named(parts, "tfhd");
@@ -370,7 +437,7 @@ Result<void> Gatherer::append(FragmentRun& run) {
     return {};
 }
 
-Result<bool> Gatherer::add_fragment(const BoxPlace& moof) {
+Result<bool> Gatherer::add_fragment(const Box::Place& moof) {
     if (moof.end - moof.content > most_box_bytes) return input_error("has more than 64 MiB");
     TRY_ASSIGN(const auto bytes, bytes_at(file_, moof.content, moof.end - moof.content));
     TRY_ASSIGN(const auto parts, boxes_in(bytes));
@@ -566,28 +633,28 @@ Bytes with_content(BytesView bytes, std::span<const std::string_view> path, Byte
     return made;
 }
 
-Result<std::optional<BoxPlace>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end) {
+Result<std::optional<Box::Place>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end) {
     const std::uint64_t left = end - at;
     TRY_ASSIGN(const auto head, bytes_at(file, at, std::min<std::uint64_t>(16, left)));
     const std::uint64_t stated = number_at(head, 0, 4), before = stated == 1 ? 16 : 8;
     const std::uint64_t size = stated == 0 ? left : stated == 1 ? number_at(head, 8, 8) : stated;
-    if (left < before) return std::optional<BoxPlace>();
+    if (left < before) return std::optional<Box::Place>();
     std::string type(reinterpret_cast<const char*>(head.data()) + 4, 4);
     if (size < before)
         return input_error("box " + in_quotes(type) + " at byte " + std::to_string(at) + " has " +
                            std::to_string(size) + " bytes: must be " + std::to_string(before) + " at least");
-    if (size > left) return std::optional<BoxPlace>();
-    return std::optional(BoxPlace{std::move(type), at, at + before, at + size});
+    if (size > left) return std::optional<Box::Place>();
+    return std::optional(Box::Place{std::move(type), at, at + before, at + size});
 }
 
-Result<std::optional<BoxPlace>> first_box(ByteSource& file, std::string_view type, std::uint64_t at,
-                                          std::uint64_t end) {
+Result<std::optional<Box::Place>> first_box(ByteSource& file, std::string_view type, std::uint64_t at,
+                                            std::uint64_t end) {
     while (at < end) {
         auto box = box_at(file, at, end);
         if (!box || !*box || (*box)->type == type) return box;
         at = (*box)->end;
     }
-    return std::optional<BoxPlace>();
+    return std::optional<Box::Place>();
 }
 
 Result<Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count) {
@@ -614,6 +681,10 @@ std::uint64_t number_at(BytesView bytes, std::size_t at, int count) {
     return value;
 }
 
+std::uint32_t number_behind_times(BytesView content) {
+    return static_cast<std::uint32_t>(number_at(content, !content.empty() && content[0] == 1 ? 20 : 12, 4));
+}
+
 void put_number(Bytes& to, std::uint64_t value, int count) {
     for (int k = count - 1; k >= 0; --k) to.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
 }
@@ -632,53 +703,6 @@ Bytes box_of(std::string_view type, BytesView content) {
     Bytes box;
     put_box(box, type, content);
     return box;
-}
-
-Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
-    TrackSamples track;
-    std::vector<Sample>& samples = track.samples;
-    TRY(read_sizes(stbl, most, samples));
-    TRY(each_in_runs(stbl, "stts", samples.size(),
-                     [&](std::size_t k, std::uint32_t number) { samples[k].duration = number; }));
-    TRY(each_in_runs(stbl, "ctts", samples.size(), [&](std::size_t k, std::uint32_t number) {
-        samples[k].shown_later = static_cast<std::int32_t>(number);
-    }));
-    TRY(read_keys(stbl, samples));
-    TRY(read_chunks(stbl, track));
-    return track;
-}
-
-Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
-    const auto& samples = track.samples;
-    Bytes all = runs_of(samples, [](const Sample& s) { return s.duration; }).box("stts");
-    if (std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.shown_later != 0; }))
-        put_bytes(all, runs_of(samples, [](const Sample& s) {
-                           return static_cast<std::uint32_t>(s.shown_later);
-                       }).box("ctts", 1));
-    List keys, chunks, places;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-        if (!samples[k].is_key) continue;
-        keys.put(k + 1);
-        keys.end_entry();
-    }
-    Bytes sizes;
-    put_number(sizes, 0, 8);
-    put_number(sizes, samples.size(), 4);
-    for (const Sample& sample : samples) put_number(sizes, sample.bytes, 4);
-    for (std::size_t k = 0; k < track.chunks.size(); ++k) {
-        const Chunk& chunk = track.chunks[k];
-        for (const std::uint64_t number :
-             {std::uint64_t{k + 1}, std::uint64_t{chunk.samples}, std::uint64_t{chunk.description}})
-            chunks.put(number);
-        chunks.end_entry();
-        places.put(chunk.at + later, 8);
-        places.end_entry();
-    }
-    put_bytes(all, keys.box("stss"));
-    put_box(all, "stsz", sizes);
-    put_bytes(all, chunks.box("stsc"));
-    put_bytes(all, places.box("co64"));
-    return all;
 }
 
 Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file) {

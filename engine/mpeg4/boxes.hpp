@@ -2,10 +2,10 @@
 
 // The boxes of an MP4 file, as far as FFmpeg does not show or write them.
 //
-// A box is a length, a type and a content, and may hold boxes. samples_in reads where a track's samples lie;
-// gather_fragments and plain_file make a fragmented file a plain one; read_scene_stream finds the track of a
-// scene (initial object descriptor, object descriptors, BIFS), and with_scene_stream puts one into a file
-// that is written.
+// A box is a length, a type and a content, and may hold boxes: boxes_in and content_at find them in bytes,
+// first_box and movie_head_of in a file. gather_fragments and plain_file make a fragmented file a plain one;
+// read_scene_stream finds the track of a scene (initial object descriptor, object descriptors, BIFS), and
+// with_scene_stream puts one into a file that is written.
 //
 // What a box claims is checked against the bytes that there are. Errors are lines behind the file's name.
 // Functions keep no state; a ByteSource is one thread's.
@@ -33,6 +33,12 @@ using BytesView = std::span<const std::uint8_t>;
 struct Box {
     std::string type;
     BytesView content;  ///< of the bytes that were parsed
+
+    /// Where a box of a file is: from its head, by what is in it, to the next one.
+    struct Place {
+        std::string type;
+        std::uint64_t at = 0, content = 0, end = 0;
+    };
 };
 
 /// The boxes that these bytes are, one after the other. An error where one is longer than what is left, or
@@ -46,59 +52,30 @@ BytesView content_at(BytesView bytes, std::initializer_list<std::string_view> pa
 /// The same boxes, but that the one at this path has another content.
 Bytes with_content(BytesView boxes, std::span<const std::string_view> path, BytesView content);
 
-/// Where a box of a file is: from its head, by what is in it, to the next one.
-struct BoxPlace {
-    std::string type;
-    std::uint64_t at = 0, content = 0, end = 0;
-};
 /// The box that begins there, of a file or of a box that ends at `end`; nothing where it would end later.
-Result<std::optional<BoxPlace>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end);
+Result<std::optional<Box::Place>> box_at(ByteSource& file, std::uint64_t at, std::uint64_t end);
 /// The first of a type between two places; nothing where there is none before one that is cut.
-Result<std::optional<BoxPlace>> first_box(ByteSource& file, std::string_view type, std::uint64_t at,
-                                          std::uint64_t end);
+Result<std::optional<Box::Place>> first_box(ByteSource& file, std::string_view type, std::uint64_t at,
+                                            std::uint64_t end);
 /// Bytes of a file. An error where they are not all there.
 Result<Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count);
 /// The content of the file's movie box, without what is long and says nothing but where samples are; empty
 /// where there is no such box. An error where 16 MiB would be left.
 Result<Bytes> movie_head_of(ByteSource& file);
 
-/// A whole number of so many bytes, the highest first.
+/// A whole number of so many bytes, the highest first; beyond their end there are zeros.
 std::uint64_t number_at(BytesView bytes, std::size_t at, int count);
+/// Of a box that begins with a version and two times, such as mvhd, tkhd and mdhd, the number behind them.
+std::uint32_t number_behind_times(BytesView content);
 void put_number(Bytes& to, std::uint64_t value, int count);
 void put_bytes(Bytes& to, BytesView bytes);
 /// A whole box, at the end.
 void put_box(Bytes& to, std::string_view type, BytesView content);
 Bytes box_of(std::string_view type, BytesView content);
 
-/// A sample of a track, such as a picture.
-struct Sample {
-    std::uint32_t bytes = 0;
-    std::uint32_t duration = 0;    ///< until the next is decoded, in the track's time scale
-    std::int32_t shown_later = 0;  ///< than it is decoded
-    bool is_key = true;            ///< decoding can begin with it
-};
-/// Samples that stand one behind the other in the file.
-struct Chunk {
-    std::uint64_t at = 0;
-    std::uint32_t samples = 0;
-    std::uint32_t description = 1;  ///< which entry of the track's stsd
-};
-/// All of a track, in the order of decoding.
-struct TrackSamples {
-    std::vector<Sample> samples;
-    std::vector<Chunk> chunks;
-};
-
-/// What a track's tables say (box stbl); nothing where they are empty. An error where they contradict each
-/// other or have more than `most`.
-Result<TrackSamples> samples_in(BytesView stbl, std::size_t most);
-/// The tables of these samples, which stand in a file so many bytes later: all boxes of a stbl but its stsd.
-Bytes tables_of(const TrackSamples& track, std::uint64_t later);
-
-// A fragmented MP4 file (ISO/IEC 14496-12, 8.8) tells of its samples stretch by stretch, each in a box moof
-// of its own, so that it can be read while it is written, and up to where it was cut.
-
-/// The pictures of such a file, as a plain file would have them.
+/// The pictures of a fragmented MP4 file (ISO/IEC 14496-12, 8.8), as a plain file would have them. It tells
+/// of its samples stretch by stretch, each in a box moof of its own, so that it can be read while it is
+/// written, and up to where it was cut.
 struct GatheredMovie {
     Bytes head;              ///< what stands before the file's own bytes, all of which are samples then
     std::uint64_t size = 0;  ///< of the file
@@ -110,11 +87,9 @@ Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file);
 /// The plain file.
 std::unique_ptr<ByteSource> plain_file(const GatheredMovie& movie, std::unique_ptr<ByteSource> file);
 
-// How an MP4 file carries a scene (ISO/IEC 14496-14): its initial object descriptor (box iods) names two
-// tracks of MPEG-4 Systems, one of BIFS (handler sdsm) and one of object descriptors (odsm), which say which
-// track each number in the scene means.
-
-/// A scene, and the tracks of its pictures.
+/// A scene, and the tracks of its pictures, as an MP4 file carries them (ISO/IEC 14496-14): its initial
+/// object descriptor (box iods) names two tracks of MPEG-4 Systems, one of BIFS (handler sdsm) and one of
+/// object descriptors (odsm), which say which track each number in the scene means.
 struct SceneStream {
     BifsConfig config;
     Bytes scene;                                     ///< one access unit

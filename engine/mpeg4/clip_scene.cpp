@@ -25,10 +25,9 @@ public:
     /// Of a field by its name, initial where it is not given; null where there is no such field.
     const std::vector<FieldValue>* values(std::string_view name) const {
         if (const Field* given = node_.field(name)) return &given->values;
-        if (const auto* specs = fields_of(scene_.prototypes, node_.type))
-            for (const FieldSpec& spec : *specs)
-                if (spec.name == name) return &spec.initial;
-        return nullptr;
+        const auto* const specs = fields_of(scene_.prototypes, node_.type);
+        const FieldSpec* const spec = specs ? field_named(*specs, name) : nullptr;
+        return spec ? &spec->initial : nullptr;
     }
     template <class T>
     Result<T> value(const char* name) const {
@@ -44,36 +43,33 @@ public:
         return std::optional(NodeView(scene_, *found));
     }
     Result<double> number(const char* name) const {
-        const auto found = value<float>(name);
-        return found ? Result<double>(decimal_of(*found)) : Result<double>(found.error());
+        TRY_ASSIGN(const auto number, value<float>(name));
+        return decimal_of(number);
     }
     Result<PropertyRange> range(const char* name) const {
-        const auto found = value<std::array<float, 2>>(name);
-        if (!found) return found.error();
-        return PropertyRange{decimal_of((*found)[0]), decimal_of((*found)[1])};
+        TRY_ASSIGN(const auto ends, value<std::array<float, 2>>(name));
+        return PropertyRange{decimal_of(ends[0]), decimal_of(ends[1])};
     }
-    Result<std::optional<PlaneTexture>> texture(const char* name) const;
+    Result<std::optional<ClipNodes::Texture>> texture(const char* name) const {
+        TRY_ASSIGN(const auto found, node(name));
+        if (!found) return std::optional<ClipNodes::Texture>();
+        const NodeView& there = *found;
+        if (!there.is("ImageTexture") && !there.is("MovieTexture"))
+            return wrong(std::string(name) + " is a " + printable(there.node_.type) +
+                         ": must be an ImageTexture or a MovieTexture");
+        const auto* urls = there.values("url");
+        if (!urls || urls->size() != 1)
+            return wrong(std::string(name) + " has " + std::to_string(urls ? urls->size() : 0) +
+                         " urls: must be one");
+        const Url* const url = std::get_if<Url>(&urls->front());
+        if (!url) return wrong(std::string(name) + " is a PROTO whose url is none");
+        return std::optional(ClipNodes::Texture{*url, there.is("MovieTexture")});
+    }
 
 private:
     const SceneTree& scene_;
     const Node& node_;
 };
-
-Result<std::optional<PlaneTexture>> NodeView::texture(const char* name) const {
-    TRY_ASSIGN(const auto found, node(name));
-    if (!found) return std::optional<PlaneTexture>();
-    const NodeView& there = *found;
-    if (!there.is("ImageTexture") && !there.is("MovieTexture"))
-        return wrong(std::string(name) + " is a " + printable(there.node_.type) +
-                     ": must be an ImageTexture or a MovieTexture");
-    const auto* urls = there.values("url");
-    if (!urls || urls->size() != 1)
-        return wrong(std::string(name) + " has " + std::to_string(urls ? urls->size() : 0) +
-                     " urls: must be one");
-    const Url* const url = std::get_if<Url>(&urls->front());
-    if (!url) return wrong(std::string(name) + " is a PROTO whose url is none");
-    return std::optional(PlaneTexture{*url, there.is("MovieTexture")});
-}
 
 /// Beside the Shape: what touchable wrote for itself, a line each; empty where it is a WorldInfo of others.
 std::string scene_file_in(const SceneTree& scene) {
@@ -136,8 +132,7 @@ Result<void> read_depth(const NodeView& depth, ClipNodes& made) {
                                        {"pixelWidth", &made.pixel_width},
                                        {"nearPlane", &made.near},
                                        {"farPlane", &made.far}}) {
-        TRY_ASSIGN(const auto number, depth.number(name));
-        *member = number;
+        TRY_ASSIGN(*member, depth.number(name));
     }
     TRY_ASSIGN(const auto texture, depth.texture("texture"));
     if (!texture) return depth.wrong("must have a texture, which is its pictures");
@@ -151,15 +146,12 @@ Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
     for (const auto& [name, member] : {std::pair{"stiffnessRange", &made.ranges.stiffness},
                                        {"staticFrictionRange", &made.ranges.static_friction},
                                        {"dynamicFrictionRange", &made.ranges.dynamic_friction}}) {
-        TRY_ASSIGN(const auto range, surface.range(name));
-        *member = range;
+        TRY_ASSIGN(*member, surface.range(name));
     }
-    TRY_ASSIGN(const auto height, surface.number("maxHeight"));
-    made.max_height = height;
+    TRY_ASSIGN(made.max_height, surface.number("maxHeight"));
     for (const auto& [name, member] :
          {std::pair{"hapticTexture", &made.haptic}, {"heightTexture", &made.height}}) {
-        TRY_ASSIGN(auto texture, surface.texture(name));
-        *member = std::move(texture);
+        TRY_ASSIGN(*member, surface.texture(name));
     }
     return {};
 }
@@ -171,16 +163,14 @@ Result<std::optional<NodeView>> haptic_surface_of(const NodeView& node) {
 }
 
 Result<void> read_shape(const NodeView& shape, ClipNodes& made) {
-    const auto geometry = shape.node("geometry"), appearance = shape.node("appearance");
-    if (!geometry) return geometry.error();
-    if (!appearance) return appearance.error();
-    if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
-    TRY(read_depth(**geometry, made));
-    TRY_ASSIGN(auto surface, haptic_surface_of(**geometry));
-    if (*appearance) {
-        TRY_ASSIGN(auto colour, (*appearance)->texture("texture"));
-        made.colour = std::move(colour);
-        TRY_ASSIGN(auto papers, haptic_surface_of(**appearance));
+    TRY_ASSIGN(const auto geometry, shape.node("geometry"));
+    TRY_ASSIGN(const auto appearance, shape.node("appearance"));
+    if (!geometry || !geometry->is("Depth")) return shape.wrong("its geometry must be a Depth");
+    TRY(read_depth(*geometry, made));
+    TRY_ASSIGN(auto surface, haptic_surface_of(*geometry));
+    if (appearance) {
+        TRY_ASSIGN(made.colour, appearance->texture("texture"));
+        TRY_ASSIGN(auto papers, haptic_surface_of(*appearance));
         if (surface && papers)
             return shape.wrong("has a hapticSurface in its geometry and in its appearance: must be one");
         if (papers) surface.emplace(*papers);
@@ -191,12 +181,11 @@ Result<void> read_shape(const NodeView& shape, ClipNodes& made) {
 /// MPEG-4's own node, of version 5.
 Result<ClipNodes> from_depth_image(const NodeView& image) {
     ClipNodes made;
-    const auto textures = image.node("diTexture");
+    TRY_ASSIGN(const auto textures, image.node("diTexture"));
     const auto angles = image.value<std::array<float, 2>>("fieldOfView");
     const auto near = image.number("nearPlane"), far = image.number("farPlane");
     const auto flat = image.value<bool>("orthographic");
-    if (!textures) return textures.error();
-    if (!*textures || !(*textures)->is("SimpleTexture"))
+    if (!textures || !textures->is("SimpleTexture"))
         return image.wrong("its diTexture must be a SimpleTexture");
     if (!angles || !near || !far || !flat) return image.wrong("its camera is damaged");
     if (*flat) return image.wrong("is orthographic: must have a perspective camera (orthographic FALSE)");
@@ -204,16 +193,14 @@ Result<ClipNodes> from_depth_image(const NodeView& image) {
     made.angle_y = decimal_of((*angles)[1]);
     made.near = *near;
     made.far = *far;
-    auto depth = (*textures)->texture("depth"), colour = (*textures)->texture("texture");
-    if (!depth) return depth.error();
-    if (!colour) return colour.error();
-    if (!*depth) return image.wrong("must have pictures of depth");
-    made.depth = std::move(**depth);
-    made.colour = std::move(*colour);
+    TRY_ASSIGN(auto depth, textures->texture("depth"));
+    TRY_ASSIGN(made.colour, textures->texture("texture"));
+    if (!depth) return image.wrong("must have pictures of depth");
+    made.depth = std::move(*depth);
     return made;
 }
 
-NodePtr texture_node(const std::optional<PlaneTexture>& texture) {
+NodePtr texture_node(const std::optional<ClipNodes::Texture>& texture) {
     if (!texture) return {};
     Node made{.type = texture->is_movie ? "MovieTexture" : "ImageTexture"};
     if (texture->is_movie) made.fields.push_back({"loop", {true}});
@@ -341,9 +328,9 @@ SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
     return {clip_prototypes(width, height), std::make_shared<Node>(root)};
 }
 
-ClipNodes nodes_from(const Scene& scene, StreamsBeside streams) {
+ClipNodes nodes_from(const Scene& scene, ClipNodes::Streams streams) {
     ClipNodes nodes;
-    const auto stream = [](std::uint16_t object) { return PlaneTexture{{.object = object}, true}; };
+    const auto stream = [](std::uint16_t object) { return ClipNodes::Texture{{.object = object}, true}; };
     nodes.depth = stream(depth_object);
     if (streams.colour) nodes.colour = stream(colour_object);
     if (streams.haptic) nodes.haptic = stream(haptic_object);
@@ -359,7 +346,7 @@ ClipNodes nodes_from(const Scene& scene, StreamsBeside streams) {
     return nodes;
 }
 
-std::vector<std::string> unsaid_by_nodes(const Scene& scene, StreamsBeside streams, Textures textures) {
+std::vector<std::string> unsaid_by_nodes(const Scene& scene, ClipNodes::Streams streams, Textures textures) {
     std::vector<std::string> unsaid;
     const auto say = [&](bool is_so, std::string what) {
         if (is_so) unsaid.push_back(std::move(what));
@@ -419,7 +406,7 @@ ClipNodes nodes_of_pictures(const SceneDescription& described) {
     const Scene& scene = described.scene;
     const FolderSource& files = *scene.folder;
     const auto picture = [](const std::string& file) {
-        return file.empty() ? std::nullopt : std::optional(PlaneTexture{{.file = file}, false});
+        return file.empty() ? std::nullopt : std::optional(ClipNodes::Texture{{.file = file}, false});
     };
     ClipNodes nodes = nodes_from(scene);
     nodes.depth = *picture(files.depth);

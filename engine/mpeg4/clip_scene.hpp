@@ -31,24 +31,28 @@ Result<SceneTree> parse_scene_text(std::string_view text);
 /// The text of a scene: as MPEG-4 tools read it, two spaces deeper for each node.
 std::string scene_text(const SceneTree& scene);
 
-/// Where a plane's pictures are: an ImageTexture or a MovieTexture.
-struct PlaneTexture {
-    Url url;
-    bool is_movie = false;
-    bool operator==(const PlaneTexture&) const = default;
-};
-
 /// What the nodes of a touchable clip say (the paper's Fig. 9 to 12): one Shape whose geometry is a Depth,
 /// with a HapticTextureSurface in its Appearance, as the paper has it, or in its Depth, as it is written
 /// here; or MPEG-4's own DepthImage, which cannot be felt otherwise than everywhere alike.
 struct ClipNodes {
+    /// Where a plane's pictures are: an ImageTexture or a MovieTexture.
+    struct Texture {
+        Url url;
+        bool is_movie = false;
+        bool operator==(const Texture&) const = default;
+    };
+    /// The streams that a clip has beside depth's.
+    struct Streams {
+        bool colour = false, haptic = false, height = false;
+    };
+
     /// Of the paper's camera: square pixels, in one unit of length; of a DepthImage: 0.
     double focal_length = 0, pixel_width = 0;
     /// Of a DepthImage: the angles of the whole picture, radians, across and down; otherwise 0.
     double angle_x = 0, angle_y = 0;
     double near = 0, far = 0;  ///< scene units
-    PlaneTexture depth;
-    std::optional<PlaneTexture> colour, haptic, height;
+    Texture depth;
+    std::optional<Texture> colour, haptic, height;
     HapticRanges ranges;    ///< stiffness in N/mm
     double max_height = 0;  ///< levels of depth
     /// A scene file's text, which says what nodes cannot, to touchable alone: `info` of a WorldInfo of this
@@ -72,14 +76,11 @@ inline constexpr std::uint16_t colour_object = 10, depth_object = 11, haptic_obj
 
 /// What the nodes can say of a scene: the paper's camera, near and far plane, ranges; and streams of depth
 /// and of those planes that it has.
-struct StreamsBeside {
-    bool colour = false, haptic = false, height = false;
-};
-ClipNodes nodes_from(const Scene& scene, StreamsBeside streams = {});
+ClipNodes nodes_from(const Scene& scene, ClipNodes::Streams streams = {});
 /// Where the textures are: tracks of 8 bits that change, or pictures of one moment, of 8 or 16 bits.
 enum class Textures { tracks, pictures };
 /// What they cannot, each as a person reads it: "frames at times of their own". Empty: they say all.
-std::vector<std::string> unsaid_by_nodes(const Scene& scene, StreamsBeside streams = {},
+std::vector<std::string> unsaid_by_nodes(const Scene& scene, ClipNodes::Streams streams = {},
                                          Textures textures = Textures::tracks);
 
 /// A clip that nothing but nodes describes: depth as the paper has it, white near, along the ray (Eq. 3), of
@@ -88,8 +89,8 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
 /// The same scene by nodes of pictures, and what those cannot say of it, to the last bit, as a scene file's
 /// text (ClipNodes::scene_file). Its name and rate are not needed: one frame is called as its file.
 ClipNodes nodes_of_pictures(const SceneDescription& described);
-/// A clip of pictures by such nodes: what their scene file says, but for what somebody has changed in the
-/// nodes since, which `notes` says; or without one what they say alone, of depth of so many bits. It names no
+/// A clip of pictures by such nodes: what their scene file says, but for what was changed in the nodes
+/// since, which `notes` says; or without one what they say alone, of depth of so many bits. It names no
 /// pictures.
 Result<SceneDescription> described_by_pictures(const ClipNodes& nodes, int width, int height, int bits,
                                                std::vector<std::string>& notes);

@@ -173,6 +173,12 @@ const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view
     return nullptr;
 }
 
+void sort_fields(Node& node, std::span<const FieldSpec> specs) {
+    std::stable_sort(node.fields.begin(), node.fields.end(), [specs](const Field& a, const Field& b) {
+        return field_named(specs, a.name) < field_named(specs, b.name);
+    });
+}
+
 const std::vector<FieldSpec>* fields_of(std::span<const Prototype> prototypes, std::string_view type) {
     if (const Prototype* prototype = prototype_named(prototypes, type)) return &prototype->fields;
     const NodeType* known = node_type(type);

@@ -1,5 +1,13 @@
 #pragma once
 
+// A scene of MPEG-4 (ISO/IEC 14496-11), as its text and its binary form (BIFS) both say it: nodes with
+// fields, and prototypes of nodes.
+//
+// A SceneTree is what parse_scene_text and decode_scene read and scene_text and encode_scene write. Of
+// MPEG-4's nodes only those that node_type knows can stand in it: each NodeType has its fields, in order, and
+// its numbers in the binary form. Readers of a tree find the fields of a node, of a known kind or of a
+// prototype, by fields_of. Plain values and pure functions, for any thread.
+
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -11,9 +19,6 @@
 #include <vector>
 
 namespace touchable::mpeg4 {
-
-// A scene of MPEG-4 (ISO/IEC 14496-11), as its text and its binary form (BIFS) both say it: nodes with
-// fields, and prototypes of nodes. Of MPEG-4's nodes only those of node_types.hpp can stand in it.
 
 /// What a field holds, numbered as in the binary form.
 enum class FieldType : std::uint8_t {
@@ -73,7 +78,7 @@ struct FieldSpec {
     std::string name;
     FieldKind kind;
     FieldEvent event = FieldEvent::exposed;
-    std::vector<FieldValue> initial{};  ///< whoever says nothing has this: one value, or a list
+    std::vector<FieldValue> initial{};  ///< where nothing is said: one value, or a list
     NodeSlot slot = NodeSlot::world;    ///< of a field of nodes
     /// Whether a scene can give it a value.
     bool has_value() const { return event == FieldEvent::field || event == FieldEvent::exposed; }
@@ -90,7 +95,7 @@ struct Node {
     std::string type;             ///< "Shape", or a prototype's name
     std::string name{};           ///< by which it is used again (DEF); empty: none
     std::vector<Field> fields{};  ///< in the order of its kind's
-    int levels = 1;               ///< of nodes, itself and those in it, as whoever read it counted
+    int levels = 1;               ///< of nodes, itself and those in it, as its reader counted
     const Field* field(std::string_view wanted) const {
         for (const Field& each : fields)
             if (each.name == wanted) return &each;
@@ -152,6 +157,8 @@ inline constexpr int versions = 5;
 const Prototype* prototype_named(std::span<const Prototype> prototypes, std::string_view name);
 /// The field of that name; null where there is none.
 const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view name);
+/// Puts the fields of a node, which are all of these, in their order.
+void sort_fields(Node& node, std::span<const FieldSpec> specs);
 /// The fields of a node; null where it is neither a prototype nor a node that is known.
 const std::vector<FieldSpec>* fields_of(std::span<const Prototype> prototypes, std::string_view type);
 

@@ -60,7 +60,7 @@ std::vector<Track> tracks_of(std::span<const Box> boxes) {
         const BytesView head = content_at(box.content, {"tkhd"}),
                         handler = content_at(box.content, {"mdia", "hdlr"});
         if (head.size() < 24 || handler.size() < 12) continue;
-        tracks.push_back({static_cast<std::uint32_t>(number_at(head, head[0] == 1 ? 20 : 12, 4)),
+        tracks.push_back({number_behind_times(head),
                           std::string(reinterpret_cast<const char*>(handler.data()) + 8, 4), box.content});
     }
     return tracks;
@@ -166,10 +166,6 @@ Bytes full_box(std::string_view type, std::uint32_t flags, const Bytes& content)
     return box_of(type, body);
 }
 
-void add(Bytes& to, const Bytes& more) {
-    put_bytes(to, more);
-}
-
 Bytes zeros(std::size_t count) {
     return Bytes(count, 0);
 }
@@ -194,35 +190,35 @@ struct SystemsTrack {
 Bytes esds(const SystemsTrack& track) {
     Bytes config{track.object_type, static_cast<std::uint8_t>(track.stream_type << 2 | 1)};
     put_number(config, track.sample.size(), 3);
-    add(config, zeros(8));  // rates: not said
-    if (!track.decoder_info.empty()) add(config, descriptor(decoder_info, track.decoder_info));
+    put_bytes(config, zeros(8));  // rates: not said
+    if (!track.decoder_info.empty()) put_bytes(config, descriptor(decoder_info, track.decoder_info));
     Bytes stream = zeros(3);  // its number is the track's, in a file
-    add(stream, descriptor(decoder_config, config));
-    add(stream, descriptor(sync_config, Bytes{2}));
+    put_bytes(stream, descriptor(decoder_config, config));
+    put_bytes(stream, descriptor(sync_config, Bytes{2}));
     return full_box("esds", 0, descriptor(es_descriptor, stream));
 }
 
 Bytes sample_tables(const SystemsTrack& track, std::uint64_t duration) {
     Bytes entry = zeros(6);
     put_number(entry, 1, 2);  // which data reference
-    add(entry, esds(track));
+    put_bytes(entry, esds(track));
     Bytes tables;
     const auto table = [&tables](const char* type, std::initializer_list<std::uint64_t> numbers) {
         Bytes content;
         for (const std::uint64_t each : numbers) put_number(content, each, 4);
-        add(tables, full_box(type, 0, content));
+        put_bytes(tables, full_box(type, 0, content));
     };
     Bytes kinds;
     put_number(kinds, 1, 4);
     put_box(kinds, "mp4s", entry);
-    add(tables, full_box("stsd", 0, kinds));
+    put_bytes(tables, full_box("stsd", 0, kinds));
     table("stts", {1, 1, duration});
     table("stsc", {1, 1, 1, 1});
     table("stsz", {0, 1, track.sample.size()});
     Bytes place;
     put_number(place, 1, 4);
     put_number(place, track.at, 8);
-    add(tables, full_box("co64", 0, place));
+    put_bytes(tables, full_box("co64", 0, place));
     return tables;
 }
 
@@ -232,9 +228,9 @@ Bytes systems_trak(const SystemsTrack& track, std::uint64_t movie_duration, std:
     put_number(head, track.id, 4);
     put_number(head, 0, 4);
     put_number(head, movie_duration, 4);
-    add(head, zeros(16));
+    put_bytes(head, zeros(16));
     put_matrix(head);
-    add(head, zeros(8));
+    put_bytes(head, zeros(8));
     Bytes trak = full_box("tkhd", 1, head);
     if (!track.refers_to.empty()) {
         Bytes ids;
@@ -251,15 +247,15 @@ Bytes systems_trak(const SystemsTrack& track, std::uint64_t movie_duration, std:
     put_number(handler, 0, 4);
     for (const char* letter = track.handler; *letter; ++letter)
         handler.push_back(static_cast<std::uint8_t>(*letter));
-    add(handler, zeros(13));
+    put_bytes(handler, zeros(13));
     Bytes itself;
     put_number(itself, 1, 4);
-    add(itself, full_box("url ", 1, {}));
+    put_bytes(itself, full_box("url ", 1, {}));
     Bytes information = full_box("nmhd", 0, {});
     put_box(information, "dinf", full_box("dref", 0, itself));
     put_box(information, "stbl", sample_tables(track, duration));
     Bytes media = full_box("mdhd", 0, times);
-    add(media, full_box("hdlr", 0, handler));
+    put_bytes(media, full_box("hdlr", 0, handler));
     put_box(media, "minf", information);
     put_box(trak, "mdia", media);
     return box_of("trak", trak);
@@ -274,8 +270,8 @@ Bytes object_descriptors(const SceneStream& stream) {
         put_number(reference, ++place, 2);
         Bytes content;
         put_number(content, static_cast<std::uint64_t>(number) << 6 | 0x1F, 2);  // no URL; five reserved bits
-        add(content, descriptor(track_referenced, reference));
-        add(all, descriptor(object, content));
+        put_bytes(content, descriptor(track_referenced, reference));
+        put_bytes(all, descriptor(object, content));
     }
     return descriptor(object_update, all);
 }
@@ -283,18 +279,17 @@ Bytes object_descriptors(const SceneStream& stream) {
 Bytes initial_object_descriptor(std::uint32_t scene_track, std::uint32_t object_track) {
     Bytes content;
     put_number(content, 1 << 6 | 0x0F, 2);  // number 1, no URL, profiles not in line, reserved bits
-    add(content, Bytes(5, 0xFF));           // no capability is asked for
+    put_bytes(content, Bytes(5, 0xFF));     // no capability is asked for
     for (const std::uint32_t track : {scene_track, object_track}) {
         Bytes id;
         put_number(id, track, 4);
-        add(content, descriptor(track_included, id));
+        put_bytes(content, descriptor(track_included, id));
     }
     return full_box("iods", 0, descriptor(initial_object, content));
 }
 
 std::uint32_t track_id(BytesView trak) {
-    const BytesView head = content_at(trak, {"tkhd"});
-    return static_cast<std::uint32_t>(number_at(head, !head.empty() && head[0] == 1 ? 20 : 12, 4));
+    return number_behind_times(content_at(trak, {"tkhd"}));
 }
 
 bool shows_pictures(BytesView trak) {
@@ -350,14 +345,11 @@ Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadB
     const auto scene = with_handler("sdsm"), objects = with_handler("odsm");
     if (scene == tracks.end()) return std::optional<SceneStream>();
     SceneStream made;
-    TRY_ASSIGN(const auto config, config_of(*scene));
-    made.config = config;
-    TRY_ASSIGN(auto sample, first_sample(*scene, read));
-    made.scene = std::move(sample);
+    TRY_ASSIGN(made.config, config_of(*scene));
+    TRY_ASSIGN(made.scene, first_sample(*scene, read));
     if (objects == tracks.end()) return std::optional(std::move(made));
     TRY_ASSIGN(const auto descriptors, first_sample(*objects, read));
-    TRY_ASSIGN(auto found, objects_in(descriptors, content_at(objects->content, {"tref", "mpod"})));
-    made.objects = std::move(found);
+    TRY_ASSIGN(made.objects, objects_in(descriptors, content_at(objects->content, {"tref", "mpod"})));
     return std::optional(std::move(made));
 }
 
@@ -378,7 +370,7 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
     Bytes scene = stream.scene;
     scene.push_back(0);  // of some decoders the last byte is not read (docs/mpeg4.md)
     Bytes samples = scene;
-    add(samples, objects);
+    put_bytes(samples, objects);
     SystemsTrack scenes{
         free_id, "sdsm", scene_stream, stream.config.object_type(), encode_config(stream.config),
         scene,   at + 8};
@@ -393,11 +385,11 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
     std::copy(next.begin(), next.end(), header.end() - 4);
     Bytes movie;
     put_box(movie, "mvhd", header);
-    add(movie, initial_object_descriptor(scenes.id, descriptors.id));
+    put_bytes(movie, initial_object_descriptor(scenes.id, descriptors.id));
     bool are_added = false;
     const auto add_tracks = [&] {
         for (const SystemsTrack* track : {&scenes, &descriptors})
-            add(movie, systems_trak(*track, movie_duration, duration));
+            put_bytes(movie, systems_trak(*track, movie_duration, duration));
         are_added = true;
     };
     for (const Box& part : parts) {

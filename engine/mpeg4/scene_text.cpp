@@ -117,8 +117,7 @@ private:
 };
 
 Result<void> TextParser::advance() {
-    TRY_ASSIGN(auto next, tokens_.next());
-    token_ = std::move(next);
+    TRY_ASSIGN(token_, tokens_.next());
     return {};
 }
 
@@ -144,9 +143,8 @@ Result<SceneTree> TextParser::parse() {
         scene_.prototypes.push_back(std::move(made));
         if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
-    TRY_ASSIGN(auto root, node(0));
-    if (!root) return wrong("the scene is NULL: must be a node");
-    scene_.root = std::move(root);
+    TRY_ASSIGN(scene_.root, node(0));
+    if (!scene_.root) return wrong("the scene is NULL: must be a node");
     if (token_.kind != Token::Kind::end)
         return wrong("the scene is over, but " + in_quotes(token_.text) + " follows" +
                      (token_.is("}") ? ": there are more closing braces than opening ones" : ""));
@@ -194,23 +192,17 @@ Result<Prototype> TextParser::prototype(bool is_external) {
 
 Result<FieldSpec> TextParser::prototype_field(bool is_external) {
     FieldSpec spec;
-    const auto& word = token_;
-    if (word.is("field"))
-        spec.event = FieldEvent::field;
-    else if (word.is("exposedField"))
-        spec.event = FieldEvent::exposed;
-    else
+    if (!token_.is("field") && !token_.is("exposedField"))
         return wrong(found() + ": must be field, exposedField or ]");
+    spec.event = token_.is("field") ? FieldEvent::field : FieldEvent::exposed;
     TRY(advance());
     const auto kind = kind_named(token_.text);
     if (!kind) return wrong(found() + ": must be the type of a field, such as SFFloat");
     spec.kind = *kind;
     TRY(advance());
-    TRY_ASSIGN(auto called, name("field"));
-    spec.name = std::move(called);
+    TRY_ASSIGN(spec.name, name("field"));
     if (is_external) return spec;
-    TRY_ASSIGN(auto initial, values(spec.kind, 1));
-    spec.initial = std::move(initial);
+    TRY_ASSIGN(spec.initial, values(spec.kind, 1));
     return spec;
 }
 
@@ -235,14 +227,13 @@ Result<NodePtr> TextParser::node(int depth) {
     }
     if (token_.is("DEF")) {
         TRY(advance());
-        TRY_ASSIGN(auto word, name("DEF"));
-        called = std::move(word);
+        TRY_ASSIGN(called, name("DEF"));
     }
-    const Token type = token_;
+    const std::size_t at = token_.at;
     TRY_ASSIGN(auto word, name("a node"));
     const auto* specs = fields_of(scene_.prototypes, word);
     if (!specs)
-        return tokens_.wrong(type.at,
+        return tokens_.wrong(at,
                              in_quotes(word) + " is no node that a touchable clip has" +
                                  (word == "ROUTE" || word == "Script" ? ": its scene has no behaviour" : ""));
     auto made = std::make_shared<Node>(Node{.type = std::move(word), .name = called});
@@ -252,16 +243,11 @@ Result<NodePtr> TextParser::node(int depth) {
         if (made->field(given.name)) return wrong(made->type + ": has " + given.name + " twice");
         made->fields.push_back(std::move(given));
     }
-    const auto place = [specs](const Field& each) {
-        return std::find_if(specs->begin(), specs->end(),
-                            [&](const FieldSpec& spec) { return spec.name == each.name; });
-    };
-    std::stable_sort(made->fields.begin(), made->fields.end(),
-                     [&](const Field& a, const Field& b) { return place(a) < place(b); });
+    sort_fields(*made, *specs);
     made->levels = levels_of(*made);
     TRY(advance());
     if (!called.empty() && !named_.emplace(called, made).second)
-        return tokens_.wrong(type.at, "DEF " + called + " is there already");
+        return tokens_.wrong(at, "DEF " + called + " is there already");
     return NodePtr(std::move(made));
 }
 
@@ -269,10 +255,8 @@ Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::
     const Token at = token_;
     if (at.kind != Token::Kind::word)
         return wrong(of_node + ": " + found() + ": must be a field's name or }");
-    const auto spec = std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& each) {
-        return each.has_value() && each.name == at.text;
-    });
-    if (spec == specs.end()) {
+    const FieldSpec* const spec = field_named(specs, at.text);
+    if (!spec || !spec->has_value()) {
         std::vector<std::string> names;
         for (const FieldSpec& each : specs) names.push_back(each.name);
         const std::string nearest = nearest_word(at.text, names);
@@ -282,16 +266,13 @@ Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::
     TRY(advance());
     Field made{spec->name};
     if (!token_.is("IS")) {
-        TRY_ASSIGN(auto given, values(spec->kind, depth + 1));
-        made.values = std::move(given);
+        TRY_ASSIGN(made.values, values(spec->kind, depth + 1));
         return made;
     }
     if (!inside_) return wrong(of_node + ": IS stands in the body of a PROTO only");
     TRY(advance());
-    const auto& outer = inside_->fields;
-    const auto meant = std::find_if(outer.begin(), outer.end(),
-                                    [&](const FieldSpec& each) { return each.name == token_.text; });
-    if (meant == outer.end() || !(meant->kind == spec->kind))
+    const FieldSpec* const meant = field_named(inside_->fields, token_.text);
+    if (!meant || !(meant->kind == spec->kind))
         return wrong("PROTO " + printable(inside_->name) + ": has no field " + in_quotes(token_.text) +
                      " of type " + std::string(kind_name(spec->kind)));
     made.is = meant->name;
@@ -380,8 +361,7 @@ template <std::size_t n>
 Result<FieldValue> TextParser::numbers() {
     std::array<float, n> all{};
     for (float& each : all) {
-        TRY_ASSIGN(const auto read, number<float>());
-        each = read;
+        TRY_ASSIGN(each, number<float>());
     }
     return FieldValue(all);
 }
@@ -476,8 +456,8 @@ void TextWriter::node(const NodePtr& node, int depth) {
             text_ += "IS " + field.is;
             continue;
         }
-        for (const FieldSpec& spec : *specs)
-            if (spec.name == field.name) values(spec.kind, field.values, depth + 1);
+        if (const FieldSpec* const spec = field_named(*specs, field.name))
+            values(spec->kind, field.values, depth + 1);
     }
     if (!node->fields.empty()) line(depth);
     text_ += '}';

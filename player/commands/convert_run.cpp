@@ -409,7 +409,7 @@ void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
                   << std::endl;
         return;
     }
-    mpeg4::StreamsBeside streams;
+    mpeg4::ClipNodes::Streams streams;
     for (const TrackInfo& track : source_->tracks())
         streams.haptic = streams.haptic || track.role == "haptic";
     const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;

@@ -328,7 +328,7 @@ std::string to_text(const ClipFacts& facts) {
 
 /// The clip's scene as MPEG-4 has it; what that cannot say stands before it.
 std::string mpeg4_text(const ClipFacts& facts) {
-    const mpeg4::StreamsBeside streams{facts.has_track("colour"), facts.has_track("haptic"),
+    const mpeg4::ClipNodes::Streams streams{facts.has_track("colour"), facts.has_track("haptic"),
                                        facts.has_track("height")};
     std::string text;
     for (const std::string& unsaid : mpeg4::unsaid_by_nodes(facts.scene, streams))

@@ -94,7 +94,7 @@ protected:
         described.scene.folder = FolderSource{.depth = "d", .colour = "c", .haptic = "s", .height = "h"};
         mpeg4::ClipNodes made = mpeg4::nodes_of_pictures(described);
         const auto object = [](PlaneRole role) {
-            return mpeg4::PlaneTexture{
+            return mpeg4::ClipNodes::Texture{
                 {.object = static_cast<std::uint16_t>(first_object + static_cast<int>(role))}, false};
         };
         made.depth = object(PlaneRole::depth);

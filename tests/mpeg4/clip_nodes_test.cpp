@@ -89,10 +89,10 @@ TEST(ClipNodes, ThePapersSceneIsRead) {
     expect_range(nodes.ranges.stiffness, 0.1, 10);
     expect_range(nodes.ranges.static_friction, 0.2, 0.9);
     expect_range(nodes.ranges.dynamic_friction, 0.2, 0.9);
-    EXPECT_EQ(nodes.depth, (PlaneTexture{{.file = "depth_image.png"}}));
-    EXPECT_EQ(nodes.colour, (PlaneTexture{{.file = "color_image.jpg"}}));
-    EXPECT_EQ(nodes.haptic, (PlaneTexture{{.file = "haptic_image.jpg"}}));
-    EXPECT_EQ(nodes.height, (PlaneTexture{{.file = "height_image.png"}}));
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.file = "depth_image.png"}}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.file = "color_image.jpg"}}));
+    EXPECT_EQ(nodes.haptic, (ClipNodes::Texture{{.file = "haptic_image.jpg"}}));
+    EXPECT_EQ(nodes.height, (ClipNodes::Texture{{.file = "height_image.png"}}));
 }
 
 TEST(ClipNodes, ThePapersPrintIsRefused) {
@@ -117,8 +117,8 @@ TEST(ClipNodes, WhatIsLeftOutIsAsThePaperHasIt) {
 
 TEST(ClipNodes, APrototypesOwnInitialValuesStand) {
     const ClipNodes nodes = nodes_from(prototype_scene);
-    EXPECT_EQ(nodes.depth, (PlaneTexture{{.object = 11}, true}));
-    EXPECT_EQ(nodes.height, (PlaneTexture{{.object = 13}, true}));
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.object = 11}, true}));
+    EXPECT_EQ(nodes.height, (ClipNodes::Texture{{.object = 13}, true}));
     expect_range(nodes.ranges.dynamic_friction, 0, 0.4);
     const ClipNodes other = nodes_from(R"(
         PROTO Depth [ exposedField SFFloat focalLength 3 exposedField SFFloat pixelWidth 0.5 exposedField SFFloat nearPlane 7
@@ -134,16 +134,16 @@ TEST(ClipNodes, ADepthImageIsRead) {
     EXPECT_EQ(nodes.far, 200);
     EXPECT_EQ(nodes.angle_x, 0.9);
     EXPECT_EQ(nodes.angle_y, 0.7);
-    EXPECT_EQ(nodes.depth, (PlaneTexture{{.object = 11}, true}));
-    EXPECT_EQ(nodes.colour, (PlaneTexture{{.object = 10}, true}));
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.object = 11}, true}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.object = 10}, true}));
 }
 
 /// As files before version 3 have it.
 TEST(ClipNodes, ReadsPrototypeOfAppearance) {
     const ClipNodes nodes = nodes_from(still_scene);
     expect_range(nodes.ranges.stiffness, 0.1, 2);
-    EXPECT_EQ(nodes.haptic, (PlaneTexture{{.object = 12}}));
-    EXPECT_EQ(nodes.colour, (PlaneTexture{{.object = 10}}));
+    EXPECT_EQ(nodes.haptic, (ClipNodes::Texture{{.object = 12}}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.object = 10}}));
 }
 
 /// GPAC's player casts what stands in `appearance` to MPEG-4's node, so nothing else may.

@@ -91,10 +91,10 @@ SceneDescription pictures_of(Scene scene) {
 TEST(ClipScene, NodesOfPicturesHaveASceneFileOnlyWhereTheyCannotSayAll) {
     const ClipNodes plain = nodes_of_pictures(pictures_of(papers_clip()));
     EXPECT_EQ(plain.scene_file, "");
-    EXPECT_EQ(plain.depth, (PlaneTexture{{.file = "d.png"}, false}));
-    EXPECT_EQ(plain.colour, (PlaneTexture{{.file = "c.png"}, false}));
+    EXPECT_EQ(plain.depth, (ClipNodes::Texture{{.file = "d.png"}, false}));
+    EXPECT_EQ(plain.colour, (ClipNodes::Texture{{.file = "c.png"}, false}));
     EXPECT_FALSE(plain.haptic);
-    EXPECT_EQ(plain.height, (PlaneTexture{{.file = "h.png"}, false}));
+    EXPECT_EQ(plain.height, (ClipNodes::Texture{{.file = "h.png"}, false}));
     const std::vector<std::function<void(SceneDescription&)>> changes{
         [](SceneDescription& clip) { clip.scene.camera.fx = clip.scene.camera.fy = 50.0 + 1e-12; },
         [](SceneDescription& clip) { clip.scene.depth.near += 1e-13; },
