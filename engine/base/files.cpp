@@ -48,7 +48,7 @@ Error interrupted_reading() {
     return {ErrorKind::interrupted, "interrupted while it was read"};
 }
 
-/// A file that is open as long as anybody reads it.
+/// A file that is open as long as it has readers.
 class Descriptor {
 public:
     explicit Descriptor(int number) : number_(number) {
@@ -98,7 +98,7 @@ private:
     std::string_view bytes_;
 };
 
-/// A file that is open, by a name that leads to it whatever its own is.
+/// A name that leads to an open file, which need not have one of its own.
 fs::path open_file_name(int file) {
     return "/proc/self/fd/" + std::to_string(file);
 }
@@ -262,7 +262,7 @@ void NewFile::open_unnamed(const fs::path& folder) {
     if (file_ < 0) return;
     path_ = open_file_name(file_);
     if (access(path_.c_str(), W_OK) == 0) return;
-    close(std::exchange(file_, -1));  // without /proc nobody could write to it
+    close(std::exchange(file_, -1));  // without /proc no other code could write to it
 }
 
 void NewFile::open_named(const fs::path& folder) {
@@ -277,7 +277,7 @@ void NewFile::open_named(const fs::path& folder) {
         return;
     }
     hidden_ = path_;
-    // Whoever may write in the folder could put something else under that name.
+    // Another program that may write in the folder could put something else under that name.
     if (const auto opened = open_file_name(file_); access(opened.c_str(), W_OK) == 0) path_ = opened;
 }
 

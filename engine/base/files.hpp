@@ -114,9 +114,9 @@ std::string first_bytes(const SourceFile& file, std::size_t count);
 /// What becomes of a file that has an output's name already.
 enum class Existing { keep, replace };
 
-/// A file being written that has no name until it is complete, so that whatever ends the program leaves
-/// nothing behind. Where a file system knows only files with names, it has a hidden, random one beside its
-/// target, and is removed where it never becomes complete.
+/// A file being written that has no name until it is complete, so that the program leaves
+/// nothing behind, however it ends. Where a file system knows only files with names, it has a hidden, random
+/// one beside its target, and is removed where it never becomes complete.
 class NewFile {
 public:
     /// `beside`: an existing folder of the target's file system; the target's own where it is left out.

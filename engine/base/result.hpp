@@ -4,9 +4,12 @@
 //
 // A function that can fail returns Result<T>: a value, or an Error with one line for a person (what is wrong,
 // where, what would be right) and its kind, of which exit_code makes the program's. Ask it by `if (!result)`,
-// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. Nothing is thrown across a
-// module's border. An Error may hint at a Setting: a library does not know what a program calls it, an option
-// or a row of a panel. Plain values, for any thread.
+// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. input_error and usage_error
+// make the errors of most functions, and error_at puts a place before one: a function that does not know its
+// file's name says what is wrong, and its caller says where. Nothing is thrown across a module's border.
+//
+// An Error may hint at a Setting: a library does not know what a program calls it, an option or a row of a
+// panel. Plain values, for any thread.
 
 #include <cassert>
 #include <optional>

@@ -4,12 +4,13 @@
 //
 // start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
 // among a few threads that sleep in between; the bits do not depend on how many there are. A person ends the
-// program by request_stop (a signal handler may call it). Whatever takes long asks stop_requested between its
-// steps and returns interrupted_error; what may wait for a disk, a codec or a network is handed to
+// program by request_stop (a signal handler may call it). Work that takes long asks stop_requested between
+// its steps and returns interrupted_error; what may wait for a disk, a codec or a network is handed to
 // unless_stopped, which leaves it to a thread of its own once the program is to end. A caller that may give
 // up one piece of work alone, such as the opening of a clip, holds a std::stop_source and puts a WorkUntil
-// around that work: stop_requested then says so to its thread. boot_ns is the clock that goes on while the
-// machine is suspended.
+// around that work: stop_requested then says so to its thread. A StopScope puts a part of a thread's work
+// under other rules, such as those of the thread that it works for. boot_ns is the clock that goes on while
+// the machine is suspended.
 //
 // Every function may be called by any thread; a RowBands by one at a time.
 
@@ -167,7 +168,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
     else
         errand->run();
     std::unique_lock lock(errand->mutex);
-    constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes nobody
+    constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes no thread
     while (!errand->has_ended.wait_for(lock, look_again, [&] { return errand->over; }))
         if (is_over()) {
             errand->is_abandoned = true;

@@ -1,7 +1,14 @@
 #pragma once
 
-// An error handed on to the caller, in one line. For .cpp files: a macro has no namespace, and headers of the
-// solver are installed.
+// An error handed on to the caller, in one line, by functions that return a Result themselves:
+//
+//     TRY(check_size(width, height));
+//     TRY_ASSIGN(auto bytes, file.read("a picture", most));
+//     TRY_ASSIGN(scene.camera, camera_of(bytes));
+//
+// The value is moved out of the Result. TRY_ASSIGN is two statements: it stands between braces where it is
+// the body of a loop or an if. For .cpp files: a macro has no namespace, and headers of the solver are
+// installed.
 
 #include <utility>
 

@@ -8,7 +8,7 @@
 // are what such kernels have in common. Every unit gives the same bits, which tests compare.
 //
 // Vectors never cross a function call that is not inlined, so it does not matter what the ABI says of those
-// that the oldest CPUs lack (-Wno-psabi): a kernel, and whatever it calls that takes vectors, is
+// that the oldest CPUs lack (-Wno-psabi): a kernel, and all that it calls with vectors, is
 // `always_inline`. Pure functions, for any thread.
 
 #include <cstddef>

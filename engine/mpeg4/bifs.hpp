@@ -3,10 +3,13 @@
 // BIFS: the binary form of an MPEG-4 scene (ISO/IEC 14496-11), bit by bit, for the nodes that node_types.hpp
 // knows.
 //
-// BitReader and BitWriter are streams of bits, the highest first. The decoder reads a scene from its access
-// unit and refuses what it cannot know the length of; the encoder writes one that MP4Box and this decoder
-// read. Nesting, counts and lengths are limited, because the bits come from outside. Pure functions, for any
-// thread.
+// encode_scene writes a tree as one access unit, which MP4Box and this decoder read, by a BifsConfig that
+// says how many bits its numbers take: config_for finds the least, encode_config writes it into a file's
+// description of the stream. decode_config and decode_scene are the way back; they refuse what they cannot
+// know the length of. Nesting, counts and lengths are limited, because the bits come from outside.
+//
+// BitReader and BitWriter are streams of bits, the highest first, for other formats too; each is one
+// thread's. The functions keep no state, for any thread.
 
 #include <cstdint>
 #include <span>

@@ -7,8 +7,9 @@
 // read_scene_stream finds the track of a scene (initial object descriptor, object descriptors, BIFS), and
 // with_scene_stream puts one into a file that is written.
 //
-// What a box claims is checked against the bytes that there are. Errors are lines behind the file's name.
-// Functions keep no state; a ByteSource is one thread's.
+// Boxes in bytes refer to these bytes, which outlive them. What a box claims is checked against the bytes
+// that there are. Errors are lines that follow the file's name (error_at). Functions keep no state; a
+// ByteSource is one thread's.
 
 #include <cstdint>
 #include <functional>

@@ -472,8 +472,6 @@ Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& w
     return picture;
 }
 
-}  // namespace
-
 std::optional<ExrWindow> ExrWindow::of(const exr_attr_box2i_t& box) {
     const auto width = std::int64_t{box.max.x} - box.min.x + 1,
                height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -577,6 +575,8 @@ Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChann
         }
     return {};
 }
+
+}  // namespace
 
 bool is_exr(std::string_view begin) {
     return begin.starts_with("\x76\x2f\x31\x01");

@@ -44,9 +44,7 @@ std::string joined_words(const std::vector<std::string>& words) {
     return name;
 }
 
-// From here on names are in small letters.
-
-/// Of this name; from part `home` where it has one.
+/// Of this name; from part `home` where it has one. Here and in what follows names are in small letters.
 std::optional<std::size_t> channel_named(const ExrChannelNames& channels, const std::string& name, int home) {
     std::optional<std::size_t> elsewhere;
     for (std::size_t k = 0; k < channels.size(); ++k) {

@@ -1,5 +1,12 @@
 #pragma once
 
+// What the channels of an OpenEXR file are, by their names, and linear light as samples.
+//
+// A file lists channels such as ViewLayer.Combined.R, of one part or several. exr_layers says which of them
+// are depth, the colour that belongs to it, and material indices; exr_colour and exr_materials are for files
+// that are read for these alone. srgb_sample makes a sample of a picture from linear light. Pure functions,
+// for any thread.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +37,7 @@ struct ExrLayers {
 };
 ExrLayers exr_layers(const std::vector<ExrChannelName>& channels);
 
-/// Colour, whatever depth there is: of the depth's view layer, else of the first layer that has any.
+/// Colour of a file with or without depth: of the depth's view layer, else of the first layer that has any.
 std::optional<std::array<std::size_t, 3>> exr_colour(const std::vector<ExrChannelName>& channels);
 /// The same of material indices; a file with one channel has nothing else.
 std::optional<std::size_t> exr_materials(const std::vector<ExrChannelName>& channels);

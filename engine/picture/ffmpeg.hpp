@@ -66,9 +66,8 @@ std::string file_url(const std::filesystem::path& path);
 /// a file or a codec is opened.
 void silence_ffmpeg();
 
-// --- What FFmpeg's versions have in different ways: no other file asks for the version.
-
-/// The bytes that an AVIOContext hands to its `write` callback: FFmpeg 7 made them const.
+/// The bytes that an AVIOContext hands to its `write` callback: FFmpeg 7 made them const. (This and the next
+/// two are what differs between FFmpeg's versions: no other file asks for the version.)
 #if LIBAVFORMAT_VERSION_MAJOR >= 61
 using MuxedBytes = const std::uint8_t;
 #else
@@ -145,8 +144,8 @@ public:
     /// was one.
     std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
 
-    // Of a file whose index has every picture, as MP4's: these are counted in the order in which they are
-    // decoded, which begins anew with each that decoding can begin with.
+    /// How many pictures a file has whose index has every one, as MP4's. They are counted in the order in
+    /// which they are decoded, which begins anew with each that decoding can begin with.
     std::int64_t pictures(int stream) const;
     /// The last one up to this that decoding can begin with.
     std::int64_t key_picture(int stream, std::int64_t picture) const;

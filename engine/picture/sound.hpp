@@ -7,7 +7,9 @@
 // StoredSound hands out its packets as they are stored, for a container that is written, and sound_of says
 // which containers take them.
 //
-// Objects are one thread's each. Errors are lines about the file (ErrorKind::input).
+// Times count from the clip's first frame. A file without sound is no error of SoundTrack::open and sound_of,
+// which may be asked of any file. Objects are one thread's each. Errors are lines about the file
+// (ErrorKind::input).
 
 #include <cstddef>
 #include <cstdint>

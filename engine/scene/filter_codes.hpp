@@ -7,7 +7,7 @@
 // FlyingPixels and TemporalFilter are what a Scene's settings mean in these integers, the same for every
 // builder, on the CPU and on the GPU (docs/conventions.md): a builder asks for each by the function of its
 // name, which gives nothing where the scene does not want that filter. step_of_code, level_distance and kappa
-// say how coarse depth is, by which filters are advised and a person is told of it.
+// say how coarse depth is, by which filters are advised and reports speak of it.
 //
 // Plain values and pure functions, for any thread; a filter refers to nothing of its scene.
 
@@ -93,7 +93,7 @@ std::optional<WorkingCodes> working_codes(const Scene& scene);
 /// Whether there are any; without making a table.
 bool has_working_codes(const Scene& scene);
 
-/// The largest code that a depth is told by: of metric codes only those up to `far` are.
+/// The largest code that stands for a depth: of metric codes only those up to `far` are.
 int largest_code(const DepthCoding& coding);
 /// The coding of codes `factor` times as many, of metric codes a power of two: a multiplied code is the same
 /// depth, to the bit. From the least valid code to the largest all are valid.

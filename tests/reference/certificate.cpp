@@ -82,7 +82,7 @@ Real depth_behind(const Surface& surface, const glm::dvec3& point) {
 
 Real rounding_at(const Surface& surface, const glm::dvec3& point) {
     const Scene& scene = surface.scene();
-    const Camera::ImagePoint at = surface.image(Vec(point));
+    const ImagePoint at = surface.image(Vec(point));
     Real steepest = 0;  // change of q over a pixel, at most
     for (const int di : {-1, 0, 1, 2})
         for (const int dj : {-1, 0, 1, 2})

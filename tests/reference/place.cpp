@@ -73,9 +73,9 @@ Vec point_of(const Surface& surface, const Place& place) {
     return sum;
 }
 
-Camera::ImagePoint image_of(const Surface& surface, const Place& place) {
+ImagePoint image_of(const Surface& surface, const Place& place) {
     // The other way round: in the picture a corner weighs in proportion to weight / q.
-    Camera::ImagePoint image;
+    ImagePoint image;
     Real sum = 0;
     for (const Place::Part& part : place.parts) {
         const Real weight = part.weight / surface.vertex(part.corner).q;
@@ -87,7 +87,7 @@ Camera::ImagePoint image_of(const Surface& surface, const Place& place) {
 }
 
 Properties properties_at(const Surface& surface, const Place& place) {
-    const Camera::ImagePoint at = image_of(surface, place);
+    const ImagePoint at = image_of(surface, place);
     Corner cell = place.parts.front().corner;
     for (const Place::Part& part : place.parts)
         cell = {std::min(cell.i, part.corner.i), std::min(cell.j, part.corner.j)};

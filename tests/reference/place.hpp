@@ -28,7 +28,7 @@ Place place_at(const Surface& surface, Real x, Real y, Real inside_x, Real insid
 Place reduced(const Place& place);
 
 Vec point_of(const Surface& surface, const Place& place);
-Camera::ImagePoint image_of(const Surface& surface, const Place& place);
+ImagePoint image_of(const Surface& surface, const Place& place);
 Properties properties_at(const Surface& surface, const Place& place);
 
 using Triangle = std::array<Corner, 3>;

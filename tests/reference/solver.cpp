@@ -33,7 +33,7 @@ std::optional<Part> part_in_front(const Surface& surface, const Vec& from, const
 /// Parameters at which a way crosses the lines on which `line_of` is whole, from `first` to `last`: beyond
 /// them the surface does not bend. A line that the start lies on is not crossed.
 template <class LineOf>
-void add_crossings(std::vector<Real>& crossings, LineOf line_of, const Camera::ImagePoint& from, const Camera::ImagePoint& to,
+void add_crossings(std::vector<Real>& crossings, LineOf line_of, const ImagePoint& from, const ImagePoint& to,
                    const Place* start, Real first, Real last) {
     const Real h0 = line_of(from.x, from.y), h1 = line_of(to.x, to.y);
     if (h0 == h1) return;
@@ -228,8 +228,8 @@ std::optional<Place> first_hit(const Surface& surface, const Vec& from, const Pl
     const auto part = part_in_front(surface, from, goal);
     if (!part) return std::nullopt;
     const bool on_surface = start && part->from_the_start;
-    const Camera::ImagePoint a = on_surface ? image_of(surface, *start) : surface.image(part->from);
-    const Camera::ImagePoint b = surface.image(part->to);
+    const ImagePoint a = on_surface ? image_of(surface, *start) : surface.image(part->from);
+    const ImagePoint b = surface.image(part->to);
     const Real w = surface.scene().width, h = surface.scene().height;
 
     std::vector<Real> stops{1};

@@ -139,15 +139,15 @@ Vec Surface::ray(Real x, Real y) const {
     return {(x - c.cx) / c.fx, -(y - c.cy) / c.fy, -1};
 }
 
-Camera::ImagePoint Surface::image(const Vec& point) const {
+ImagePoint Surface::image(const Vec& point) const {
     const Camera& c = scene_.camera;
     return {c.cx + c.fx * point.x / -point.z, c.cy - c.fy * point.y / -point.z, -1 / point.z};
 }
 
-std::optional<Camera::ImagePoint> Surface::seen(const Vec& point) const {
+std::optional<ImagePoint> Surface::seen(const Vec& point) const {
     constexpr Real countable = 1e15L;
     if (!(point.z < 0)) return std::nullopt;
-    const Camera::ImagePoint at = image(point);
+    const ImagePoint at = image(point);
     if (!(std::fabs(at.x) < countable) || !(std::fabs(at.y) < countable)) return std::nullopt;
     return at;
 }

@@ -34,7 +34,7 @@ struct Vertex {
 };
 
 /// A position in the picture, and 1 / planar depth there.
-struct Camera::ImagePoint {
+struct ImagePoint {
     Real x = 0, y = 0, q = 0;
 };
 
@@ -59,10 +59,10 @@ public:
     /// (u, v, -1).
     Vec ray(Real x, Real y) const;
     /// Where a point in front of the camera is seen.
-    Camera::ImagePoint image(const Vec& point) const;
+    ImagePoint image(const Vec& point) const;
     /// Where any point is seen; nothing for one that no pixel worth the name sees: behind the camera, or so
     /// close to its plane that pixels could not be counted.
-    std::optional<Camera::ImagePoint> seen(const Vec& point) const;
+    std::optional<ImagePoint> seen(const Vec& point) const;
     /// No vertex has a smaller planar depth.
     Real least_planar_depth() const;
 
