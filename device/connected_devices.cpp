@@ -1,3 +1,4 @@
+// Which hardware is known, and which of it is connected: read in /sys, /proc and /dev, without opening any.
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,11 +13,8 @@
 #include "device/hid_transport.hpp"
 #include "device/known_devices.hpp"
 #include "device/spacemouse_device.hpp"
-#include "device/udev_rules.hpp"
 #include "device/woodenhaptics_device.hpp"
 #include "engine/base/words.hpp"
-
-// Which hardware is known, and which of it is connected: read in /sys, /proc and /dev, without opening any.
 
 namespace touchable {
 namespace {
@@ -169,7 +167,7 @@ std::string held_in_words(const std::vector<std::string>& holders) {
 std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& known,
                             const ConnectedDevice& device) {
     if (known.through == Through::service)
-        return somebody_listens(system, known.port) ? std::string() : std::string(known.instead);
+        return has_listener(system, known.port) ? std::string() : std::string(known.instead);
     if (device.node.empty() || !system.has(device.node))
         return known.through == Through::hidraw
                    ? "sudo modprobe usbhid   (it has no hidraw node; then plug it in again)"
@@ -321,7 +319,7 @@ bool ConnectedSystem::may_use(const std::string& node) const {
     return access(below(node).c_str(), R_OK | W_OK) == 0;
 }
 
-bool somebody_listens(const ConnectedSystem& system, std::uint16_t port) {
+bool has_listener(const ConnectedSystem& system, std::uint16_t port) {
     constexpr std::size_t many_sockets = 1 << 20;
     for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
         std::istringstream lines(system.text(table, many_sockets));
@@ -332,6 +330,10 @@ bool somebody_listens(const ConnectedSystem& system, std::uint16_t port) {
 }
 
 // ---- What is connected
+
+std::vector<ConnectedDevice> connected_devices() {
+    return connected_devices(ConnectedSystem());
+}
 
 std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system) {
     std::vector<SystemNode> nodes = nodes_of_class(system, "hidraw", "hidraw");

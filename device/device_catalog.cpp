@@ -11,7 +11,6 @@
 #include "device/network_device.hpp"
 #include "device/recorded_device.hpp"
 #include "device/spacemouse_device.hpp"
-#include "device/udev_rules.hpp"
 #include "device/woodenhaptics_device.hpp"
 #include "engine/base/words.hpp"
 
@@ -19,14 +18,14 @@ namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds_of_devices[] = {
-    {"falcon", "a Novint Falcon (USB)", ":firmware=FILE", make_falcon_device},
-    {"inverse3", "a Haply Inverse3, through the service of its makers", "", make_inverse3_device},
+    {"falcon", "a Novint Falcon (USB)", ":firmware=FILE", make_falcon_driver},
+    {"inverse3", "a Haply Inverse3, through the service of its makers", "", make_inverse3_driver},
     {"woodenhaptics", "WoodenHaptics and Polhem, open hardware (HID); its build is described in a file",
-     ":file=FILE", make_woodenhaptics_device},
+     ":file=FILE", make_woodenhaptics_driver},
     {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force", "",
-     make_spacemouse_device},
-    {"network", "any program that sends UDP datagrams (docs/network-hand.md)", "", make_network_device},
-    {"recorded", "a log of any device, told again", ":FILE", make_recorded_device},
+     make_spacemouse_driver},
+    {"network", "any program that sends UDP datagrams (docs/network-hand.md)", "", make_network_driver},
+    {"recorded", "a log of any device, told again", ":FILE", make_recorded_driver},
 };
 
 /// An unusable file and missing hardware are reported together, not one after the other.
@@ -35,7 +34,7 @@ Error also_unplugged(Error error, std::string_view name) {
     const bool is_hardware =
         std::any_of(known.begin(), known.end(), [&](const KnownDevice& each) { return each.word == name; });
     if (error.kind != ErrorKind::input || !is_hardware) return error;
-    const auto connected = connected_devices(ConnectedSystem());
+    const auto connected = connected_devices();
     const bool is_there = std::any_of(connected.begin(), connected.end(), [&](const ConnectedDevice& each) {
         return std::string_view(each.driven).substr(0, each.driven.find(':')) == name;
     });
@@ -106,11 +105,10 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
     const auto kind = std::find_if(std::begin(kinds_of_devices), std::end(kinds_of_devices),
                                    [&](const DeviceKind& each) { return each.name == name; });
     if (kind == std::end(kinds_of_devices)) return unknown_device(name);
-    auto device = kind->make(
-        colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1),
-        driven);
-    if (!device) return also_unplugged(device.error(), name);
-    return device;
+    auto driver = kind->make_driver(
+        colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1));
+    if (!driver) return also_unplugged(driver.error(), name);
+    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(std::move(*driver), driven));
 }
 
 // ---- In words

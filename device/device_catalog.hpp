@@ -1,5 +1,23 @@
 #pragma once
 
+// Devices that a person holds: made by what is written behind --device, found where they are plugged in, and
+// measured. `make_device` makes a device that a thread of its own drives (DrivenDevice: thread, limits,
+// reconnection), with the settings given: the watchdog that leaves it unpowered when this process cannot,
+// callbacks for each position and force.
+//
+//   TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());  // early: it forks
+//   TRY_ASSIGN(auto device, make_device("network:port=5710", driven));
+//   TRY(device->open());                                 // then as haptic_device.hpp says
+//
+// `connected_devices` lists what is plugged in and known, opens none of it, and says what makes it ready.
+// `watch_device` and `find_stiffness` measure an open device.
+//
+// The rules of udev that permit devices to this machine's user (share/udev/70-touchable.rules) are part of
+// the program, so that they can be had where nothing else of it is installed.
+//
+// Threads: all of it may be called by any one thread, but by none that ticks; what is measured is read by the
+// thread that calls. DriveTimes is written by a device's thread and read by another.
+
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,36 +34,7 @@
 #include "device/driven_device.hpp"
 #include "device/safety_watchdog.hpp"
 
-// Devices that a person holds: made by what is written behind --device, found where they are plugged in, and
-// measured. `make_device` makes a device that a thread of its own drives (DrivenDevice: thread, limits,
-// reconnection), with the settings given: the watchdog that leaves it unpowered when this process cannot,
-// callbacks for each position and force.
-//
-//   TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());  // early: it forks
-//   TRY_ASSIGN(auto device, make_device("network:port=5710", driven));
-//   TRY(device->open());                                 // then as haptic_device.hpp says
-//
-// `connected_devices` lists what is plugged in and known, opens none of it, and says what makes it ready.
-// `watch_device` and `find_stiffness` measure an open device.
-//
-// Threads: all of it may be called by any one thread, but by none that ticks; what is measured is read by the
-// thread that calls. DriveTimes is written by a device's thread and read by another.
-
 namespace touchable {
-
-// ---- Kinds of devices
-
-/// A kind of device that a person can hold, by its name on the command line.
-struct DeviceKind {
-    std::string_view name;
-    std::string_view words;  ///< what it is, for people
-    std::string_view keys;   ///< that it needs, as ":file=FILE"; empty: none
-    Result<std::unique_ptr<HapticDevice>> (*make)(std::string_view keys, const DrivenSettings& driven);
-};
-
-/// Every kind that a person can hold. (A simulated one is held by a hand, and the window's pointer is its
-/// own.)
-std::span<const DeviceKind> device_kinds();
 
 /// Of "NAME[:key=value,...]", not opened yet. Refuses (ErrorKind::usage) an unknown name or key with the
 /// legal ones.
@@ -53,34 +42,6 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
                                                   const DrivenSettings& driven);
 
 // ---- What is connected
-
-/// What Linux shows of devices and processes, /sys, /proc and /dev, below a folder that stands for "/". Paths
-/// begin with "/". What cannot be read is not there.
-class ConnectedSystem {
-public:
-    explicit ConnectedSystem(std::filesystem::path root = "/") : root_(std::move(root)) {}
-    virtual ~ConnectedSystem() = default;
-    ConnectedSystem(const ConnectedSystem&) = delete;
-    ConnectedSystem& operator=(const ConnectedSystem&) = delete;
-
-    const std::filesystem::path& root() const { return root_; }
-    /// What is in a folder, sorted.
-    std::vector<std::string> names(const std::string& folder) const;
-    bool has(const std::string& path) const;
-    /// Of a file, at most `most` bytes, without a line's end behind it; empty: not there.
-    std::string text(const std::string& path, std::size_t most = 4096) const;
-    /// What a link says; empty: it is none.
-    std::string link(const std::string& path) const;
-    /// A path with all its links followed, from the root; empty: not there.
-    std::string resolved(const std::string& path) const;
-
-    /// Whether this user may read and write a node.
-    virtual bool may_use(const std::string& node) const;
-
-private:
-    std::filesystem::path below(const std::string& path) const;
-    const std::filesystem::path root_;
-};
 
 /// A device that is connected and known.
 struct ConnectedDevice {
@@ -94,15 +55,14 @@ struct ConnectedDevice {
     std::vector<std::string> nodes{};  ///< its nodes in /dev
     std::string node;                  ///< the node that drives it; empty: it needs none, or there is none
     bool may_use = false;              ///< that node, by this user
-    std::vector<std::string>
-        rules{};  ///< of udev, that would let this machine's user use it; empty: it may be
+    std::vector<std::string> rules{};  ///< of udev, that would permit it to this user; empty: it may be used
     std::vector<std::string> held_by{};  ///< programs that have one of its nodes open, as far as it shows
     bool ready = false;
     std::string next;  ///< the one line that makes it ready, or helps where it cannot be driven; empty: ready
 };
 
 /// All that are connected and known, by USB and Bluetooth; opens none of them.
-std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
+std::vector<ConnectedDevice> connected_devices();
 
 /// For a person: lines; with none connected one, which says what to do.
 std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming = "");
@@ -111,6 +71,14 @@ std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const 
 std::string device_words_in_words(const std::string& with_simulated = "");
 /// The same as JSON, with members named as above, ids as "046d:c626", and `words`.
 std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
+
+/// The file share/udev/70-touchable.rules as it was when the program was built.
+const char* udev_rules();
+/// The line that permits devices to this machine's user, with nothing but this program. It is the only text
+/// outside player/commands that names an option, which tests/modules allows in this header alone.
+inline constexpr const char* udev_rules_command =
+    "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm control "
+    "--reload";
 
 // ---- What a device does, in figures
 
@@ -142,23 +110,6 @@ private:
     Ring received_, sent_;
 };
 
-/// Of many values; percentiles are values that were there (nearest rank). All 0 where there were none.
-struct Percentiles {
-    std::int64_t count = 0;
-    double median = 0, p99 = 0, greatest = 0;
-};
-
-/// A handle that is left alone, or is meant to be.
-struct RestFigures {
-    static constexpr double moved_m = 0.0005;
-
-    std::int64_t places = 0;
-    glm::dvec3 deviation_m{0.0};  ///< standard deviation along each axis
-    glm::dvec3 step_m{0.0};       ///< smallest change from a place to the next; 0: it never changed
-    double farthest_m = 0;        ///< from the mean place
-    bool moved() const { return farthest_m > moved_m; }  ///< then deviations tell of the hand
-};
-
 /// The time of a thread that reads a device, as the haptic thread does.
 struct TickPace {
     std::function<bool()> next_tick;  ///< waits for the next millisecond; false: give up
@@ -170,6 +121,23 @@ Error failure_of(const HapticDevice& device);
 
 /// What a device does while a reader asks it a thousand times a second and asks for no force.
 struct WatchFigures {
+    /// Of many values; percentiles are values that were there (nearest rank). All 0 where there were none.
+    struct Percentiles {
+        std::int64_t count = 0;
+        double median = 0, p99 = 0, greatest = 0;
+    };
+
+    /// A handle that is left alone, or is meant to be.
+    struct Rest {
+        static constexpr double moved_m = 0.0005;
+
+        std::int64_t places = 0;
+        glm::dvec3 deviation_m{0.0};  ///< standard deviation along each axis
+        glm::dvec3 step_m{0.0};       ///< smallest change from a place to the next; 0: it never changed
+        double farthest_m = 0;        ///< from the mean place
+        bool moved() const { return farthest_m > moved_m; }  ///< then deviations tell of the hand
+    };
+
     double seconds = 0;
     std::int64_t readings = 0;
     std::int64_t without_place = 0;  ///< readings whose first finger had no position
@@ -177,10 +145,10 @@ struct WatchFigures {
     Percentiles interval_s;   ///< from a report to the next
     Percentiles age_s;        ///< of the newest position, at a reading
     Percentiles going_out_s;  ///< from asking for a force until it was sent
-    Percentiles
-        until_received_s;  ///< from a force that had gone out to the next report, where no other went between
+    /// From a force that had gone out to the next report, where no other went between.
+    Percentiles until_received_s;
     double longest_call_s = 0;  ///< that the reader gave to the device in one tick, reading and writing
-    RestFigures rest;           ///< first finger, a place for each reading that had a new one
+    Rest rest;                  ///< first finger, a place for each reading that had a new one
 };
 
 /// Reads it so many ticks. It is open, `times` receives when its reports come. Error: it failed

@@ -1,5 +1,8 @@
 #pragma once
 
+// What a backend is written against: the driver's interface, what goes between it and DrivenDevice, and the
+// bytes below it (docs/devices.md, "Add a device in an afternoon").
+
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -14,9 +17,6 @@
 
 #include "device/haptic_device.hpp"
 #include "engine/base/result.hpp"
-
-// What a backend is written against: the driver's interface, what goes between it and DrivenDevice, and the
-// bytes below it (docs/devices.md, "Add a device in an afternoon").
 
 namespace touchable {
 

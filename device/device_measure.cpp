@@ -115,7 +115,7 @@ constexpr double most_newtons = 1.5;
 
 // ---- Figures
 
-Percentiles percentiles_of(std::vector<double> values) {
+WatchFigures::Percentiles percentiles_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
     return {static_cast<std::int64_t>(values.size()), percentile(values, 50), percentile(values, 99),
@@ -142,8 +142,8 @@ std::vector<double> until_the_next(std::span<const std::int64_t> times_ns,
     return waits;
 }
 
-RestFigures rest_of(std::span<const glm::dvec3> metres) {
-    RestFigures figures;
+WatchFigures::Rest rest_of(std::span<const glm::dvec3> metres) {
+    WatchFigures::Rest figures;
     figures.places = static_cast<std::int64_t>(metres.size());
     if (metres.empty()) return figures;
     const double count = static_cast<double>(metres.size());
@@ -271,7 +271,7 @@ Result<HandleRest> SpringTrial::wait_for_rest() {
             mean += place / double{window};
             TRY(push(glm::dvec3(0)));
         }
-        const RestFigures figures = rest_of(places);
+        const WatchFigures::Rest figures = rest_of(places);
         const double before = std::exchange(farthest, figures.farthest_m);
         if (farthest <= surely_still_m ||
             (farthest <= still_m && before > 0 && farthest >= no_quieter * before))

@@ -1,5 +1,7 @@
 #pragma once
 
+// How a device is measured (device_catalog.hpp): figures of times and places, and a spring that is tried.
+
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -8,11 +10,9 @@
 
 #include "device/device_catalog.hpp"
 
-// How a device is measured (device_catalog.hpp): figures of times and places, and a spring that is tried.
-
 namespace touchable {
 
-Percentiles percentiles_of(std::vector<double> values);
+WatchFigures::Percentiles percentiles_of(std::vector<double> values);
 
 /// From each moment to the next, s.
 std::vector<double> intervals_between(std::span<const std::int64_t> times_ns);
@@ -23,9 +23,9 @@ std::vector<double> until_the_next(std::span<const std::int64_t> times_ns,
                                    std::span<const std::int64_t> others_ns);
 
 /// Of finite places, one after the other.
-RestFigures rest_of(std::span<const glm::dvec3> metres);
+WatchFigures::Rest rest_of(std::span<const glm::dvec3> metres);
 
-/// Where a handle that nobody holds stays by itself.
+/// Where a handle stays by itself, with no hand on it.
 struct HandleRest {
     glm::dvec3 metres{0.0};
     glm::dvec3 noise_m{0.0};  ///< standard deviation along each axis

@@ -144,8 +144,8 @@ Error falcon_given_up() {
 // ---- Keys
 
 constexpr DeviceLimits falcon_limits{8, 1000};
-constexpr std::array<HandKey, 3> falcon_keys{{
-    {"firmware", "a file", 0, 0, 0, HandKey::Kind::words},
+constexpr std::array<HandOptions::Key, 3> falcon_keys{{
+    {"firmware", "a file", 0, 0, 0, HandOptions::Key::Kind::words},
     {"force", "N", 0.1, 10, falcon_limits.max_force},
     {"stiffness", "N/mm", 0.01, 10, falcon_limits.max_stiffness / 1000},
 }};
@@ -244,13 +244,7 @@ std::array<std::int16_t, 3> falcon_motor_words(const FalconPose& pose, const glm
 // ---- The driver
 
 DeviceCapabilities FalconDriver::capabilities() const {
-    return {.axes_sensed = 3,
-            .axes_driven = 3,
-            .reach = glm::dvec3(falcon_reach),
-            .rate_hz = 1000,
-            .buttons = 4,
-            .own_watchdog = false,
-            .answers = true};
+    return {.reach = glm::dvec3(falcon_reach), .rate_hz = 1000, .buttons = 4, .answers = true};
 }
 
 Result<void> FalconDriver::connect(const GivenUp& given_up) {
@@ -429,11 +423,10 @@ Result<FalconSettings> read_falcon_settings(std::string_view keys) {
     return settings;
 }
 
-Result<std::unique_ptr<HapticDevice>> make_falcon_device(std::string_view keys,
-                                                         const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_falcon_driver(std::string_view keys) {
     TRY_ASSIGN(auto settings, read_falcon_settings(keys));
     auto driver = std::make_unique<FalconDriver>(std::move(settings), [] { return open_falcon(); });
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(std::move(driver), driven));
+    return std::unique_ptr<DeviceDriver>(std::move(driver));
 }
 
 }  // namespace touchable

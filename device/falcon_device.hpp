@@ -1,5 +1,7 @@
 #pragma once
 
+// The Novint Falcon, from its USB cable up to `--device falcon:`.
+
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -15,21 +17,34 @@
 #include <string_view>
 #include <vector>
 
-#include "device/driven_device.hpp"
+#include "device/device_driver.hpp"
 #include "engine/base/result.hpp"
-
-// The Novint Falcon, from its USB cable up to `--device falcon:`.
 
 namespace touchable {
 
 // ---- USB
 
-/// What a serial converter by FTDI is told beside the bytes that it passes on: a vendor's control request
+/// A command to a serial converter by FTDI, beside the bytes that it passes on: a vendor's control request
 /// without data (type 0x40, index 0).
 struct FtdiCommand {
     std::uint8_t request = 0;
     std::uint16_t value = 0;
     bool operator==(const FtdiCommand&) const = default;
+
+    // As FTDI's chips of this generation take them.
+    /// 1 to 255 ms, for a packet to become full.
+    static FtdiCommand latency(std::chrono::milliseconds waits) {
+        return {9, static_cast<std::uint16_t>(waits.count())};
+    }
+    /// Of 3 MHz; bits 14 and 15: eighths.
+    static FtdiCommand divisor(std::uint16_t encoded) { return {3, encoded}; }
+    /// Of data, no parity, one stop bit.
+    static FtdiCommand eight_bits() { return {4, 8}; }
+    static FtdiCommand no_flow_control() { return {2, 0}; }
+    static FtdiCommand dtr(bool high) { return {1, static_cast<std::uint16_t>(high ? 0x101 : 0x100)}; }
+    static FtdiCommand rts(bool high) { return {1, static_cast<std::uint16_t>(high ? 0x202 : 0x200)}; }
+    static FtdiCommand purge_received() { return {0, 1}; }
+    static FtdiCommand purge_to_send() { return {0, 2}; }
 };
 
 /// A USB device that is one's own, whatever carries its packets. One thread's. A call that fails says why in
@@ -67,16 +82,6 @@ std::filesystem::path find_usb_device(const std::string& vendor, const std::stri
 Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders = {});
 
 // ---- The serial converter in it
-
-// Commands, as FTDI's chips of this generation take them.
-FtdiCommand ftdi_latency(std::chrono::milliseconds waits);  ///< 1 to 255 ms, for a packet to become full
-FtdiCommand ftdi_divisor(std::uint16_t encoded);            ///< of 3 MHz; bits 14 and 15: eighths
-FtdiCommand ftdi_eight_bits();                              ///< of data, no parity, one stop bit
-FtdiCommand ftdi_no_flow_control();
-FtdiCommand ftdi_dtr(bool high);
-FtdiCommand ftdi_rts(bool high);
-FtdiCommand ftdi_purge_received();
-FtdiCommand ftdi_purge_to_send();
 
 /// Bytes through such a converter. Its packets begin with two bytes of line state, which are no data.
 class FtdiTransport final : public Transport {
@@ -258,6 +263,6 @@ private:
 /// Of the keys of "falcon[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none, and
 /// (ErrorKind::input) a file that cannot be firmware.
 Result<FalconSettings> read_falcon_settings(std::string_view keys);
-Result<std::unique_ptr<HapticDevice>> make_falcon_device(std::string_view keys, const DrivenSettings& driven);
+Result<std::unique_ptr<DeviceDriver>> make_falcon_driver(std::string_view keys);
 
 }  // namespace touchable

@@ -1,3 +1,4 @@
+// The Falcon below its packets: its USB port, the serial converter in it, and how its firmware is loaded.
 #include <fcntl.h>
 #include <libusb.h>
 #include <sys/time.h>
@@ -19,8 +20,6 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-
-// The Falcon below its packets: its USB port, the serial converter in it, and how its firmware is loaded.
 
 namespace touchable {
 namespace {
@@ -298,34 +297,10 @@ Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders) {
     return open_usb_port(node, "Novint Falcon");
 }
 
-FtdiCommand ftdi_latency(std::chrono::milliseconds waits) {
-    return {9, static_cast<std::uint16_t>(waits.count())};
-}
-FtdiCommand ftdi_divisor(std::uint16_t encoded) {
-    return {3, encoded};
-}
-FtdiCommand ftdi_eight_bits() {
-    return {4, 8};
-}
-FtdiCommand ftdi_no_flow_control() {
-    return {2, 0};
-}
-FtdiCommand ftdi_dtr(bool high) {
-    return {1, static_cast<std::uint16_t>(high ? 0x101 : 0x100)};
-}
-FtdiCommand ftdi_rts(bool high) {
-    return {1, static_cast<std::uint16_t>(high ? 0x202 : 0x200)};
-}
-FtdiCommand ftdi_purge_received() {
-    return {0, 1};
-}
-FtdiCommand ftdi_purge_to_send() {
-    return {0, 2};
-}
-
 Result<void> FtdiTransport::purge() {
     next_ = end_ = 0;
-    for (const FtdiCommand& each : {ftdi_purge_received(), ftdi_purge_to_send()}) TRY(port_->command(each));
+    for (const FtdiCommand& each : {FtdiCommand::purge_received(), FtdiCommand::purge_to_send()})
+        TRY(port_->command(each));
     // Packets that were on their way are not the converter's any more.
     for (int most = 8; most > 0; --most) {
         TRY_ASSIGN(const auto came, port_->read(packet_, std::chrono::microseconds(0)));
@@ -369,10 +344,11 @@ Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std:
                                   const FalconPatience& patience, const GivenUp& given_up) {
     TRY(transport.purge());
     // Packets must not be cut by a short latency here, or greetings fail.
-    TRY(command_all(transport, {ftdi_latency(milliseconds(16)), ftdi_divisor(divisor_9600), ftdi_eight_bits(),
-                                ftdi_no_flow_control(), ftdi_rts(false), ftdi_dtr(false), ftdi_dtr(true)}));
+    TRY(command_all(transport, {FtdiCommand::latency(milliseconds(16)), FtdiCommand::divisor(divisor_9600),
+                                FtdiCommand::eight_bits(), FtdiCommand::no_flow_control(),
+                                FtdiCommand::rts(false), FtdiCommand::dtr(false), FtdiCommand::dtr(true)}));
     TRY(greet(transport, patience.greeting, given_up));
-    TRY(command_all(transport, {ftdi_dtr(false), ftdi_divisor(divisor_140000)}));
+    TRY(command_all(transport, {FtdiCommand::dtr(false), FtdiCommand::divisor(divisor_140000)}));
     // A greeting that was answered late has a second answer on its way.
     TRY(transport.purge());
     TRY(send_and_compare(transport, begin_mark, "the mark that begins it", patience.echo, given_up));
@@ -387,7 +363,8 @@ Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std:
 }
 
 Result<void> begin_falcon_run(FtdiTransport& transport) {
-    TRY(command_all(transport, {ftdi_latency(milliseconds(1)), ftdi_divisor(divisor_1500000)}));
+    TRY(command_all(transport,
+                    {FtdiCommand::latency(milliseconds(1)), FtdiCommand::divisor(divisor_1500000)}));
     return transport.purge();
 }
 

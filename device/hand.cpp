@@ -451,30 +451,30 @@ bool ScriptedHand::move(Finger& finger, const glm::dvec3& target) const {
     return length - longest <= greatest_lag;
 }
 
-using Kind = HandKey::Kind;
+using Key = HandOptions::Key;
 constexpr double millimetre = 0.001;
 
 namespace hand_keys {
-constexpr HandKey speed{"speed", "m/s", 0.001, 2, 0.1};
-constexpr HandKey depth{"depth", "mm", 0, 50, 2};
-constexpr HandKey lift{"lift", "mm", 0, 50, 2};
-constexpr HandKey seed{"seed", "", 0, 0x1p53, 1, Kind::whole};
-constexpr HandKey spread{"spread", "m", 0, 0.2, 0.02};
-constexpr HandKey extent{"extent", "of the picture", 0.05, 1, 0.8};
-constexpr HandKey max_speed{"max_speed", "m/s", 0.01, 10, 2};
-constexpr HandKey glide{"glide", "mm", 0, 1e6, 1};
-constexpr HandKey angle{"angle", "degrees", -360, 360, 0};
-constexpr HandKey x{"x", "of the picture's width", 0, 1, 0.5};
-constexpr HandKey y{"y", "of the picture's height", 0, 1, 0.5};
+constexpr Key speed{"speed", "m/s", 0.001, 2, 0.1};
+constexpr Key depth{"depth", "mm", 0, 50, 2};
+constexpr Key lift{"lift", "mm", 0, 50, 2};
+constexpr Key seed{"seed", "", 0, 0x1p53, 1, Key::Kind::whole};
+constexpr Key spread{"spread", "m", 0, 0.2, 0.02};
+constexpr Key extent{"extent", "of the picture", 0.05, 1, 0.8};
+constexpr Key max_speed{"max_speed", "m/s", 0.01, 10, 2};
+constexpr Key glide{"glide", "mm", 0, 1e6, 1};
+constexpr Key angle{"angle", "degrees", -360, 360, 0};
+constexpr Key x{"x", "of the picture's width", 0, 1, 0.5};
+constexpr Key y{"y", "of the picture's height", 0, 1, 0.5};
 
 constexpr std::array wander{speed, depth, seed, spread, extent, max_speed, glide};
 constexpr std::array stroke{speed, depth, angle, spread, extent, max_speed, glide};
-constexpr std::array press{x, y, depth, lift, HandKey{"period", "s", 0.05, 60, 1}, spread, max_speed};
-constexpr std::array poke{speed,  depth,     lift, HandKey{"period", "s", 0.05, 60, 0.25}, seed, spread,
+constexpr std::array press{x, y, depth, lift, Key{"period", "s", 0.05, 60, 1}, spread, max_speed};
+constexpr std::array poke{speed,  depth,     lift, Key{"period", "s", 0.05, 60, 0.25}, seed, spread,
                           extent, max_speed, glide};
 }  // namespace hand_keys
 
-std::span<const HandKey> keys_of(std::string_view name) {
+std::span<const Key> keys_of(std::string_view name) {
     if (name == "wander") return hand_keys::wander;
     if (name == "stroke") return hand_keys::stroke;
     if (name == "press") return hand_keys::press;
@@ -485,9 +485,9 @@ std::span<const HandKey> keys_of(std::string_view name) {
 std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions& given, int fingers,
                                         const HandArea& box, const SurfaceProbe& probe) {
     using namespace hand_keys;
-    const auto metres = [&](const HandKey& key) { return given.number(key.name) * millimetre; };
-    const auto number = [&](const HandKey& key) { return given.number(key.name); };
-    const auto whole = [&](const HandKey& key) { return static_cast<std::uint64_t>(given.number(key.name)); };
+    const auto metres = [&](const Key& key) { return given.number(key.name) * millimetre; };
+    const auto number = [&](const Key& key) { return given.number(key.name); };
+    const auto whole = [&](const Key& key) { return static_cast<std::uint64_t>(given.number(key.name)); };
     if (name == "wander") {
         return std::make_unique<Wander>(WanderSettings{number(speed), metres(depth), whole(seed)}, fingers,
                                         box, probe);
@@ -508,7 +508,7 @@ std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions
 }
 
 /// Of a hand of that name, with these keys. Refuses unknown ones and values out of range.
-Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::span<const HandKey> keys,
+Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::span<const Key> keys,
                                                  std::string_view options, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
     using namespace hand_keys;
@@ -531,17 +531,17 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
 // ---- What a person writes
 
 /// What a key takes, in words: "0.001 to 2 m/s".
-std::string key_takes(const HandKey& key) {
-    if (key.kind == HandKey::Kind::words) return std::string(key.unit);
-    std::string text = key.kind == HandKey::Kind::whole ? "a whole number, " : "";
+std::string key_takes(const Key& key) {
+    if (key.kind == Key::Kind::words) return std::string(key.unit);
+    std::string text = key.kind == Key::Kind::whole ? "a whole number, " : "";
     text += exact_number(key.least) + " to " + exact_number(key.greatest);
     if (!key.unit.empty()) text.append(" ").append(key.unit);
     return text;
 }
 
-std::string list_keys(std::span<const HandKey> keys) {
+std::string list_keys(std::span<const Key> keys) {
     std::string list;
-    for (const HandKey& key : keys) {
+    for (const Key& key : keys) {
         if (!list.empty()) list += ", ";
         list.append(key.name).append(" (").append(key_takes(key)).append(")");
     }
@@ -565,7 +565,7 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     const std::string name = description.substr(0, colon);
     const std::string rest = colon == std::string::npos ? "" : description.substr(colon + 1);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
-    const std::span<const HandKey> keys = keys_of(name);
+    const std::span<const Key> keys = keys_of(name);
     if (keys.empty())
         return usage_error("unknown hand '" + name +
                            "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
@@ -579,7 +579,7 @@ glm::dvec2 finger_offset(int finger, int fingers, double spread) {
 }
 
 Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,
-                                       std::span<const HandKey> keys) {
+                                       std::span<const Key> keys) {
     HandOptions options;
     options.keys_ = keys;
     while (!text.empty()) {
@@ -601,13 +601,12 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     }
     const std::string name(item.substr(0, equals));
     const std::string value(item.substr(equals + 1));
-    const auto key =
-        std::find_if(keys_.begin(), keys_.end(), [&](const HandKey& k) { return k.name == name; });
+    const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.name == name; });
     if (key == keys_.end()) {
         return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
     }
     if (given(name)) return option_refusal(of, name + " is given twice; give it once");
-    if (key->kind == HandKey::Kind::words) {
+    if (key->kind == Key::Kind::words) {
         if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
         return Entry{&*key, 0, value};
     }
@@ -615,7 +614,7 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     const auto [end, fault] = std::from_chars(value.data(), value.data() + value.size(), number);
     const bool all = fault == std::errc() && end == value.data() + value.size();
     const bool inside = all && number >= key->least && number <= key->greatest;  // NaN is outside
-    if (!inside || (key->kind == HandKey::Kind::whole && std::floor(number) != number)) {
+    if (!inside || (key->kind == Key::Kind::whole && std::floor(number) != number)) {
         return option_refusal(of, name + "=" + value + " will not do; " + name + " takes " + key_takes(*key));
     }
     return Entry{&*key, number, {}};
@@ -627,14 +626,18 @@ const HandOptions::Entry* HandOptions::find(std::string_view name) const {
     return at == entries_.end() ? nullptr : &*at;
 }
 
+std::size_t HandOptions::colon_in(std::string_view description) {
+    const std::size_t equals = description.rfind('=');
+    return equals == std::string_view::npos ? equals : description.rfind(':', equals);
+}
+
 bool HandOptions::given(std::string_view name) const {
     return find(name) != nullptr;
 }
 
 double HandOptions::number(std::string_view name) const {
     if (const Entry* entry = find(name)) return entry->number;
-    const auto key =
-        std::find_if(keys_.begin(), keys_.end(), [&](const HandKey& k) { return k.name == name; });
+    const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.name == name; });
     assert(key != keys_.end());
     return key->standard;
 }

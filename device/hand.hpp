@@ -1,5 +1,21 @@
 #pragma once
 
+// Hands: where the fingers' goals come from. `make_hand` makes one of a description ("wander:speed=0.2",
+// "csv:FILE:columns=x+y+z"): a path over the picture or a recorded motion, asked tick by tick for goals,
+// which knows of the surface what a `SurfaceProbe` says. Where a person holds a device instead, `HandControl`
+// stands between it (haptic_device.hpp) and the fingers: which place of the scene each place of the device
+// is, and whether forces reach the hand.
+//
+//   TRY_ASSIGN(auto hand, make_hand("press:depth=3", 1, workspace, probe));
+//   every tick: hand->goals_at(tick, probe, goals)
+//
+// `GoalWatch` says how recorded goals fit the surface. `HandOptions` reads key=value pairs, also of devices
+// and cameras, `CsvTable` the tables of motions, logs and forces.
+//
+// Threads: a hand, a watch and a table are of one thread. The thread that ticks calls HandControl's
+// `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; what any thread may call stands
+// there.
+
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -16,22 +32,6 @@
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/touch_step.hpp"
-
-// Hands: where the fingers' goals come from. `make_hand` makes one of a description ("wander:speed=0.2",
-// "csv:FILE:columns=x+y+z"): a path over the picture or a recorded motion, asked tick by tick for goals,
-// which knows of the surface what a `SurfaceProbe` says. Where a person holds a device instead, `HandControl`
-// stands between it (haptic_device.hpp) and the fingers: which place of the scene each place of the device
-// is, and whether forces reach the hand.
-//
-//   TRY_ASSIGN(auto hand, make_hand("press:depth=3", 1, workspace, probe));
-//   every tick: hand->goals_at(tick, probe, goals)
-//
-// `GoalWatch` says how recorded goals fit the surface. `HandOptions` reads key=value pairs, also of devices
-// and cameras, `CsvTable` the tables of motions, logs and forces.
-//
-// Threads: a hand, a watch and a table are of one thread. The thread that ticks calls HandControl's
-// `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; what any thread may call stands
-// there.
 
 namespace touchable {
 
@@ -99,26 +99,29 @@ private:
     std::int64_t goals_ = 0, outside_ = 0, far_below_ = 0;
 };
 
-/// One key that a hand, a simulated device or a camera understands. Numbers have a range and a default; words
-/// (names of columns) do not.
-struct HandKey {
-    enum class Kind { number, whole, words };
-    std::string_view name;
-    std::string_view unit;
-    double least = 0;
-    double greatest = 0;
-    double standard = 0;
-    Kind kind = Kind::number;
-};
-
 /// The key=value pairs of a description, checked against the keys that are understood.
 class HandOptions {
 public:
+    /// One key that a hand, a device or a camera understands. Numbers have a range and a default; words
+    /// (names of columns) do not.
+    struct Key {
+        enum class Kind { number, whole, words };
+        std::string_view name;
+        std::string_view unit;
+        double least = 0;
+        double greatest = 0;
+        double standard = 0;
+        Kind kind = Kind::number;
+    };
+
     /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
     /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones,
     /// and whose they are: `of`, as "hand 'wander'".
-    static Result<HandOptions> parse(std::string_view of, std::string_view text,
-                                     std::span<const HandKey> keys);
+    static Result<HandOptions> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
+
+    /// Where such pairs begin in "FILE[:key=value,...]", whose file may have ':' in its name: the place of
+    /// the last ':' with a '=' behind it; npos: there are none.
+    static std::size_t colon_in(std::string_view description);
 
     bool given(std::string_view name) const;
     double number(std::string_view name) const;      ///< as given, or the key's default
@@ -126,14 +129,14 @@ public:
 
 private:
     struct Entry {
-        const HandKey* key;
+        const Key* key;
         double number;
         std::string words;
     };
     Result<Entry> entry(std::string_view of, std::string_view item) const;
     const Entry* find(std::string_view name) const;
 
-    std::span<const HandKey> keys_;
+    std::span<const Key> keys_;
     std::vector<Entry> entries_;
 };
 
@@ -193,13 +196,6 @@ struct HandMapping {
     glm::dvec3 offset{0.0};  ///< metres, those axes: added to what is turned
 };
 
-/// How a hand was held, in ticks.
-struct HandFigures {
-    std::int64_t ticks = 0;
-    std::int64_t placeless = 0;  ///< no finger's place was known
-    std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
-};
-
 /// What stands between a device that a person holds and the fingers: which place of the scene each place of
 /// the device is, and whether forces reach the hand.
 ///
@@ -226,6 +222,13 @@ public:
     static constexpr int away_ticks = 30;
     static constexpr double out_of_it = 0.001;  ///< m, before the surface: where a finger comes out to
 
+    /// How a hand was held, in ticks.
+    struct Figures {
+        std::int64_t ticks = 0;
+        std::int64_t placeless = 0;  ///< no finger's place was known
+        std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
+    };
+
     HandControl(int fingers, const HandMapping& mapping);
 
     // The haptic thread's, every tick: neither waits nor allocates.
@@ -239,7 +242,7 @@ public:
     void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
     /// Whether any finger may feel a force in this tick.
     bool exerts() const { return passes_; }
-    const HandFigures& figures() const { return figures_; }  ///< any thread's once no tick comes any more
+    const Figures& figures() const { return figures_; }  ///< any thread's once no tick comes any more
 
     // Any thread.
     /// Forces stay asked for, even where no finger's place was known for a second.
@@ -276,7 +279,8 @@ public:
     const HandMapping& mapping() const { return mapping_; }
     /// Before it is used: goes on from another control, which no thread ticks any more, for the same hand
     /// over the same scene. What was asked of that one is asked of this one, and the fingers stay where they
-    /// were under the new mapping.
+    /// were under the new mapping. (`insist_on_force` is not carried over: only a run that keeps one control,
+    /// to its end, is begun with it.)
     void go_on_from(const HandControl& before);
 
 private:
@@ -319,7 +323,7 @@ private:
     bool clutch_button_ = false;
     bool passes_ = false;
     std::int64_t absent_ticks_ = 0;  // in a row, without any finger's place
-    HandFigures figures_;
+    Figures figures_;
 };
 
 }  // namespace touchable

@@ -1,3 +1,4 @@
+// What hands find of the surface under them: the nearest of it, its relief, and goals that lie off it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,8 +6,6 @@
 #include "device/hand_parts.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/words.hpp"
-
-// What hands find of the surface under them: the nearest of it, its relief, and goals that lie off it.
 
 namespace touchable {
 namespace {

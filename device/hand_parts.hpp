@@ -1,5 +1,7 @@
 #pragma once
 
+// What hands are built of: what they find of the surface under them, and recorded motions.
+
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -12,8 +14,6 @@
 #include <vector>
 
 #include "device/hand.hpp"
-
-// What hands are built of: what they find of the surface under them, and recorded motions.
 
 namespace touchable {
 

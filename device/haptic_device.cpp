@@ -16,11 +16,112 @@
 namespace touchable {
 namespace {
 
+/// What make_device_group makes.
+class DeviceGroup final : public HapticDevice {
+public:
+    explicit DeviceGroup(std::vector<std::unique_ptr<HapticDevice>> devices) : devices_(std::move(devices)) {
+        assert(!devices_.empty());
+        for (const auto& device : devices_) fingers_ += device->fingers();
+    }
+
+    std::string name() const override { return all_said(&HapticDevice::name, ", "); }
+    DeviceLimits limits() const override {
+        DeviceLimits least = devices_.front()->limits();
+        for (const auto& device : devices_) {
+            least.max_force = std::min(least.max_force, device->limits().max_force);
+            least.max_stiffness = std::min(least.max_stiffness, device->limits().max_stiffness);
+        }
+        return least;
+    }
+    int fingers() const override { return fingers_; }
+    DeviceCapabilities capabilities() const override {
+        DeviceCapabilities all = devices_.front()->capabilities();
+        for (const auto& device : devices_) {
+            const DeviceCapabilities one = device->capabilities();
+            all.axes_sensed = std::min(all.axes_sensed, one.axes_sensed);
+            all.axes_driven = std::max(all.axes_driven, one.axes_driven);
+            all.reach = glm::min(all.reach, one.reach);
+            all.rate_hz = std::min(all.rate_hz, one.rate_hz);
+            all.buttons = std::max(all.buttons, one.buttons);
+            all.own_watchdog = all.own_watchdog && one.own_watchdog;
+            if (std::string_view(all.first_button) != one.first_button)
+                all.first_button = DeviceCapabilities().first_button;
+        }
+        return all;
+    }
+
+    Result<void> open() override {
+        for (const auto& device : devices_)
+            if (auto opened = device->open(); !opened) {
+                close();
+                return opened;
+            }
+        return {};
+    }
+    void close() override {
+        for (const auto& device : devices_) device->close();
+    }
+    bool read_positions(std::span<glm::dvec3> device_metres) override {
+        return each_has_its_share(device_metres, &HapticDevice::read_positions);
+    }
+    bool write_forces(std::span<const glm::dvec3> newtons) override {
+        return each_has_its_share(newtons, &HapticDevice::write_forces);
+    }
+    /// Those that are pressed on any of them.
+    std::uint32_t buttons() override {
+        std::uint32_t pressed = 0;
+        for (const auto& device : devices_) pressed |= device->buttons();
+        return pressed;
+    }
+    /// Of the oldest.
+    double age_s() const override {
+        double oldest = 0;
+        for (const auto& device : devices_) oldest = std::max(oldest, device->age_s());
+        return oldest;
+    }
+
+    /// All of them are.
+    bool is_over() const override {
+        return std::all_of(devices_.begin(), devices_.end(),
+                           [](const auto& device) { return device->is_over(); });
+    }
+    std::string prompt() const override { return all_said(&HapticDevice::prompt, "; "); }
+    std::string why_no_position() const override { return all_said(&HapticDevice::why_no_position, "; "); }
+    Result<void> health() const override {
+        for (const auto& device : devices_) TRY(device->health());
+        return {};
+    }
+
+private:
+    /// What each of them says, where it says anything.
+    std::string all_said(std::string (HapticDevice::*says)() const, const char* between) const {
+        std::string all;
+        for (const auto& device : devices_)
+            if (const std::string said = (*device.*says)(); !said.empty())
+                all += (all.empty() ? "" : between) + said;
+        return all;
+    }
+    /// Whatever the others say: none is left with a force because another has failed.
+    template <class Vector>
+    bool each_has_its_share(std::span<Vector> fingers, bool (HapticDevice::*call)(std::span<Vector>)) {
+        bool all = true;
+        for (const auto& device : devices_) {
+            const auto own = static_cast<std::size_t>(device->fingers());
+            all = (*device.*call)(fingers.first(own)) && all;
+            fingers = fingers.subspan(own);
+        }
+        return all;
+    }
+
+    const std::vector<std::unique_ptr<HapticDevice>> devices_;
+    int fingers_ = 0;
+};
+
 constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // from one to the next
 constexpr double pointer_arrival = 0.004;  // device metres: nearer along the view, a finger is there
 
 constexpr HandleDynamics standard_handle;
-constexpr std::array<HandKey, 8> simulated_keys{{
+constexpr std::array<HandOptions::Key, 8> simulated_keys{{
     {"mass", "kg", 0.05, 10, standard_handle.mass},
     {"damping", "N s/m", 0, 50, standard_handle.damping},
     {"friction", "N", 0, 5, standard_handle.friction},
@@ -30,16 +131,6 @@ constexpr std::array<HandKey, 8> simulated_keys{{
     {"stiffness", "N/mm", 0.01, 1000, 10},
     {"unplug", "s", 0.001, 1e6, 0},
 }};
-
-/// What each of several devices says, where it says anything.
-std::string all_said(const std::vector<std::unique_ptr<HapticDevice>>& devices,
-                     std::string (HapticDevice::*says)() const, const char* between) {
-    std::string all;
-    for (const auto& device : devices)
-        if (const std::string said = (*device.*says)(); !said.empty())
-            all += (all.empty() ? "" : between) + said;
-    return all;
-}
 
 bool is_finite(const glm::dvec3& v) {
     return std::isfinite(glm::dot(v, v));
@@ -59,104 +150,8 @@ bool is_near(const glm::dvec3& place) {
 
 }  // namespace
 
-// ---- DeviceGroup
-
-DeviceGroup::DeviceGroup(std::vector<std::unique_ptr<HapticDevice>> devices) : devices_(std::move(devices)) {
-    assert(!devices_.empty());
-    for (const auto& device : devices_) fingers_ += device->fingers();
-}
-
-std::string DeviceGroup::name() const {
-    return all_said(devices_, &HapticDevice::name, ", ");
-}
-
-DeviceLimits DeviceGroup::limits() const {
-    DeviceLimits least = devices_.front()->limits();
-    for (const auto& device : devices_) {
-        least.max_force = std::min(least.max_force, device->limits().max_force);
-        least.max_stiffness = std::min(least.max_stiffness, device->limits().max_stiffness);
-    }
-    return least;
-}
-
-DeviceCapabilities DeviceGroup::capabilities() const {
-    DeviceCapabilities all = devices_.front()->capabilities();
-    for (const auto& device : devices_) {
-        const DeviceCapabilities one = device->capabilities();
-        all.axes_sensed = std::min(all.axes_sensed, one.axes_sensed);
-        all.axes_driven = std::max(all.axes_driven, one.axes_driven);
-        all.reach = glm::min(all.reach, one.reach);
-        all.rate_hz = std::min(all.rate_hz, one.rate_hz);
-        all.buttons = std::max(all.buttons, one.buttons);
-        all.own_watchdog = all.own_watchdog && one.own_watchdog;
-        if (std::string_view(all.first_button) != one.first_button)
-            all.first_button = DeviceCapabilities().first_button;
-    }
-    return all;
-}
-
-Result<void> DeviceGroup::open() {
-    for (const auto& device : devices_)
-        if (auto opened = device->open(); !opened) {
-            close();
-            return opened;
-        }
-    return {};
-}
-
-void DeviceGroup::close() {
-    for (const auto& device : devices_) device->close();
-}
-
-/// Each gets its share, whatever the others say: none is left with a force because another has failed.
-bool DeviceGroup::read_positions(std::span<glm::dvec3> device_metres) {
-    bool all = true;
-    for (const auto& device : devices_) {
-        const auto own = static_cast<std::size_t>(device->fingers());
-        all = device->read_positions(device_metres.first(own)) && all;
-        device_metres = device_metres.subspan(own);
-    }
-    return all;
-}
-
-bool DeviceGroup::write_forces(std::span<const glm::dvec3> newtons) {
-    bool all = true;
-    for (const auto& device : devices_) {
-        const auto own = static_cast<std::size_t>(device->fingers());
-        all = device->write_forces(newtons.first(own)) && all;
-        newtons = newtons.subspan(own);
-    }
-    return all;
-}
-
-std::uint32_t DeviceGroup::buttons() {
-    std::uint32_t pressed = 0;
-    for (const auto& device : devices_) pressed |= device->buttons();
-    return pressed;
-}
-
-double DeviceGroup::age_s() const {
-    double oldest = 0;
-    for (const auto& device : devices_) oldest = std::max(oldest, device->age_s());
-    return oldest;
-}
-
-bool DeviceGroup::is_over() const {
-    return std::all_of(devices_.begin(), devices_.end(),
-                       [](const auto& device) { return device->is_over(); });
-}
-
-std::string DeviceGroup::prompt() const {
-    return all_said(devices_, &HapticDevice::prompt, "; ");
-}
-
-std::string DeviceGroup::why_no_position() const {
-    return all_said(devices_, &HapticDevice::why_no_position, "; ");
-}
-
-Result<void> DeviceGroup::health() const {
-    for (const auto& device : devices_) TRY(device->health());
-    return {};
+std::unique_ptr<HapticDevice> make_device_group(std::vector<std::unique_ptr<HapticDevice>> devices) {
+    return std::make_unique<DeviceGroup>(std::move(devices));
 }
 
 // ---- SimulatedDevice
@@ -167,6 +162,9 @@ SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleD
       exerted_(static_cast<std::size_t>(fingers), glm::dvec3(0)) {
     assert(fingers > 0 && limits.max_force > 0 && limits.max_stiffness > 0);
 }
+
+SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits)
+    : SimulatedDevice(fingers, limits, standard_handle) {}
 
 SimulatedDevice::~SimulatedDevice() {
     close();
@@ -291,8 +289,8 @@ PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const Pointe
       refuge_(refuge),
       intents_(std::make_unique<Intents>()),
       led_(static_cast<std::size_t>(fingers),
-           Led{LedPoint(settings.times, pointer_reading_s),
-               LedPoint({settings.times.across_s, settings.times.across_s}, pointer_reading_s)}) {
+           Led{LedPoint({settings.across_s, settings.along_s}, pointer_reading_s),
+               LedPoint({settings.across_s, settings.across_s}, pointer_reading_s)}) {
     assert(fingers >= 1 && fingers <= most_fingers);
     assert(settings.max_speed > 0 && settings.approach_speed > 0 && settings.limits.max_force > 0 &&
            settings.limits.max_stiffness > 0);

@@ -31,6 +31,7 @@
 namespace touchable {
 
 class HeldHandle;
+struct HandleDynamics;
 
 /// ns by the clock that goes on while the machine is suspended (CLOCK_BOOTTIME), so that what a device said
 /// before that is old afterwards. Never backward, even if the time of day is set.
@@ -115,50 +116,18 @@ public:
     virtual Result<void> health() const = 0;
 };
 
-/// Several devices as the fingers of one hand: those of the first come first. It can exert what the weakest
-/// of them can, and has failed where one of them has.
-class DeviceGroup final : public HapticDevice {
-public:
-    /// At least one.
-    explicit DeviceGroup(std::vector<std::unique_ptr<HapticDevice>> devices);
-
-    std::string name() const override;
-    DeviceLimits limits() const override;
-    int fingers() const override { return fingers_; }
-    DeviceCapabilities capabilities() const override;
-    Result<void> open() override;
-    void close() override;
-    bool read_positions(std::span<glm::dvec3> device_metres) override;
-    bool write_forces(std::span<const glm::dvec3> newtons) override;
-    std::uint32_t buttons() override;  ///< that are pressed on any of them
-    double age_s() const override;     ///< of the oldest
-    bool is_over() const override;     ///< all of them are
-    std::string prompt() const override;
-    std::string why_no_position() const override;
-    Result<void> health() const override;
-
-private:
-    std::vector<std::unique_ptr<HapticDevice>> devices_;
-    int fingers_ = 0;
-};
-
-/// What a hand holds and how: masses and losses of device and hand together, as one body, alike in all
-/// directions.
-struct HandleDynamics {
-    double mass = 0.5;    ///< kg, > 0
-    double damping = 5;   ///< N s/m, >= 0 and at most mass / period
-    double friction = 0;  ///< N, Coulomb's, of the device's joints
-    double quantum = 0;   ///< m, of a position reading; 0: read exactly
-    double hand_stiffness =
-        300;  ///< N/m, of the spring between the handle and where the person means it to be
-};
+/// Several devices as the fingers of one hand, one at least: those of the first come first. It can exert what
+/// the weakest of them can, and has failed where one of them has.
+std::unique_ptr<HapticDevice> make_device_group(std::vector<std::unique_ptr<HapticDevice>> devices);
 
 /// A device without hardware, in its caller's virtual time: a hand holds each of its handles, the forces it
 /// exerts move them and can be looked at, and it can be made to fail. It keeps the safety contract as any
 /// device must, so that what drives devices can be tested, and a scene felt for its stability, without one.
 class SimulatedDevice final : public HapticDevice {
 public:
-    SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle = {});
+    SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle);
+    /// With a handle as it usually is.
+    SimulatedDevice(int fingers, DeviceLimits limits);
     ~SimulatedDevice() override;
 
     std::string name() const override { return "simulated"; }
@@ -200,17 +169,12 @@ private:
 /// or value is refused with the legal ones.
 Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers);
 
-/// Time constants of a point that is led.
-struct LeadTimes {
-    double across_s = 0.025;  ///< across the direction of view, s, at least a period
-    double along_s = 0.09;    ///< along it, s, at least a period
-};
-
 /// How a pointer becomes fingers.
 struct PointerSettings {
     /// A finger's goal lies at a fixed depth below the visible surface. Along the direction of view the
     /// finger follows it slowly: so it goes along with the surface's large shape, and feels small bumps.
-    LeadTimes times{};
+    double across_s = 0.025;  ///< time constant across the direction of view, s, at least a period
+    double along_s = 0.09;    ///< along it, s, at least a period
     /// m. Along the view the finger is never farther than this from where it would be if it were as quick
     /// there as across. Bumps are less high than that; higher shapes are followed at once, so that a slope
     /// neither presses the finger nor lifts it off.

@@ -1,5 +1,7 @@
 #pragma once
 
+// HID devices: where Linux shows them, and their reports by hidapi.
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,8 +14,6 @@
 #include "device/device_driver.hpp"
 
 struct hid_device_;
-
-// HID devices: where Linux shows them, and their reports by hidapi.
 
 namespace touchable {
 

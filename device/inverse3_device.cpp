@@ -109,6 +109,10 @@ const json& inverse3_payload(const json& answer) {
     return data.is_null() ? answer : data;
 }
 
+std::string version_in_words(const Inverse3Version& version) {
+    return std::to_string(version.major) + "." + std::to_string(version.minor);
+}
+
 std::string inverse3_figure(double value) {
     return nlohmann::json(value).dump();
 }
@@ -122,10 +126,6 @@ using std::chrono::nanoseconds;
 constexpr milliseconds connecting_patience{2000}, first_word{500}, last_answer{50};
 constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
 
-std::string version_in_words(const Inverse3Version& version) {
-    return std::to_string(version.major) + "." + std::to_string(version.minor);
-}
-
 std::string ids_of(const std::vector<Inverse3Arm>& arms) {
     std::string ids;
     for (const Inverse3Arm& arm : arms) ids += (ids.empty() ? "" : ", ") + arm.id;
@@ -136,10 +136,10 @@ std::string ids_of(const std::vector<Inverse3Arm>& arms) {
 
 const Inverse3Choice standard_arm;
 constexpr std::string_view of_inverse3 = "device 'inverse3'";
-const std::array<HandKey, 8> inverse3_keys{{
-    {"id", "what the service calls the arm, such as 049D", 0, 0, 0, HandKey::Kind::words},
-    {"port", "", 1, 65535, 10001, HandKey::Kind::whole},
-    {"service", "the version of the service, such as 3.4", 0, 0, 0, HandKey::Kind::words},
+const std::array<HandOptions::Key, 8> inverse3_keys{{
+    {"id", "what the service calls the arm, such as 049D", 0, 0, 0, HandOptions::Key::Kind::words},
+    {"port", "", 1, 65535, 10001, HandOptions::Key::Kind::whole},
+    {"service", "the version of the service, such as 3.4", 0, 0, 0, HandOptions::Key::Kind::words},
     {"right", "m", -1, 1, standard_arm.centre.x},
     {"up", "m", -1, 1, standard_arm.centre.y},
     {"towards", "m", -1, 1, standard_arm.centre.z},
@@ -180,8 +180,7 @@ Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
 Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version) {
     if (version.major == 3 && version.minor >= 5) return Inverse3Dialect::vector;
     if (version.major == 3 && version.minor >= 1) return Inverse3Dialect::values;
-    return Error{ErrorKind::device, "Haply Inverse Service " + std::to_string(version.major) + "." +
-                                        std::to_string(version.minor) +
+    return Error{ErrorKind::device, "Haply Inverse Service " + version_in_words(version) +
                                         " is not known here; right would be 3.1 to any other 3.x"};
 }
 
@@ -281,12 +280,9 @@ Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyServi
 
 /// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
 DeviceCapabilities Inverse3Driver::capabilities() const {
-    return {.axes_sensed = 3,
-            .axes_driven = 3,
-            .reach = glm::dvec3(0.1),
+    return {.reach = glm::dvec3(0.1),
             .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
             .buttons = 3,
-            .own_watchdog = false,
             .answers = true};
 }
 
@@ -513,12 +509,11 @@ Result<Inverse3Choice> read_inverse3_choice(std::string_view keys) {
     return choice;
 }
 
-Result<std::unique_ptr<HapticDevice>> make_inverse3_device(std::string_view keys,
-                                                           const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_inverse3_driver(std::string_view keys) {
     TRY_ASSIGN(auto choice, read_inverse3_choice(keys));
     auto service = std::make_unique<LocalHaplyService>(choice.port);
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(
-        std::make_unique<Inverse3Driver>(std::move(choice), std::move(service)), driven));
+    return std::unique_ptr<DeviceDriver>(
+        std::make_unique<Inverse3Driver>(std::move(choice), std::move(service)));
 }
 
 }  // namespace touchable

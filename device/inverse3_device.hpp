@@ -1,5 +1,7 @@
 #pragma once
 
+// Haply's Inverse3: the messages and the service of its makers, up to `--device inverse3`.
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -10,9 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "device/driven_device.hpp"
-
-// Haply's Inverse3: the messages and the service of its makers, up to `--device inverse3`.
+#include "device/device_driver.hpp"
 
 namespace touchable {
 
@@ -187,7 +187,6 @@ private:
 
 /// Of the keys of "inverse3[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
 Result<Inverse3Choice> read_inverse3_choice(std::string_view keys);
-Result<std::unique_ptr<HapticDevice>> make_inverse3_device(std::string_view keys,
-                                                           const DrivenSettings& driven);
+Result<std::unique_ptr<DeviceDriver>> make_inverse3_driver(std::string_view keys);
 
 }  // namespace touchable

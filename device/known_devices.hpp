@@ -1,12 +1,35 @@
 #pragma once
 
+// What is known of devices, whether any is there or not: the kinds that can be driven, each with the function
+// that makes its driver, the hardware that is recognised, and where Linux shows what is connected.
+// `make_device` and `connected_devices` (device_catalog.hpp) are made of it. Tables that do not change, for
+// any thread; a ConnectedSystem is one thread's.
+
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "device/device_catalog.hpp"
 
 namespace touchable {
+
+/// A kind of device that a person can hold, by its name on the command line.
+struct DeviceKind {
+    std::string_view name;
+    std::string_view words;  ///< what it is, for people
+    std::string_view keys;   ///< that it needs, as ":file=FILE"; empty: none
+    Result<std::unique_ptr<DeviceDriver>> (*make_driver)(std::string_view keys);
+};
+
+/// Every kind that a person can hold. (A simulated one is held by a hand, and the window's pointer is its
+/// own.)
+std::span<const DeviceKind> device_kinds();
 
 /// A kind of hardware that is known by its ids or its name, driven or not.
 struct KnownDevice {
@@ -18,17 +41,15 @@ struct KnownDevice {
     };
     std::string_view what;  ///< for people
     bool (*has_ids)(std::uint16_t vendor, std::uint16_t product) = nullptr;
-    std::string_view
-        in_name{};  ///< known by these words in its maker's or its own name instead; empty: by ids
+    std::string_view in_name{};  ///< known by these words in its maker's or its own name; empty: by ids
     Through through = Through::nothing;
-    std::string_view word{};     ///< of --device, which drives it; empty: it cannot be driven
-    std::string_view driven{};   ///< what to write behind --device, where that is more than the word
-    std::string_view why{};      ///< it cannot be driven
-    std::string_view instead{};  ///< what to do then, or with a service that does not run
-    std::string_view
-        firmware{};          ///< what is known of its state without opening it; empty: its release counts
-    std::uint16_t port = 0;  ///< of a service
-    bool is_shared = false;  ///< several programs may read it
+    std::string_view word{};      ///< of --device, which drives it; empty: it cannot be driven
+    std::string_view driven{};    ///< what to write behind --device, where that is more than the word
+    std::string_view why{};       ///< it cannot be driven
+    std::string_view instead{};   ///< what to do then, or with a service that does not run
+    std::string_view firmware{};  ///< what is known of it without opening it; empty: its release counts
+    std::uint16_t port = 0;       ///< of a service
+    bool is_shared = false;       ///< several programs may read it
 };
 
 /// Ordered from specific to general; the first match wins.
@@ -37,7 +58,39 @@ std::span<const KnownDevice> known_devices();
 const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std::string_view maker,
                                 std::string_view name);
 
+/// What Linux shows of devices and processes, /sys, /proc and /dev, below a folder that stands for "/". Paths
+/// begin with "/". What cannot be read is not there.
+class ConnectedSystem {
+public:
+    explicit ConnectedSystem(std::filesystem::path root = "/") : root_(std::move(root)) {}
+    virtual ~ConnectedSystem() = default;
+    ConnectedSystem(const ConnectedSystem&) = delete;
+    ConnectedSystem& operator=(const ConnectedSystem&) = delete;
+
+    const std::filesystem::path& root() const { return root_; }
+    /// What is in a folder, sorted.
+    std::vector<std::string> names(const std::string& folder) const;
+    bool has(const std::string& path) const;
+    /// Of a file, at most `most` bytes, without a line's end behind it; empty: not there.
+    std::string text(const std::string& path, std::size_t most = 4096) const;
+    /// What a link says; empty: it is none.
+    std::string link(const std::string& path) const;
+    /// A path with all its links followed, from the root; empty: not there.
+    std::string resolved(const std::string& path) const;
+
+    /// Whether this user may read and write a node.
+    virtual bool may_use(const std::string& node) const;
+
+private:
+    std::filesystem::path below(const std::string& path) const;
+    const std::filesystem::path root_;
+};
+
+/// `connected_devices` of another system.
+std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
 /// Whether a program listens at a TCP port of this machine.
-bool somebody_listens(const ConnectedSystem& system, std::uint16_t port);
+bool has_listener(const ConnectedSystem& system, std::uint16_t port);
+/// Those rules of udev (`udev_rules`) that are for devices of a vendor.
+std::vector<std::string> udev_rules_of(std::uint16_t vendor);
 
 }  // namespace touchable

@@ -113,12 +113,12 @@ bool is_newer(std::uint32_t sequence, std::uint32_t than) {
 // ---- Keys
 
 const NetworkSettings standard_hand;
-const std::array<HandKey, 6> network_keys{{
-    {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, HandKey::Kind::words},
-    {"from", "an address in figures, such as 192.168.1.7", 0, 0, 0, HandKey::Kind::words},
-    {"port", "", 1, 65535, static_cast<double>(standard_hand.port), HandKey::Kind::whole},
+const std::array<HandOptions::Key, 6> network_keys{{
+    {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, HandOptions::Key::Kind::words},
+    {"from", "an address in figures, such as 192.168.1.7", 0, 0, 0, HandOptions::Key::Kind::words},
+    {"port", "", 1, 65535, static_cast<double>(standard_hand.port), HandOptions::Key::Kind::whole},
     {"fingers", "", 1, NetworkPacket::most_fingers, static_cast<double>(standard_hand.fingers),
-     HandKey::Kind::whole},
+     HandOptions::Key::Kind::whole},
     {"force", "N", 0.1, 1000, standard_hand.limits.max_force},
     {"stiffness", "N/mm", 0.01, 1000, standard_hand.limits.max_stiffness / 1000},
 }};
@@ -265,13 +265,7 @@ Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
 // ---- The driver
 
 DeviceCapabilities NetworkDriver::capabilities() const {
-    return {.axes_sensed = 3,
-            .axes_driven = 3,
-            .reach = glm::dvec3(0),
-            .rate_hz = 0,
-            .buttons = 32,
-            .own_watchdog = false,
-            .first_button = "the device's first button (bit 0 of its buttons)"};
+    return {.buttons = 32, .first_button = "the device's first button (bit 0 of its buttons)"};
 }
 
 Result<void> NetworkDriver::connect(const GivenUp&) {
@@ -481,11 +475,9 @@ Result<NetworkSettings> read_network_settings(std::string_view keys) {
     return settings;
 }
 
-Result<std::unique_ptr<HapticDevice>> make_network_device(std::string_view keys,
-                                                          const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_network_driver(std::string_view keys) {
     TRY_ASSIGN(const auto settings, read_network_settings(keys));
-    return std::unique_ptr<HapticDevice>(
-        std::make_unique<DrivenDevice>(std::make_unique<NetworkDriver>(settings), driven));
+    return std::unique_ptr<DeviceDriver>(std::make_unique<NetworkDriver>(settings));
 }
 
 }  // namespace touchable

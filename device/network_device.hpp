@@ -1,5 +1,8 @@
 #pragma once
 
+// A network hand (docs/network-hand.md): any program as a device, from its datagrams up to `--device
+// network`.
+
 #include <netinet/in.h>
 
 #include <array>
@@ -16,10 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/driven_device.hpp"
-
-// A network hand (docs/network-hand.md): any program as a device, from its datagrams up to `--device
-// network`.
+#include "device/device_driver.hpp"
 
 namespace touchable {
 
@@ -191,7 +191,6 @@ private:
 
 /// Of the keys of "network[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
 Result<NetworkSettings> read_network_settings(std::string_view keys);
-Result<std::unique_ptr<HapticDevice>> make_network_device(std::string_view keys,
-                                                          const DrivenSettings& driven);
+Result<std::unique_ptr<DeviceDriver>> make_network_driver(std::string_view keys);
 
 }  // namespace touchable

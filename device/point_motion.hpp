@@ -1,15 +1,24 @@
 #pragma once
 
+// Motions of one point, the same bits everywhere: of a handle that a hand holds, of a finger that follows a
+// pointer, and which motion of a finger a device may tell.
+
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "device/haptic_device.hpp"
-
-// Motions of one point, the same bits everywhere: of a handle that a hand holds, of a finger that follows a
-// pointer, and which motion of a finger a device may tell.
-
 namespace touchable {
+
+/// What a hand holds and how: masses and losses of device and hand together, as one body, alike in all
+/// directions.
+struct HandleDynamics {
+    double mass = 0.5;    ///< kg, > 0
+    double damping = 5;   ///< N s/m, >= 0 and at most mass / period
+    double friction = 0;  ///< N, Coulomb's, of the device's joints
+    double quantum = 0;   ///< m, of a position reading; 0: read exactly
+    /// N/m, of the spring between the handle and where the person means it to be.
+    double hand_stiffness = 300;
+};
 
 /// The end of a device in a hand, where nothing is connected: a mass on which act a device's force, held over
 /// each period as electronics hold it, viscous and Coulomb friction, and the spring of a hand towards a place
@@ -40,6 +49,12 @@ private:
     // and per acceleration at its beginning.
     double place_per_velocity_, place_per_acceleration_, velocity_per_velocity_, velocity_per_acceleration_;
     glm::dvec3 place_{0.0}, velocity_{0.0}, intended_{0.0};
+};
+
+/// Time constants of a point that is led.
+struct LeadTimes {
+    double across_s;  ///< across the direction that is slower, s, at least a period
+    double along_s;   ///< along it, s, at least a period
 };
 
 /// A point that follows a goal as a critically damped spring would draw it: without overshoot, smooth in

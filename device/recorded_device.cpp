@@ -88,7 +88,7 @@ public:
     }
 };
 
-constexpr std::array<HandKey, 2> recorded_keys{{
+constexpr std::array<HandOptions::Key, 2> recorded_keys{{
     {"force", "N", 0.1, 1000, 10},
     {"stiffness", "N/mm", 0.01, 1000, 3},
 }};
@@ -134,9 +134,7 @@ ReplayDriver::ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits,
 DeviceCapabilities ReplayDriver::capabilities() const {
     const std::size_t ticks = log_.ticks();
     const double length = log_.seconds(ticks - 1);
-    return {.axes_sensed = 3,
-            .axes_driven = 0,
-            .reach = glm::dvec3(0),
+    return {.axes_driven = 0,
             .rate_hz = length > 0 ? static_cast<double>(ticks - 1) / length : 0,
             .buttons = 32,
             .own_watchdog = true};
@@ -207,10 +205,9 @@ Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text
     return std::make_unique<ReplayDriver>(file, std::move(log), limits, std::move(clock));
 }
 
-Result<std::unique_ptr<HapticDevice>> make_recorded_device(std::string_view text,
-                                                           const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_recorded_driver(std::string_view text) {
     TRY_ASSIGN(auto driver, read_recorded_device(text, std::make_unique<SteadyReplayClock>()));
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(std::move(driver), driven));
+    return std::unique_ptr<DeviceDriver>(std::move(driver));
 }
 
 }  // namespace touchable

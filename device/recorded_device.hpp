@@ -1,5 +1,7 @@
 #pragma once
 
+// A device's log, told again as a device.
+
 #include <chrono>
 #include <cstddef>
 #include <memory>
@@ -7,9 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "device/driven_device.hpp"
-
-// A device's log, told again as a device.
+#include "device/device_driver.hpp"
 
 namespace touchable {
 
@@ -77,7 +77,6 @@ private:
 /// (ErrorKind::usage) and a file that is no log (ErrorKind::input).
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,
                                                            std::unique_ptr<ReplayClock> clock);
-Result<std::unique_ptr<HapticDevice>> make_recorded_device(std::string_view text,
-                                                           const DrivenSettings& driven);
+Result<std::unique_ptr<DeviceDriver>> make_recorded_driver(std::string_view text);
 
 }  // namespace touchable

@@ -202,18 +202,18 @@ private:
     std::vector<glm::dvec3> goals_;
 };
 
-using Kind = HandKey::Kind;
+using Key = HandOptions::Key;
 
 constexpr std::array recorded_hand_keys{
-    HandKey{.name = "columns", .unit = "one column, or three joined by '+'", .kind = Kind::words},
-    HandKey{"scale", "m per unit of the columns", -1e6, 1e6, 1},
-    HandKey{"extent", "m", 0.001, 1},
-    HandKey{.name = "time", .unit = "a column of seconds", .kind = Kind::words},
-    HandKey{"rate", "rows per second", 0.1, 1e6},
-    HandKey{"contact", "of the goals over a surface", 0.01, 0.99, 0.6},
-    HandKey{"spread", "m", 0, 0.2, 0.02},
-    HandKey{"depth", "mm", 0, 50},
-    HandKey{.name = "space", .unit = "device or scene", .kind = Kind::words},
+    Key{.name = "columns", .unit = "one column, or three joined by '+'", .kind = Key::Kind::words},
+    Key{"scale", "m per unit of the columns", -1e6, 1e6, 1},
+    Key{"extent", "m", 0.001, 1},
+    Key{.name = "time", .unit = "a column of seconds", .kind = Key::Kind::words},
+    Key{"rate", "rows per second", 0.1, 1e6},
+    Key{"contact", "of the goals over a surface", 0.01, 0.99, 0.6},
+    Key{"spread", "m", 0, 0.2, 0.02},
+    Key{"depth", "mm", 0, 50},
+    Key{.name = "space", .unit = "device or scene", .kind = Key::Kind::words},
 };
 
 Error csv_hand_refusal(const std::string& what) {
@@ -262,12 +262,6 @@ Result<MotionSettings> motion_settings(const HandOptions& given) {
     if (given.given("time")) settings.time = given.words("time");
     if (given.given("rate")) settings.rate = given.number("rate");
     return settings;
-}
-
-/// Where the options begin in "FILE[:key=value,...]": after the last ':' with a '=' behind it.
-std::size_t options_colon(std::string_view description) {
-    const std::size_t equals = description.rfind('=');
-    return equals == std::string_view::npos ? equals : description.rfind(':', equals);
 }
 
 /// Fingers that repeat a recorded motion, one copy each; after its end they rest at the last position.
@@ -371,7 +365,7 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
-    const std::size_t colon = options_colon(description);
+    const std::size_t colon = HandOptions::colon_in(description);
     const std::string file(description.substr(0, colon));
     const std::string_view options = colon == std::string_view::npos ? "" : description.substr(colon + 1);
     if (file.empty()) return csv_hand_refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");

@@ -24,8 +24,8 @@ Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
 }
 
 constexpr SpaceMousePace standard_pace;  // of a puck
-constexpr std::array<HandKey, 3> spacemouse_keys{{
-    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandKey::Kind::words},
+constexpr std::array<HandOptions::Key, 3> spacemouse_keys{{
+    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandOptions::Key::Kind::words},
     {"speed", "m/s", 0.001, 1, standard_pace.speed},
     {"reach", "m", 0.01, 1, standard_pace.reach},
 }};
@@ -83,12 +83,7 @@ glm::dvec3 SpaceMouseMotion::place(std::int64_t now_ns) {
 }
 
 DeviceCapabilities SpaceMouseDriver::capabilities() const {
-    return {.axes_sensed = 3,
-            .axes_driven = 0,
-            .reach = glm::dvec3(pace_.reach),
-            .rate_hz = 1000,
-            .buttons = 32,
-            .own_watchdog = false};
+    return {.axes_driven = 0, .reach = glm::dvec3(pace_.reach), .rate_hz = 1000, .buttons = 32};
 }
 
 Result<void> SpaceMouseDriver::connect(const GivenUp&) {
@@ -128,8 +123,7 @@ Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys) {
     return SpaceMouseSettings{given.words("node"), {given.number("speed"), given.number("reach")}};
 }
 
-Result<std::unique_ptr<HapticDevice>> make_spacemouse_device(std::string_view keys,
-                                                             const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_spacemouse_driver(std::string_view keys) {
     TRY_ASSIGN(const auto settings, read_spacemouse_settings(keys));
     auto open = [node = settings.node] {
         return open_hid(node, is_spacemouse,
@@ -137,8 +131,7 @@ Result<std::unique_ptr<HapticDevice>> make_spacemouse_device(std::string_view ke
                          "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node",
                          {{Setting::device, "spacemouse:node=/dev/hidraw0"}}});
     };
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(
-        std::make_unique<SpaceMouseDriver>(settings.pace, std::move(open)), driven));
+    return std::unique_ptr<DeviceDriver>(std::make_unique<SpaceMouseDriver>(settings.pace, std::move(open)));
 }
 
 }  // namespace touchable

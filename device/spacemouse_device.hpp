@@ -1,5 +1,7 @@
 #pragma once
 
+// 3Dconnexion's pucks, from their reports up to `--device spacemouse`.
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -9,11 +11,9 @@
 #include <string>
 #include <string_view>
 
-#include "device/driven_device.hpp"
+#include "device/device_driver.hpp"
 #include "device/hid_transport.hpp"
 #include "engine/base/result.hpp"
-
-// 3Dconnexion's pucks, from their reports up to `--device spacemouse`.
 
 namespace touchable {
 
@@ -98,7 +98,6 @@ struct SpaceMouseSettings {
 
 /// Of the keys of "spacemouse[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
 Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys);
-Result<std::unique_ptr<HapticDevice>> make_spacemouse_device(std::string_view keys,
-                                                             const DrivenSettings& driven);
+Result<std::unique_ptr<DeviceDriver>> make_spacemouse_driver(std::string_view keys);
 
 }  // namespace touchable

@@ -125,10 +125,11 @@ constexpr std::int64_t waking_ns = 500'000'000;
 
 // ---- Keys
 
-constexpr std::array<HandKey, 3> wooden_keys{{
-    {"file", "its parameter file, such as examples/woodenhaptics.json", 0, 0, 0, HandKey::Kind::words},
-    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandKey::Kind::words},
-    {"homed", "(1: it was homed since it got its power)", 0, 1, 0, HandKey::Kind::whole},
+constexpr std::array<HandOptions::Key, 3> wooden_keys{{
+    {"file", "its parameter file, such as examples/woodenhaptics.json", 0, 0, 0,
+     HandOptions::Key::Kind::words},
+    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandOptions::Key::Kind::words},
+    {"homed", "(1: it was homed since it got its power)", 0, 1, 0, HandOptions::Key::Kind::whole},
 }};
 
 }  // namespace
@@ -230,11 +231,9 @@ std::string WoodenHapticsDriver::name() const {
 }
 
 DeviceCapabilities WoodenHapticsDriver::capabilities() const {
-    return {.axes_sensed = 3,
-            .axes_driven = build_.drive ? 3 : 0,
+    return {.axes_driven = build_.drive ? 3 : 0,
             .reach = glm::dvec3(build_.reach),
             .rate_hz = 1000,
-            .buttons = 0,
             .own_watchdog = true,
             .answers = true};
 }
@@ -394,8 +393,7 @@ Result<WoodenSettings> read_wooden_settings(std::string_view keys) {
     return WoodenSettings{given.words("node"), given.words("file"), given.number("homed") == 1};
 }
 
-Result<std::unique_ptr<HapticDevice>> make_woodenhaptics_device(std::string_view keys,
-                                                                const DrivenSettings& driven) {
+Result<std::unique_ptr<DeviceDriver>> make_woodenhaptics_driver(std::string_view keys) {
     TRY_ASSIGN(const auto settings, read_wooden_settings(keys));
     TRY_ASSIGN(const auto build, read_wooden_parameters(settings.file));
     auto open = [node = settings.node] {
@@ -404,8 +402,8 @@ Result<std::unique_ptr<HapticDevice>> make_woodenhaptics_device(std::string_view
                          "no WoodenHaptics is connected (USB 1234:0006): plug one in, or name its node",
                          {{Setting::device, "woodenhaptics:file=FILE,node=/dev/hidraw0"}}});
     };
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(
-        std::make_unique<WoodenHapticsDriver>(build, settings.homed, std::move(open)), driven));
+    return std::unique_ptr<DeviceDriver>(
+        std::make_unique<WoodenHapticsDriver>(build, settings.homed, std::move(open)));
 }
 
 }  // namespace touchable

@@ -1,5 +1,7 @@
 #pragma once
 
+// WoodenHaptics and Polhem: their parameter files, linkage and reports, up to `--device woodenhaptics:`.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -12,10 +14,8 @@
 #include <string>
 #include <string_view>
 
-#include "device/driven_device.hpp"
+#include "device/device_driver.hpp"
 #include "device/hid_transport.hpp"
-
-// WoodenHaptics and Polhem: their parameter files, linkage and reports, up to `--device woodenhaptics:`.
 
 namespace touchable {
 
@@ -160,8 +160,7 @@ bool is_woodenhaptics(std::uint16_t vendor, std::uint16_t product);
 /// Of the keys of "woodenhaptics:file=FILE[,key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage)
 /// what is none, and a file that is not named.
 Result<WoodenSettings> read_wooden_settings(std::string_view keys);
-/// Error (input) also where the file will not do.
-Result<std::unique_ptr<HapticDevice>> make_woodenhaptics_device(std::string_view keys,
-                                                                const DrivenSettings& driven);
+/// Error (input) also where the file cannot be read, or is no parameter file.
+Result<std::unique_ptr<DeviceDriver>> make_woodenhaptics_driver(std::string_view keys);
 
 }  // namespace touchable

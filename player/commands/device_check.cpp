@@ -35,7 +35,7 @@ std::string digits_of(double value, int digits = 3) {
     return formatted("%.*g", digits, value);
 }
 
-std::string times_in_words(const Percentiles& of) {
+std::string times_in_words(const WatchFigures::Percentiles& of) {
     if (of.count == 0) return "none";
     return digits_of(of.median * 1e3) + " ms at the median, " + digits_of(of.p99 * 1e3) + " ms p99, " +
            digits_of(of.greatest * 1e3) + " ms at worst (" + std::to_string(of.count) + ")";
@@ -86,7 +86,7 @@ void tell_times(std::ostream& out, const DeviceReport& report) {
 }
 
 void tell_rest(std::ostream& out, const DeviceReport& report) {
-    const RestFigures& rest = report.watch.rest;
+    const WatchFigures::Rest& rest = report.watch.rest;
     out << "places    " << (report.fingers > 1 ? "of the first finger, " : "") << "smallest step (x y z) "
         << micrometres(rest.step_m) << "; ";
     if (rest.moved())
@@ -119,7 +119,7 @@ void tell_stiffness(std::ostream& out, const DeviceReport& report) {
     out << " (no hand on it, " << digits_of(found.most_force) << " N at most)\n";
 }
 
-Json percentiles_json(const Percentiles& of) {
+Json percentiles_json(const WatchFigures::Percentiles& of) {
     return {{"count", of.count},
             {"median", of.median * 1e3},
             {"p99", of.p99 * 1e3},
@@ -338,7 +338,7 @@ DeviceReport describe(const HapticDevice& device, const std::string& words) {
     report.limits = device.limits();
     report.capabilities = device.capabilities();
     const std::string word = words.substr(0, words.find(':'));
-    for (ConnectedDevice& each : connected_devices(ConnectedSystem()))
+    for (ConnectedDevice& each : connected_devices())
         if (each.driven.substr(0, each.driven.find(':')) == word) report.connected.push_back(std::move(each));
     return report;
 }

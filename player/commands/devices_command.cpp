@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "device/device_catalog.hpp"
-#include "device/udev_rules.hpp"
 
 namespace touchable {
 namespace {
@@ -19,7 +18,7 @@ Result<void> run_devices(const DevicesOptions& options) {
         std::cout << udev_rules();
         return {};
     }
-    const auto devices = connected_devices(ConnectedSystem());
+    const auto devices = connected_devices();
     if (options.json)
         std::cout << devices_in_json(devices);
     else

@@ -125,7 +125,7 @@ Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
         devices.push_back(std::move(device));
     }
     if (devices.size() == 1) return std::shared_ptr<HapticDevice>(std::move(devices.front()));
-    return std::shared_ptr<HapticDevice>(std::make_shared<DeviceGroup>(std::move(devices)));
+    return std::shared_ptr<HapticDevice>(make_device_group(std::move(devices)));
 }
 
 std::string of_its_forces(const HapticDevice& device, const HandControl& control, bool has_terminal) {

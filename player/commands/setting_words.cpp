@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "device/udev_rules.hpp"
+#include "device/device_catalog.hpp"
 
 namespace touchable {
 namespace {

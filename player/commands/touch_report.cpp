@@ -188,7 +188,8 @@ std::string what_it_builds(const std::string& builder) {
 }
 
 /// How a device was held.
-void add_hand_figures(Json& report, const HandFigures& hand, bool has_motors, const LiveFacts* live) {
+void add_hand_figures(Json& report, const HandControl::Figures& hand, bool has_motors,
+                      const LiveFacts* live) {
     report["device_exerts_force"] = has_motors;
     report["forces_on_ticks"] = has_motors ? hand.exerting : 0;
     report["placeless_ticks"] = hand.placeless;

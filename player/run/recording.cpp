@@ -210,13 +210,7 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
     return part;
 }
 
-constexpr std::array keys{HandKey{"depth", "mm", 0, 50}};
-
-/// Where the options begin in "FILE[:key=value]": a file's name may hold ':'.
-std::size_t options_colon(std::string_view description) {
-    const std::size_t equals = description.rfind('=');
-    return equals == std::string_view::npos ? equals : description.rfind(':', equals);
-}
+constexpr std::array keys{HandOptions::Key{"depth", "mm", 0, 50}};
 
 double scale_of(const RecordedPart& part) {
     const auto& facts = part.facts;
@@ -451,7 +445,7 @@ Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, st
 
 Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& hand) {
     const std::string_view description = std::string_view(hand).substr(std::string_view("rec:").size());
-    const std::size_t colon = options_colon(description);
+    const std::size_t colon = HandOptions::colon_in(description);
     std::string file(description.substr(0, colon));
     if (file.empty())
         return usage_error("hand 'rec': no file; right would be rec:FILE, a recording of a run",

@@ -26,16 +26,16 @@ constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:", pipe
                            tcp_kind = "tcp://", stream_kind = "stream:";
 
 constexpr std::array plugged_keys{
-    HandKey{.name = "size", .unit = "", .kind = HandKey::Kind::words},
-    HandKey{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
-    HandKey{.name = "colour", .unit = "", .kind = HandKey::Kind::words}};
+    HandOptions::Key{.name = "size", .unit = "", .kind = HandOptions::Key::Kind::words},
+    HandOptions::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
+    HandOptions::Key{.name = "colour", .unit = "", .kind = HandOptions::Key::Kind::words}};
 
 constexpr std::array replay_keys{
-    HandKey{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
-    HandKey{.name = "jitter", .unit = "ms", .least = 0, .greatest = 1000, .standard = 0},
-    HandKey{.name = "drop", .unit = "of the frames", .least = 0, .greatest = 0.99, .standard = 0},
-    HandKey{.name = "stall", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0},
-    HandKey{.name = "resume", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0}};
+    HandOptions::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
+    HandOptions::Key{.name = "jitter", .unit = "ms", .least = 0, .greatest = 1000, .standard = 0},
+    HandOptions::Key{.name = "drop", .unit = "of the frames", .least = 0, .greatest = 0.99, .standard = 0},
+    HandOptions::Key{.name = "stall", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0},
+    HandOptions::Key{.name = "resume", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0}};
 
 /// In thousandths, which is what cameras' 29.97 is said in.
 FrameRate rate_of(double per_second) {

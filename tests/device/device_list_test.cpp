@@ -9,7 +9,6 @@
 #include <set>
 #include <string>
 #include "device/known_devices.hpp"
-#include "device/udev_rules.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable {
@@ -211,14 +210,14 @@ TEST_F(DeviceList, WhatIsKnownIsDrivenWhereItsWordIsInTheCatalogue) {
 TEST_F(DeviceList, AServiceListensOrNot) {
     const std::string head =
         "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid\n";
-    EXPECT_FALSE(somebody_listens(system_, 10001));
+    EXPECT_FALSE(has_listener(system_, 10001));
     lay("proc/net/tcp",
         head + "   0: 0100007F:2711 0100007F:A000 01 00000000:00000000 00:00000000 00000000  1000");
-    EXPECT_FALSE(somebody_listens(system_, 10001));  // connected: it is a client's end
+    EXPECT_FALSE(has_listener(system_, 10001));  // connected: it is a client's end
     lay("proc/net/tcp",
         head + "   0: 0100007F:2711 00000000:0000 0A 00000000:00000000 00:00000000 00000000  1000");
-    EXPECT_TRUE(somebody_listens(system_, 10001));
-    EXPECT_FALSE(somebody_listens(system_, 10002));
+    EXPECT_TRUE(has_listener(system_, 10001));
+    EXPECT_FALSE(has_listener(system_, 10002));
 }
 
 TEST_F(DeviceList, ForeignWordsStayOnTheirLine) {

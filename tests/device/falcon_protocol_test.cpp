@@ -103,16 +103,16 @@ TEST(FalconProtocol, ReportsAreFoundAmongNoise) {
 
 TEST(Ftdi, CommandsAreAsItsChipsTakeThem) {
     using std::chrono::milliseconds;
-    EXPECT_EQ(ftdi_latency(milliseconds(16)), (FtdiCommand{9, 16}));
-    EXPECT_EQ(ftdi_divisor(0x4138), (FtdiCommand{3, 0x4138}));
-    EXPECT_EQ(ftdi_eight_bits(), (FtdiCommand{4, 8}));
-    EXPECT_EQ(ftdi_no_flow_control(), (FtdiCommand{2, 0}));
-    EXPECT_EQ(ftdi_dtr(true), (FtdiCommand{1, 0x0101}));
-    EXPECT_EQ(ftdi_dtr(false), (FtdiCommand{1, 0x0100}));
-    EXPECT_EQ(ftdi_rts(true), (FtdiCommand{1, 0x0202}));
-    EXPECT_EQ(ftdi_rts(false), (FtdiCommand{1, 0x0200}));
-    EXPECT_EQ(ftdi_purge_received(), (FtdiCommand{0, 1}));
-    EXPECT_EQ(ftdi_purge_to_send(), (FtdiCommand{0, 2}));
+    EXPECT_EQ(FtdiCommand::latency(milliseconds(16)), (FtdiCommand{9, 16}));
+    EXPECT_EQ(FtdiCommand::divisor(0x4138), (FtdiCommand{3, 0x4138}));
+    EXPECT_EQ(FtdiCommand::eight_bits(), (FtdiCommand{4, 8}));
+    EXPECT_EQ(FtdiCommand::no_flow_control(), (FtdiCommand{2, 0}));
+    EXPECT_EQ(FtdiCommand::dtr(true), (FtdiCommand{1, 0x0101}));
+    EXPECT_EQ(FtdiCommand::dtr(false), (FtdiCommand{1, 0x0100}));
+    EXPECT_EQ(FtdiCommand::rts(true), (FtdiCommand{1, 0x0202}));
+    EXPECT_EQ(FtdiCommand::rts(false), (FtdiCommand{1, 0x0200}));
+    EXPECT_EQ(FtdiCommand::purge_received(), (FtdiCommand{0, 1}));
+    EXPECT_EQ(FtdiCommand::purge_to_send(), (FtdiCommand{0, 2}));
 }
 
 }  // namespace

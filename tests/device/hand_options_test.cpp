@@ -9,9 +9,9 @@ namespace touchable {
 namespace {
 
 constexpr std::array keys{
-    HandKey{"speed", "m/s", 0.001, 2, 0.1},
-    HandKey{"seed", "", 0, 0x1p53, 1, HandKey::Kind::whole},
-    HandKey{.name = "columns", .unit = "names joined by '+'", .kind = HandKey::Kind::words},
+    HandOptions::Key{"speed", "m/s", 0.001, 2, 0.1},
+    HandOptions::Key{"seed", "", 0, 0x1p53, 1, HandOptions::Key::Kind::whole},
+    HandOptions::Key{.name = "columns", .unit = "names joined by '+'", .kind = HandOptions::Key::Kind::words},
 };
 
 std::string refusal_of(const std::string& text) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <thread>
 
+#include "device/device_catalog.hpp"
 #include "device/inverse3_device.hpp"
 #include "tests/device/fake_haply_service.hpp"
 #include "tests/unused_port.hpp"
@@ -27,7 +28,7 @@ bool eventually(const std::function<bool()>& holds) {
 
 std::unique_ptr<HapticDevice> device_at(std::uint16_t port, const std::string& more = "",
                                         DrivenSettings driven = {}) {
-    auto device = make_inverse3_device("port=" + std::to_string(port) + more, driven);
+    auto device = make_device("inverse3:port=" + std::to_string(port) + more, driven);
     EXPECT_TRUE(device.ok());
     return std::move(*device);
 }

@@ -11,7 +11,7 @@ namespace {
 TEST(Percentiles, IsOfValuesThatWereThere) {
     std::vector<double> values;
     for (int k = 200; k >= 1; --k) values.push_back(k);
-    const Percentiles found = percentiles_of(values);
+    const WatchFigures::Percentiles found = percentiles_of(values);
     EXPECT_EQ(found.count, 200);
     EXPECT_EQ(found.median, 100);
     EXPECT_EQ(found.p99, 198);
@@ -40,7 +40,7 @@ TEST(UntilTheNext, AnswersOnlyTheLastBeforeIt) {
 TEST(Rest, OfAnEncoderThatFlickersBetweenTwoCounts) {
     std::vector<glm::dvec3> places;
     for (int k = 0; k < 100; ++k) places.push_back({k % 2 == 0 ? 0.0 : 40e-6, 0.001, k < 50 ? 0.0 : 10e-6});
-    const RestFigures rest = rest_of(places);
+    const WatchFigures::Rest rest = rest_of(places);
     EXPECT_NEAR(rest.deviation_m.x, 20e-6, 1e-12);
     EXPECT_NEAR(rest.deviation_m.y, 0, 1e-12);
     EXPECT_NEAR(rest.deviation_m.z, 5e-6, 1e-12);

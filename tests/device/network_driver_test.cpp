@@ -11,6 +11,7 @@
 #include <chrono>
 #include <memory>
 #include <vector>
+#include "device/device_catalog.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
@@ -387,14 +388,14 @@ TEST(NetworkDevice, ReadsItsKeys) {
 }
 
 TEST(NetworkDevice, AnAddressThatIsNotOursIsOneLine) {
-    auto device = make_network_device("listen=192.0.2.1,port=5999", {});
+    auto device = make_device("network:listen=192.0.2.1,port=5999", {});
     ASSERT_TRUE(device.ok());
     const auto opened = (*device)->open();
     ASSERT_FALSE(opened.ok());
     EXPECT_EQ(opened.error().message,
               "UDP 192.0.2.1:5999: Cannot assign requested address: right would be an address that this "
               "machine has");
-    device = make_network_device("listen=here", {});
+    device = make_device("network:listen=here", {});
     ASSERT_TRUE(device.ok());
     EXPECT_NE((*device)->open().error().message.find("127.0.0.1, 0.0.0.0 or ::1"), std::string::npos);
 }

@@ -170,7 +170,7 @@ TEST_F(Pointer, AlongTheViewItIsOnALeash) {
         device.intend(std::array{glm::dvec3(0)}, eye);
         read_for(3000);
         device.intend(std::array{glm::dvec3(0, 0, way)}, eye);
-        LedPoint quick({settings.times.across_s, settings.times.across_s}, 0.001);
+        LedPoint quick({settings.across_s, settings.across_s}, 0.001);
         bool led = false;
         for (int k = 0; k < 400; ++k) {
             quick.follow({0, 0, way}, {0, 0, -1}, settings.max_speed);

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "device/device_catalog.hpp"
 #include "tests/device/temporary_file.hpp"
 
 namespace touchable {
@@ -177,7 +178,7 @@ TEST(RecordedDevice, IsADeviceLikeAnyOther) {
     for (int tick = 0; tick < 600; ++tick)
         log += std::to_string(0.001 * tick) + ",0,0.25,0.5,-0.125,3,1,0,0,0,0\n";
     const TemporaryFile file("device.csv", log);
-    const auto device = make_recorded_device(file.path(), {});
+    const auto device = make_device("recorded:" + file.path(), {});
     ASSERT_TRUE(device.ok());
     ASSERT_TRUE((*device)->open().ok());
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "device/point_motion.hpp"
+
 namespace touchable {
 namespace {
 

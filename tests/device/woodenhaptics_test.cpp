@@ -235,7 +235,7 @@ TEST(WoodenKeys, TheFileMustBeNamed) {
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     }
     const TemporaryFile bad("bad.json", "{}");
-    const auto made = make_woodenhaptics_device("file=" + bad.path(), {});
+    const auto made = make_woodenhaptics_driver("file=" + bad.path());
     ASSERT_FALSE(made.ok());
     EXPECT_EQ(made.error().kind, ErrorKind::input);
 }

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "device/device_catalog.hpp"
+#include "device/known_devices.hpp"
 #include "device/network_device.hpp"
 #include "player/commands/device_check.hpp"
 #include "tests/player/program.hpp"

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "device/point_motion.hpp"
 #include "engine/content/scenes.hpp"
 
 namespace touchable::test {
