@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "bench/clocks.hpp"
-#include "player/run/live_session.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
@@ -46,10 +45,10 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     TouchFigures touched;
     LateTicks ticks;
     TouchSink* const sinks[]{&touched, &ticks};
-    HandPort hand(*s.hand);
+    const auto hand = make_port(*s.hand);
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
-    LiveSession session(s.scene, *s.feed, hand, *s.solver, settings);
+    LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
     if (auto ran = session.run(sinks); !ran.ok()) return ran;
     const auto wall_ns = static_cast<double>(monotonic_ns() - wall);

@@ -14,7 +14,6 @@
 #include "bench/real/built_frames.hpp"
 #include "bench/stream/delayed_touch.hpp"
 #include "bench/stream/felt_stream.hpp"
-#include "player/run/live_session.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/run_record.hpp"
@@ -81,10 +80,10 @@ Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& fi
     FeltStream felt;
     std::vector<TouchSink*> sinks{&touched, &felt};
     if (delayed != nullptr) sinks.push_back(delayed);
-    HandPort hand(*setup.hand);
+    const auto hand = make_port(*setup.hand);
     TouchSessionSettings settings = setup.settings;
     settings.ticks = setup.ticks();
-    LiveSession session(setup.scene, *setup.feed, hand, *setup.solver, settings);
+    LiveSession session(setup.scene, *setup.feed, *hand, *setup.solver, settings);
     const std::int64_t cpu = process_cpu_ns();
     if (auto ran = session.run(sinks); !ran.ok()) return ran;
     const auto cpu_ns = static_cast<double>(process_cpu_ns() - cpu);

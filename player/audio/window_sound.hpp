@@ -32,7 +32,7 @@
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/audio/rumble.hpp"
-#include "player/run/output_file.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {

@@ -8,7 +8,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/run/force_table.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
@@ -22,18 +22,18 @@ struct CompareOptions {
     bool json = false;
 };
 
-Json to_json(const Deviation& d) {
+Json to_json(const ForceComparison::Deviation& d) {
     return {{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}};
 }
 
 Json to_json(const ForceComparison& c) {
     Json bands = Json::array(), worst = Json::array();
-    for (std::size_t k = 0; k < noise_bands.size(); ++k)
-        bands.push_back({{"from_hz", noise_bands[k].from_hz},
-                         {"to_hz", noise_bands[k].to_hz},
+    for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k)
+        bands.push_back({{"from_hz", ForceComparison::noise_bands[k].from_hz},
+                         {"to_hz", ForceComparison::noise_bands[k].to_hz},
                          {"a_n", c.noise_windows > 0 ? Json(c.noise_a_n[k]) : Json()},
                          {"b_n", c.noise_windows > 0 ? Json(c.noise_b_n[k]) : Json()}});
-    for (const WorstTick& one : c.worst)
+    for (const ForceComparison::WorstTick& one : c.worst)
         worst.push_back({{"tick", one.tick}, {"finger", one.finger}, {"difference_n", one.newtons}});
     return {
         {"ticks", c.ticks},
@@ -64,10 +64,11 @@ void print_noise(const ForceComparison& c) {
             ForceComparison::noise_window);
         return;
     }
-    for (std::size_t k = 0; k < noise_bands.size(); ++k)
+    for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k)
         std::cout << formatted("  %s %3.0f to %3.0f Hz: A %.4f N, B %.4f N\n",
-                               k == 0 ? "noise       " : "            ", noise_bands[k].from_hz,
-                               noise_bands[k].to_hz, c.noise_a_n[k], c.noise_b_n[k]);
+                               k == 0 ? "noise       " : "            ",
+                               ForceComparison::noise_bands[k].from_hz, ForceComparison::noise_bands[k].to_hz,
+                               c.noise_a_n[k], c.noise_b_n[k]);
 }
 
 void print_table(const ForceComparison& c) {
@@ -88,7 +89,7 @@ void print_table(const ForceComparison& c) {
             ForceComparison::least_newtons);
     }
     print_noise(c);
-    for (const WorstTick& one : c.worst)
+    for (const ForceComparison::WorstTick& one : c.worst)
         std::cout << formatted("  %s tick %lld, finger %d: %.4f N\n",
                                &one == &c.worst.front() ? "worst       " : "            ",
                                static_cast<long long>(one.tick), one.finger, one.newtons);

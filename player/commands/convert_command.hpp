@@ -18,7 +18,7 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/run/force_table.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

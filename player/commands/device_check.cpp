@@ -22,7 +22,7 @@
 #include "haptics_cpu/haptic_loop.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
-#include "player/run/output_file.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {

@@ -159,7 +159,7 @@ int run(int argc, char** argv) {
     const Result<void> result = command();
     if (!result.ok()) {
         const int code = fail(app, result.error());
-        return interrupted() ? interrupted_exit_code : code;
+        return interrupted() ? exit_code(ErrorKind::interrupted) : code;
     }
     const Result<void> told = flush_standard_output();
     return told.ok() ? 0 : fail(app, told.error());

@@ -12,7 +12,6 @@
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/setting_words.hpp"
-#include "player/run/live_session.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 

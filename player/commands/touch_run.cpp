@@ -192,7 +192,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
         device = [&s] { return state_of(*s.held_device, *s.control); };
     }
     LiveLine line(s.exerting_control(), std::move(device));
-    settings.on_status = [&line](const LiveStatus& status) { line.show(status); };
+    settings.on_status = [&line](const TouchSessionSettings::LiveStatus& status) { line.show(status); };
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&line);
     LiveSession session(s.scene, *s.feed, *port, *s.solver, settings);
@@ -207,7 +207,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
 Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* const> sinks,
                               const FellBehind& fell_behind) {
     if (live) return run_live(s, sinks, fell_behind);
-    TickProgress progress(s.ticks().value_or(0));
+    Progress progress("tick", s.ticks().value_or(0));
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&progress);
     TRY(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(all));
@@ -454,13 +454,13 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
     const auto forces = [&](const auto& path) {
-        return ForcesFile::create(path, options.existing, pace, "--forces");
+        return TickTable::create_forces(path, options.existing, pace, "--forces");
     };
     TRY(open_if(options.forces, out->forces_, forces));
     if (options.device_log && !setup.device_log)
         return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
     const auto log = [&](const auto& path) {
-        return DeviceLogFile::create(path, options.existing, *setup.device_log, "--device-log");
+        return TickTable::create_device_log(path, options.existing, *setup.device_log, "--device-log");
     };
     TRY(open_if(options.device_log, out->device_log_, log));
     const auto record = [&](const auto& path) {

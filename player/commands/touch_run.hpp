@@ -16,9 +16,7 @@
 #include "player/commands/picture_options.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/run/live_session.hpp"
-#include "player/run/output_file.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
@@ -134,8 +132,8 @@ private:
 
     const TouchOptions& options_;
     std::optional<std::vector<std::string>> written_;
-    std::unique_ptr<ForcesFile> forces_;
-    std::unique_ptr<DeviceLogFile> device_log_;
+    std::unique_ptr<TickTable> forces_;
+    std::unique_ptr<TickTable> device_log_;
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;

@@ -10,7 +10,6 @@
 #include "engine/base/try.hpp"
 
 namespace touchable {
-
 namespace {
 
 // Decoded frames that wait for the builder: enough to even out slow ones, few enough to keep memory small.
@@ -80,7 +79,7 @@ void FeedThreads::fail(Error&& error) {
 
 void FeedThreads::look_at_commands() {
     {
-        const std::lock_guard lock(mutex_);  // nobody is between looking and falling asleep
+        const std::lock_guard lock(mutex_);  // no thread is between looking and falling asleep
     }
     changed_.notify_all();
 }
@@ -96,10 +95,11 @@ void FeedThreads::decode() {
 /// Reads what comes next, unless nothing is wanted, or what was read before still waits.
 Result<void> FeedThreads::read_on() {
     const MediaMoment now = now_();  // first: the commands that led there are known then
-    if (auto followed = follow_commands(); !followed.ok()) return followed;
+    TRY(follow_commands());
     if (next_) return {};
-    if (auto gone_on = go_on(now.epoch); !gone_on.ok() || all_is_read_) return gone_on;
-    if (auto caught_up = feed_.catch_up(now); !caught_up.ok()) return caught_up;
+    TRY(go_on(now.epoch));
+    if (all_is_read_) return {};
+    TRY(feed_.catch_up(now));
     TRY_ASSIGN(auto frame, feed_.read_next());
     all_is_read_ = !frame || (coming_ && frame->raw.time_ns >= coming_->left_ns);
     next_ = Queued{feed_.place(), std::move(frame), all_is_read_};
@@ -115,8 +115,7 @@ Result<void> FeedThreads::follow_commands() {
     for (std::size_t k = before; k < known_.known(); ++k)
         elsewhere = elsewhere || leads_elsewhere(known_.log()[k].verb);
     const ReadPlace reading = feed_.place();
-    if (!reading.is_of(hand) && (reading.epoch <= hand.epoch || elsewhere))
-        if (auto there = go_to(hand); !there.ok()) return there;
+    if (!reading.is_of(hand) && (reading.epoch <= hand.epoch || elsewhere)) TRY(go_to(hand));
     all_is_read_ = false;
     ahead_ = known_;
     do coming_ = ahead_.next_epoch();

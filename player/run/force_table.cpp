@@ -1,4 +1,4 @@
-#include "player/run/force_table.hpp"
+#include "player/run/run_files.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "engine/base/try.hpp"
 
 namespace touchable {
-
 namespace {
 
 struct Column {
@@ -39,7 +38,7 @@ Result<Columns> read_columns(const CsvTable& table) {
 constexpr std::size_t window = ForceComparison::noise_window;
 constexpr double samples_per_second = 1000;
 
-Deviation deviation_of(std::vector<double> values) {
+ForceComparison::Deviation deviation_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
     const double sum = std::accumulate(values.begin(), values.end(), 0.0);
@@ -79,12 +78,13 @@ private:
         constexpr double hz = samples_per_second / window;
         for (std::size_t bin = 1; bin <= window / 2; ++bin) {
             const double frequency = hz * static_cast<double>(bin);
-            const auto in = [&](const NoiseBand& band) {
+            const auto in = [&](const ForceComparison::Band& band) {
                 return frequency >= band.from_hz &&
                        (frequency < band.to_hz || band.to_hz == samples_per_second / 2);
             };
-            const auto band = std::find_if(noise_bands.begin(), noise_bands.end(), in);
-            if (band == noise_bands.end()) continue;
+            const auto band =
+                std::find_if(ForceComparison::noise_bands.begin(), ForceComparison::noise_bands.end(), in);
+            if (band == ForceComparison::noise_bands.end()) continue;
             double cosine = 0, sine = 0;
             for (std::size_t k = 0; k < window; ++k) {
                 cosine += signal[k] * cosine_[bin * k % window];
@@ -93,24 +93,25 @@ private:
             // Parseval: both halves of the spectrum, over the window's own power (3/8 of its ticks).
             const double sides = bin == window / 2 ? 1 : 2;
             constexpr double n = window;
-            power_[static_cast<std::size_t>(band - noise_bands.begin())] +=
+            power_[static_cast<std::size_t>(band - ForceComparison::noise_bands.begin())] +=
                 sides * (cosine * cosine + sine * sine) / (n * n * 0.375);
         }
     }
 
     std::array<double, window> cosine_, sine_;
-    std::array<double, noise_bands.size()> power_{};
+    std::array<double, ForceComparison::noise_bands.size()> power_{};
     std::int64_t windows_ = 0;
 };
 
 /// The five samples that differ most, of each 50 ms the worst.
-std::vector<WorstTick> worst_of(std::vector<WorstTick> all) {
-    std::sort(all.begin(), all.end(), [](const WorstTick& a, const WorstTick& b) {
-        return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
-    });
-    std::vector<WorstTick> out;
-    for (const WorstTick& one : all) {
-        const bool near = std::any_of(out.begin(), out.end(), [&](const WorstTick& other) {
+std::vector<ForceComparison::WorstTick> worst_of(std::vector<ForceComparison::WorstTick> all) {
+    std::sort(all.begin(), all.end(),
+              [](const ForceComparison::WorstTick& a, const ForceComparison::WorstTick& b) {
+                  return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
+              });
+    std::vector<ForceComparison::WorstTick> out;
+    for (const ForceComparison::WorstTick& one : all) {
+        const bool near = std::any_of(out.begin(), out.end(), [&](const ForceComparison::WorstTick& other) {
             return std::abs(one.tick - other.tick) < 50;
         });
         if (!near) out.push_back(one);
@@ -127,7 +128,7 @@ double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
 /// Of samples with the same goal: who touches, and how the forces differ.
 class Comparing {
 public:
-    void take(std::int64_t tick, int finger, const ForceSample& a, const ForceSample& b) {
+    void take(std::int64_t tick, int finger, const ForceTable::Sample& a, const ForceTable::Sample& b) {
         if (a.goal != b.goal) {
             ++out_.other_goals;
             return;
@@ -160,7 +161,7 @@ private:
     ForceComparison out_;
     double sum_a_ = 0, sum_b_ = 0;
     std::vector<double> differences_, directions_;
-    std::vector<WorstTick> differing_;
+    std::vector<ForceComparison::WorstTick> differing_;
 };
 
 /// Every stretch of `window` ticks, one after the other, in which a finger touches in both.
@@ -169,7 +170,7 @@ void compare_noise(const ForceTable& a, const ForceTable& b, std::size_t ticks, 
     for (int finger = 0; finger < a.fingers; ++finger) {
         std::size_t held = 0;
         for (std::size_t tick = 0; tick < ticks; ++tick) {
-            const ForceSample &in_a = a.at(tick, finger), &in_b = b.at(tick, finger);
+            const ForceTable::Sample &in_a = a.at(tick, finger), &in_b = b.at(tick, finger);
             held = in_a.contact && in_b.contact && in_a.goal == in_b.goal ? held + 1 : 0;
             if (held < window) continue;
             of_a.add(a, finger, tick + 1 - window);
@@ -178,7 +179,7 @@ void compare_noise(const ForceTable& a, const ForceTable& b, std::size_t ticks, 
         }
     }
     out.noise_windows = of_a.windows();
-    for (std::size_t band = 0; band < noise_bands.size(); ++band) {
+    for (std::size_t band = 0; band < ForceComparison::noise_bands.size(); ++band) {
         out.noise_a_n[band] = of_a.rms(band);
         out.noise_b_n[band] = of_b.rms(band);
     }
@@ -188,8 +189,7 @@ void compare_noise(const ForceTable& a, const ForceTable& b, std::size_t ticks, 
 
 Result<ForceTable> read_force_table(const std::string& file) {
     TRY_ASSIGN(const auto table, CsvTable::read(file));
-    TRY_ASSIGN(const auto columns, read_columns(table));
-    const Columns& c = columns;
+    TRY_ASSIGN(const auto c, read_columns(table));
     ForceTable out;
     const double last_finger = *std::max_element(c[Column::finger].begin(), c[Column::finger].end());
     if (!(last_finger >= 0 && last_finger < fingers_of_a_hand))

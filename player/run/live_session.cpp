@@ -1,31 +1,40 @@
-#include "player/run/live_session.hpp"
-
 #include <chrono>
 #include <thread>
 #include <utility>
 
 #include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
 #include "player/run/feed_threads.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
-
-/// Ticks are counted by the clock by which frames are taken; a force is there once its tick is solved.
-Result<void> CameraFigures::take(const TouchTick& tick) {
-    const TimedFrame& felt = tick.pair.prev;
-    if (felt.number <= newest_) return {};
-    newest_ = felt.number;
-    ++shown_;
-    const std::int64_t taken_ns = felt.time_ns - source_.taken_before(felt.number);
-    latency_ms_.add(static_cast<double>(tick.time_ns - taken_ns) * 1e-6 +
-                    (tick.late_us + tick.solve_us) * 1e-3);
-    return {};
-}
-
-CameraFacts CameraFigures::facts() const {
-    return {frames_shown(), latency_ms_.spread()};
-}
-
 namespace {
+
+/// What becomes of a camera's frames, found out tick by tick.
+class CameraFigures {
+public:
+    /// `source` outlives it. `first`: of the frames that the run waits for; those before it were there when
+    /// it began.
+    CameraFigures(const ClipReader& source, std::int64_t first) : source_(source), newest_(first - 1) {}
+    /// Ticks are counted by the clock by which frames are taken; a force is there once its tick is solved.
+    void take(const TouchTick& tick) {
+        const TimedFrame& felt = tick.pair.prev;
+        if (felt.number <= newest_) return;
+        newest_ = felt.number;
+        ++shown_;
+        const std::int64_t taken_ns = felt.time_ns - source_.taken_before(felt.number);
+        latency_ms_.add(static_cast<double>(tick.time_ns - taken_ns) * 1e-6 +
+                        (tick.late_us + tick.solve_us) * 1e-3);
+    }
+    std::int64_t frames_shown() const { return shown_; }
+    LiveFacts::Camera facts() const { return {shown_, latency_ms_.spread()}; }
+
+private:
+    const ClipReader& source_;
+    std::int64_t newest_;  // that was felt
+    std::int64_t shown_ = 0;
+    TimeSpread latency_ms_;
+};
 
 // Ticks that may wait for the sinks: four seconds, far longer than a disk sleeps.
 constexpr int log_ticks = 4096;
@@ -43,7 +52,7 @@ bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now)
 Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads& threads) {
     while (!loop.zero() && loop.running()) std::this_thread::sleep_for(sink_pause);
     if (!loop.zero()) return {};
-    if (auto begun = feed.begin(*loop.zero()); !begun.ok()) return begun;
+    TRY(feed.begin(*loop.zero()));
     return threads.start();
 }
 
@@ -105,7 +114,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         feed_,
         [&](const RawFrame& raw) {
             const MediaMoment now = board_.moment();
-            // Of a moment that somebody asks for while it runs, no frame can be there before.
+            // Of a moment that a command asks for while it runs, no frame can be there before.
             const bool begins = log_->is_open() && raw.number <= scene_.rate.frame_at(now.start_ns) + 1;
             return !live_source && !begins && comes_late(raw, scene_, now);
         },
@@ -129,7 +138,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)
                 if (taken.ok()) taken = sink->take(tick);
-            if (taken.ok() && live_source) taken = camera.take(tick);
+            if (taken.ok() && live_source) camera.take(tick);
         };
         while (log.pop(give)) {
         }
@@ -139,16 +148,15 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         return facts_.interrupted || stopping_.load(std::memory_order_relaxed);
     };
     if (!live_source) {
-        if (auto begun = threads.start(); !begun.ok()) return begun;
+        TRY(threads.start());
         // The first frame after the pair at hand costs most, because memory is new: the hand begins once it
         // is there, or nothing comes before it has begun.
         while (threads.published() == 0 && !threads.end() && !threads.waits_for_the_hand() &&
                !threads.error() && !is_asked_to_stop())
             std::this_thread::sleep_for(sink_pause);
     }
-    if (auto begun = loop.start(); !begun.ok()) return begun;
-    if (live_source)
-        if (auto begun = begin_source(loop, feed_, threads); !begun.ok()) return begun;
+    TRY(loop.start());
+    if (live_source) TRY(begin_source(loop, feed_, threads));
     std::size_t commands = log_->size();
     while (loop.running() && taken.ok() && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
@@ -158,7 +166,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
             threads.look_at_commands();
         drain();
         late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
-        // Whoever gives commands sees the picture.
+        // With an open log a picture is seen, which says it.
         if (settings_.on_status && live_source)
             settings_.on_status({true, camera.frames_shown(), end.has_value()});
         else if (settings_.on_status && !log_->is_open())

@@ -1,4 +1,4 @@
-#include "player/run/output_file.hpp"
+#include "player/run/run_files.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -11,7 +11,8 @@
 #include <system_error>
 
 #include "engine/base/try.hpp"
-#include "player/run/live_session.hpp"
+#include "player/run/standard_output.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {
@@ -47,6 +48,73 @@ private:
     std::string& text_;
 };
 
+class ForcesTable final : public TickTable {
+public:
+    explicit ForcesTable(std::unique_ptr<OutputFile> file) : TickTable(std::move(file)) {}
+
+private:
+    Result<void> write(const TouchTick& tick) override {
+        rows_.clear();
+        for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+            const Contact& contact = tick.contacts[k];
+            CsvRow row(rows_);
+            row << tick.tick << static_cast<double>(tick.time_ns) / 1e9 << static_cast<std::int64_t>(k)
+                << contact.goal << contact.proxy << tick.sent(k) << std::int64_t{contact.touching}
+                << contact.pixel_x << contact.pixel_y << contact.properties.stiffness
+                << contact.properties.static_friction << contact.properties.dynamic_friction
+                << tick.pair.prev.number << tick.pair.next.number << tick.blend
+                << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
+                << std::int64_t{contact.counts.capped} << tick.share(k);
+            row.end();
+        }
+        return file_->write(rows_);
+    }
+
+    std::string rows_;  // of one tick
+};
+
+class DeviceTable final : public TickTable {
+public:
+    DeviceTable(std::unique_ptr<OutputFile> file, DeviceTickLog& log)
+        : TickTable(std::move(file)), log_(log) {}
+    Result<void> finish() override {
+        if (!is_faulty()) TRY(take({}));
+        if (!is_faulty() && log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
+        return file_->finish();
+    }
+
+private:
+    /// All that has come by now.
+    Result<void> write(const TouchTick&) override {
+        Result<void> written;
+        const auto add = [this, &written](const DeviceTickLog::Tick& tick) {
+            rows_.clear();
+            for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
+                CsvRow row(rows_);
+                row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
+                if (const glm::dvec3& place = tick.places[finger]; std::isfinite(place.x + place.y + place.z))
+                    row << place;
+                else
+                    row.empty().empty().empty();
+                row << std::int64_t{tick.buttons};
+                if (std::isfinite(tick.age_s))
+                    row << tick.age_s * 1000;
+                else
+                    row.empty();
+                row << tick.newtons[finger] << std::int64_t{tick.exerts};
+                row.end();
+            }
+            if (written.ok()) written = file_->write(rows_);
+        };
+        while (log_.pop(add)) {
+        }
+        return written;
+    }
+
+    DeviceTickLog& log_;
+    std::string rows_;  // of one tick
+};
+
 constexpr std::size_t written_at_once = 1 << 16;
 
 }  // namespace
@@ -54,7 +122,7 @@ constexpr std::size_t written_at_once = 1 << 16;
 OutputFile::OutputFile(std::string what, const std::filesystem::path& file, Existing existing, Pace pace)
     : what_(std::move(what)), pace_(pace) {
     if (is_standard_output(file)) {
-        standard_.emplace(pace);
+        standard_ = std::make_unique<StandardOutput>(pace);
         return;
     }
     file_.emplace(file, existing);
@@ -80,9 +148,9 @@ Result<void> OutputFile::write(std::string_view piece) {
     if (fault_) return *fault_;
     if (standard_) {
         auto written = standard_->write(piece);
-        if (!written.ok() && written.error().kind != ErrorKind::interrupted)
-            written = input_error(name() + ": " + written.error().message);
-        if (!written.ok()) fault_ = written.error();
+        if (!written && written.error().kind != ErrorKind::interrupted)
+            written = error_at(name(), written.error());
+        if (!written) fault_ = written.error();
         return written;
     }
     waiting_ += piece;
@@ -148,15 +216,18 @@ Result<void> OutputFile::finish() {
     if (standard_) {
         if (fault_) return *fault_;
         auto done = standard_->finish();
-        if (!done.ok() && done.error().kind == ErrorKind::input)
-            return input_error(name() + ": " + done.error().message);
+        if (!done && done.error().kind == ErrorKind::input) return error_at(name(), done.error());
         return done;
     }
     const auto whole = flush();
-    if (whole.ok()) return keep();
+    if (whole) return keep();
     if (pace_ == Pace::own || pieces_ < 2) return whole;
-    if (auto kept = keep(); !kept.ok()) return kept;
+    TRY(keep());
     return input_error(whole.error().message + "; it is kept up to there");
+}
+
+bool OutputFile::reader_lags() const {
+    return standard_ && standard_->reader_lags();
 }
 
 std::string OutputFile::name() const {
@@ -179,33 +250,6 @@ Result<void> all_ok(const std::vector<Result<void>>& finished) {
     return fault ? Result<void>(*fault) : Result<void>();
 }
 
-Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing,
-                                                       Pace pace, std::string name) {
-    TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, pace));
-    constexpr std::string_view header =
-        "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
-        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
-    TRY(out->write(header));
-    return std::unique_ptr<ForcesFile>(new ForcesFile(std::move(out)));
-}
-
-Result<void> ForcesFile::write(const TouchTick& tick) {
-    rows_.clear();
-    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
-        const Contact& contact = tick.contacts[k];
-        CsvRow row(rows_);
-        row << tick.tick << static_cast<double>(tick.time_ns) / 1e9 << static_cast<std::int64_t>(k)
-            << contact.goal << contact.proxy << tick.sent(k) << std::int64_t{contact.touching}
-            << contact.pixel_x << contact.pixel_y << contact.properties.stiffness
-            << contact.properties.static_friction << contact.properties.dynamic_friction
-            << tick.pair.prev.number << tick.pair.next.number << tick.blend
-            << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
-            << std::int64_t{contact.counts.capped} << tick.share(k);
-        row.end();
-    }
-    return file_->write(rows_);
-}
-
 DeviceTickLog::DeviceTickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
 
 std::vector<DeviceTickLog::Slot> DeviceTickLog::slots_for(int ticks, int fingers) {
@@ -217,7 +261,7 @@ std::vector<DeviceTickLog::Slot> DeviceTickLog::slots_for(int ticks, int fingers
     return slots;
 }
 
-void DeviceTickLog::push(const DeviceTick& tick) {
+void DeviceTickLog::push(const Tick& tick) {
     const bool has_room = ring_.push([&tick](Slot& slot) {
         slot.tick = tick;
         std::copy(tick.places.begin(), tick.places.end(), slot.places.begin());
@@ -228,45 +272,22 @@ void DeviceTickLog::push(const DeviceTick& tick) {
     if (!has_room) lost_.fetch_add(1, std::memory_order_relaxed);
 }
 
-Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
-                                                             Existing existing, DeviceTickLog& log,
-                                                             std::string name) {
+Result<std::unique_ptr<TickTable>> TickTable::create_forces(const std::filesystem::path& file,
+                                                            Existing existing, Pace pace, std::string name) {
+    TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, pace));
+    constexpr std::string_view header =
+        "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
+        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
+    TRY(out->write(header));
+    return std::unique_ptr<TickTable>(std::make_unique<ForcesTable>(std::move(out)));
+}
+
+Result<std::unique_ptr<TickTable>> TickTable::create_device_log(const std::filesystem::path& file,
+                                                                Existing existing, DeviceTickLog& log,
+                                                                std::string name) {
     TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
     TRY(out->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"));
-    return std::unique_ptr<DeviceLogFile>(new DeviceLogFile(std::move(out), log));
-}
-
-Result<void> DeviceLogFile::write(const TouchTick&) {
-    Result<void> written;
-    const auto add = [this, &written](const DeviceTick& tick) {
-        rows_.clear();
-        for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
-            CsvRow row(rows_);
-            row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
-            if (const glm::dvec3& place = tick.places[finger]; std::isfinite(place.x + place.y + place.z))
-                row << place;
-            else
-                row.empty().empty().empty();
-            row << std::int64_t{tick.buttons};
-            if (std::isfinite(tick.age_s))
-                row << tick.age_s * 1000;
-            else
-                row.empty();
-            row << tick.newtons[finger] << std::int64_t{tick.exerts};
-            row.end();
-        }
-        if (written.ok()) written = file_->write(rows_);
-    };
-    while (log_.pop(add)) {
-    }
-    return written;
-}
-
-Result<void> DeviceLogFile::finish() {
-    if (!is_faulty())
-        if (auto rest = take({}); !rest.ok()) return rest;
-    if (!is_faulty() && log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
-    return file_->finish();
+    return std::unique_ptr<TickTable>(std::make_unique<DeviceTable>(std::move(out), log));
 }
 
 }  // namespace touchable

@@ -3,34 +3,6 @@
 #include <algorithm>
 
 namespace touchable {
-
-PlaybackLog::PlaybackLog(std::vector<PlaybackCommand> commands, std::size_t more)
-    : is_open_(more > 0), commands_(std::move(commands)), asked_(commands_.size()), taken_(commands_.size()) {
-    commands_.resize(commands_.size() + more);
-}
-
-Result<void> PlaybackLog::ask(PlaybackVerb verb, std::int64_t first, std::int64_t second) {
-    const std::size_t at = asked_.load(std::memory_order_relaxed);
-    if (at == commands_.size())
-        return usage_error("playback: " + std::to_string(at) +
-                           " commands were given, which is all that a session takes; begin another");
-    commands_[at] = {0, verb, first, second};
-    asked_.store(at + 1, std::memory_order_release);
-    return {};
-}
-
-void PlaybackLog::take(std::int64_t tick) {
-    const std::size_t asked = asked_.load(std::memory_order_acquire);
-    std::size_t at = taken_.load(std::memory_order_relaxed);
-    if (at == asked) return;
-    for (; at < asked; ++at) commands_[at].tick = tick;
-    taken_.store(asked, std::memory_order_release);
-}
-
-std::vector<PlaybackCommand> PlaybackLog::commands() const {
-    return {commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(size())};
-}
-
 namespace {
 
 /// Where time ends, so that no sum of times overflows: 126 years.
@@ -63,6 +35,33 @@ const char* fault_of(const PlaybackCommand& command) {
 }
 
 }  // namespace
+
+PlaybackLog::PlaybackLog(std::vector<PlaybackCommand> commands, std::size_t more)
+    : is_open_(more > 0), commands_(std::move(commands)), asked_(commands_.size()), taken_(commands_.size()) {
+    commands_.resize(commands_.size() + more);
+}
+
+Result<void> PlaybackLog::ask(PlaybackVerb verb, std::int64_t first, std::int64_t second) {
+    const std::size_t at = asked_.load(std::memory_order_relaxed);
+    if (at == commands_.size())
+        return usage_error("playback: " + std::to_string(at) +
+                           " commands were given, which is all that a session takes; begin another");
+    commands_[at] = {0, verb, first, second};
+    asked_.store(at + 1, std::memory_order_release);
+    return {};
+}
+
+void PlaybackLog::take(std::int64_t tick) {
+    const std::size_t asked = asked_.load(std::memory_order_acquire);
+    std::size_t at = taken_.load(std::memory_order_relaxed);
+    if (at == asked) return;
+    for (; at < asked; ++at) commands_[at].tick = tick;
+    taken_.store(asked, std::memory_order_release);
+}
+
+std::vector<PlaybackCommand> PlaybackLog::commands() const {
+    return {commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(size())};
+}
 
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command) {
     if (command.tick < tick_before)
@@ -164,7 +163,7 @@ void PlaybackClock::turn() {
     state_.moment.time_ns = time_at(tick);
     state_.tick = tick;
     if (applied_ < known_ && (*log_)[applied_].tick == tick) return apply((*log_)[applied_++]);
-    // The way beyond the end is made up for; whoever was far beyond it already begins with the loop.
+    // The way beyond the end is made up for; a clip that was far beyond it already begins with the loop.
     const std::int64_t beyond = state_.moment.time_ns - state_.loop_end;
     begin_epoch(state_.loop_begin);
     if (beyond < state_.ns_per_tick) state_.moment.time_ns += beyond;

@@ -37,7 +37,7 @@ struct PlaybackCommand {
 
 /// What is asked of a clip's clock, in order: all known before the run, or given while it runs. Then one
 /// thread asks, and the haptic thread takes what was asked for at its next tick. The list only grows, in
-/// memory that is there from the start; nobody waits for anybody.
+/// memory that is there from the start; neither thread waits for the other.
 class PlaybackLog {
 public:
     /// Of all commands that there will be, in the order of their ticks.
@@ -49,7 +49,7 @@ public:
     bool is_open() const { return is_open_; }
     /// One thread. Refused (ErrorKind::usage) where there is no room. Wait-free.
     Result<void> ask(PlaybackVerb verb, std::int64_t first, std::int64_t second);
-    /// Who asks: whether anything that was asked for has no tick yet.
+    /// The thread that asks: whether anything that was asked for has no tick yet.
     bool is_waiting() const { return asked_.load(std::memory_order_relaxed) != size(); }
     /// Haptic thread, with ticks that go forward: what was asked for takes effect with this one. Wait-free.
     void take(std::int64_t tick);
@@ -112,15 +112,15 @@ public:
 
     /// Ticks must not go backward; which of them are asked for changes nothing. No lock, no allocation.
     MediaMoment at(std::int64_t tick);
-    /// Likewise, with all that there is to say; but for the end, which this clock does not know.
+    /// The same, with all that there is to say; but for the end, which this clock does not know.
     PlaybackState state_at(std::int64_t tick);
     /// Goes on to where the next epoch begins, by the commands that the clock knows; nothing where none is to
-    /// come. For whoever looks ahead, with a clock of his own.
+    /// come. For a reader that looks ahead, with a clock of its own.
     std::optional<ComingEpoch> next_epoch();
     /// After the last command that it knows the clip goes on to its end: neither paused nor in a loop.
     bool plays_to_the_end() const;
 
-    // For whoever looks ahead of commands that are still to come.
+    // For a reader that looks ahead of commands that are still to come.
     const PlaybackLog& log() const { return *log_; }
     /// How many commands this clock knows: those that there were at its making, or when it was last asked.
     std::size_t known() const { return known_; }
@@ -154,14 +154,14 @@ private:
 };
 
 /// What the clip's clock is doing, for other threads than the haptic one: each sees one tick's whole state.
-/// The writer waits for nobody; a reader looks again where it was written to while it read.
+/// The writer does not wait; a reader looks again where it was written to while it read.
 class PlaybackBoard {
 public:
-    /// Haptic thread; before it begins, whoever starts it.
+    /// Haptic thread; before it begins, the thread that starts it.
     void set(const PlaybackState& state) {
         const std::uint64_t writes = writes_.load(std::memory_order_relaxed);
         writes_.store(writes + 1, std::memory_order_relaxed);
-        // With release: whoever reads one of them sees that they are being written.
+        // With release: a thread that reads one of them sees that they are being written.
         constexpr auto release = std::memory_order_release;
         epoch_.store(state.moment.epoch, release);
         time_ns_.store(state.moment.time_ns, release);

@@ -1,4 +1,4 @@
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,6 @@
 #include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
-
 namespace {
 
 // Layout: magic, version u32, fingers u32, ticks..., commands..., number of commands u64, facts (JSON), size
@@ -55,8 +54,8 @@ private:
     std::size_t at_ = 0;
 };
 
-RecordedTick read_tick(Bytes& bytes, std::uint64_t version, std::size_t fingers) {
-    RecordedTick tick;
+RecordedPart::Tick read_tick(Bytes& bytes, std::uint64_t version, std::size_t fingers) {
+    RecordedPart::Tick tick;
     tick.time_ns = static_cast<std::int64_t>(bytes.integer(8));
     tick.frame_prev = static_cast<std::int64_t>(bytes.integer(8));
     tick.frame_next = static_cast<std::int64_t>(bytes.integer(8));
@@ -80,7 +79,7 @@ PlaybackCommand read_command(Bytes& bytes) {
 }
 
 /// Why ticks that can be read cannot be; empty where they can.
-std::string fault_of(const std::vector<RecordedTick>& ticks) {
+std::string fault_of(const std::vector<RecordedPart::Tick>& ticks) {
     if (ticks.empty()) return "has no ticks; there is nothing to replay";
     for (std::size_t k = 1; k < ticks.size(); ++k) {
         if (ticks[k].time_ns < ticks[k - 1].time_ns)
@@ -203,7 +202,7 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
     part.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
     if (!part.facts.is_object()) return input_error(damaged_words);
     if (const std::string fault = fault_of(part.ticks); !fault.empty()) return input_error(fault);
-    if (auto valid = validate(part.playback); !valid.ok()) return input_error(valid.error().message);
+    TRY(validate(part.playback));
     // A loop is run through turn by turn.
     if (!part.playback.empty() && part.ticks.back().time_ns > latest_moment_ns)
         return input_error("its last tick is later than 1e6 s");
@@ -222,7 +221,7 @@ RecordedPart in_one(Recording recording) {
     RecordedPart all = std::move(recording.front());
     for (std::size_t k = 1; k < recording.size(); ++k) {
         const std::int64_t begin_ns = (all.ticks.back().time_ns / tick_ns + 1) * tick_ns;
-        for (RecordedTick& tick : recording[k].ticks) {
+        for (RecordedPart::Tick& tick : recording[k].ticks) {
             tick.time_ns += begin_ns;
             all.ticks.push_back(std::move(tick));
         }
@@ -295,8 +294,8 @@ Result<void> RecordingFile::begin_part() {
 
 Result<void> RecordingFile::write(const TouchTick& tick) {
     if (parts_.back().has_ended) {
-        if (auto written = write_end(true); !written.ok()) return written;
-        if (auto begun = begin_part(); !begun.ok()) return begun;
+        TRY(write_end(true));
+        TRY(begin_part());
     }
     tick_.clear();
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
@@ -426,7 +425,7 @@ Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, st
         hash.add(bytes.data(), bytes.size());
         Bytes rest(bytes);
         for (std::uint64_t k = 0; k < count; ++k) {
-            const RecordedTick recorded = read_tick(rest, recording_format_version, fingers);
+            const RecordedPart::Tick recorded = read_tick(rest, recording_format_version, fingers);
             time_ns = recorded.time_ns;
             for (const auto& force : recorded.forces) forces.add(force);
         }
@@ -450,9 +449,9 @@ Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& ha
     if (file.empty())
         return usage_error("hand 'rec': no file; right would be rec:FILE, a recording of a run",
                            {{Setting::hand}, {Setting::record}});
-    const auto given = HandOptions::parse(
-        "hand 'rec'", colon == std::string_view::npos ? "" : description.substr(colon + 1), keys);
-    if (!given.ok()) return given.error();
+    TRY_ASSIGN(const auto given,
+               HandOptions::parse(
+                   "hand 'rec'", colon == std::string_view::npos ? "" : description.substr(colon + 1), keys));
     TRY_ASSIGN(auto recording, read_recording(file));
     const double metres = scale_of(recording.front());
     for (const RecordedPart& part : recording) {
@@ -464,7 +463,7 @@ Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& ha
     }
     RecordedPart whole = in_one(std::move(recording));
     std::optional<double> deepest;
-    if (given->given("depth")) deepest = given->number("depth") * 0.001;
+    if (given.given("depth")) deepest = given.number("depth") * 0.001;
     return std::unique_ptr<RepeatingHand>(
         new RepeatingHand(std::move(file), std::move(whole), metres, GoalWatch(metres, deepest)));
 }

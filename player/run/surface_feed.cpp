@@ -11,30 +11,6 @@
 #include "engine/base/try.hpp"
 
 namespace touchable {
-
-void PlanesHash::add(const RawFrame& frame) {
-    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height}) {
-        if (plane->empty()) continue;
-        const auto row_bytes = static_cast<std::size_t>(plane->width) *
-                               static_cast<std::size_t>(plane->channels) *
-                               static_cast<std::size_t>(plane->bytes_per_sample);
-        for (int y = 0; y < plane->height; ++y) hash_.add(plane->row(y), row_bytes);
-    }
-}
-
-Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
-    PlanesHash hash;
-    for (const FrameRun& run : runs) {
-        TRY(clip.seek(run.first));
-        for (std::int64_t k = 0; k < run.count; ++k) {
-            TRY_ASSIGN(const auto frame, clip.next());
-            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
-            hash.add(*frame);
-        }
-    }
-    return hash.hex();
-}
-
 namespace {
 
 constexpr int columns = 32, rows = 24;
@@ -80,6 +56,29 @@ bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::in
 }
 
 }  // namespace
+
+void PlanesHash::add(const RawFrame& frame) {
+    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height}) {
+        if (plane->empty()) continue;
+        const auto row_bytes = static_cast<std::size_t>(plane->width) *
+                               static_cast<std::size_t>(plane->channels) *
+                               static_cast<std::size_t>(plane->bytes_per_sample);
+        for (int y = 0; y < plane->height; ++y) hash_.add(plane->row(y), row_bytes);
+    }
+}
+
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
+    PlanesHash hash;
+    for (const FrameRun& run : runs) {
+        TRY(clip.seek(run.first));
+        for (std::int64_t k = 0; k < run.count; ++k) {
+            TRY_ASSIGN(const auto frame, clip.next());
+            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
+            hash.add(*frame);
+        }
+    }
+    return hash.hex();
+}
 
 void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
     std::swap(codes_, before_);
@@ -211,28 +210,25 @@ std::int64_t SurfaceFeed::dropped_frames() const {
 Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
     auto raw = reader_->next();
-    while (raw.ok() && *raw) {
-        if (!has(left_out_, place_.epoch, (*raw)->number)) break;
-        raw = reader_->next();
-    }
-    if (!raw.ok()) return raw.error();
+    while (raw && *raw && has(left_out_, place_.epoch, (*raw)->number)) raw = reader_->next();
+    if (!raw) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
     const double took_ms = milliseconds_since(start);
     read_ms_.add(took_ms);
     FedFrame frame{std::move(**raw)};
     frame.raw.epoch = place_.epoch;
     const std::int64_t number = frame.raw.number;
-    const std::int64_t dropped = number - place_.next_number;
+    const std::int64_t dropped = std::max<std::int64_t>(number - place_.next_number, 0);
     if (dropped > 0) note_dropped(dropped);
     place_.next_number = number + 1;
-    frame.shown = frame.raw.number >= place_.first_shown;
+    frame.shown = number >= place_.first_shown;
     const std::lock_guard lock(figures_mutex_);
     figures_.read_ms = took_ms;
-    figures_.dropped += std::max<std::int64_t>(dropped, 0);
+    figures_.dropped += dropped;
     return std::optional(std::move(frame));
 }
 
-/// Of what nobody records only their number is kept, but for epochs that reading may go back to.
+/// When the run is not recorded, only a count is kept, except for the epochs that reading may go back to.
 void SurfaceFeed::note_dropped(std::int64_t frames) {
     constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand comes to the first
     dropped_.push_back({place_.epoch, place_.next_number, frames});

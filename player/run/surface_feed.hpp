@@ -117,11 +117,11 @@ struct HeldPlanes {
     std::shared_ptr<const void> storage;
 };
 
-/// Stored planes of the frames in the timeline, for whoever draws them and looks at them: between the thread
+/// Stored planes of the frames in the timeline, for drawing: between the thread
 /// that builds and the eye's. Touch knows nothing of it.
 class WatchedPlanes {
 public:
-    /// By the thread that builds: before its frame is published, so that nobody sees one without.
+    /// By the thread that builds: before its frame is published, so that none is seen without.
     void put(const RawFrame& raw) {
         if (!raw.storage) return;
         const std::lock_guard lock(mutex_);
@@ -130,8 +130,8 @@ public:
         frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
         if (frames_.size() > most) frames_.pop_front();
     }
-    /// By the eye: the planes of this frame, if they are kept. Those of earlier frames are freed, since
-    /// nobody asks for them any more.
+    /// By the eye: the planes of this frame, if they are kept. Those of earlier frames are freed, since they
+    /// are not asked for any more.
     std::optional<HeldPlanes> find(std::uint64_t epoch, std::int64_t number) {
         const std::lock_guard lock(mutex_);
         for (std::size_t k = 0; k < frames_.size(); ++k) {
@@ -184,13 +184,13 @@ struct FeedFigures {
     double read_ms = 0, build_ms = 0;      ///< of the newest frame
 };
 
-/// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: whoever asks
-/// for a moment finds the frames around it published.
+/// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: a
+/// caller that asks for a moment finds the frames around it published.
 class SurfaceFeed {
 public:
     /// `scene`: the reader's, as this run applies it. `warm_up_frames`: that a filter with a memory sees
-    /// before an epoch's first frame. `eye`: whether somebody looks at what the hand holds; stored
-    /// planes are kept for them.
+    /// before an epoch's first frame. `eye`: whether what the hand holds is looked at; stored
+    /// planes are kept for that.
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                 const Scene& scene, int warm_up_frames = temporal_warm_up_frames,
                 SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
@@ -206,7 +206,7 @@ public:
     /// whatever its time.
     Result<FramePair> pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
                               std::int64_t next, double blend);
-    /// Likewise, of epoch 0.
+    /// The same of epoch 0.
     Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend) {
         return pair_of(0, 0, prev, next, blend);
     }
@@ -223,7 +223,7 @@ public:
     /// Forgets what was read since this place, of epochs that were never played: reading goes on from there.
     /// Nothing of it was built. By the thread that reads.
     Result<void> go_back(const ReadPlace& place);
-    /// Leaves out frames whose time has passed at `now`, because nobody would feel them any more, up to one
+    /// Leaves out frames whose time has passed at `now`, because they would not be felt any more, up to one
     /// from which decoding can begin again. (A live source does so itself.) By the thread that reads.
     Result<void> catch_up(const MediaMoment& now);
     /// A replay leaves out what its recording did.
@@ -253,7 +253,7 @@ public:
     /// Of them, those that were the frame before once more.
     std::int64_t unchanged_frames() const { return unchanged_frames_; }
     /// Of all their tiles the share that was not built, 0 to 1: because nothing there has changed since a
-    /// frame before, or because nobody touched it (lazy).
+    /// frame before, or because it was not touched (lazy).
     double skipped_share() const { return frames_ > 0 ? skipped_frames_ / static_cast<double>(frames_) : 1; }
     /// Whether any stored pixel of the frames published so far was valid.
     bool any_valid() const { return any_valid_; }
@@ -293,7 +293,7 @@ private:
     WatchedPlanes stored_planes_;
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by it
-    SceneCuts cuts_;       // likewise
+    SceneCuts cuts_;       // guarded by it
     // Of the thread that reads.
     ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;

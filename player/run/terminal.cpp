@@ -17,7 +17,6 @@
 #include "engine/base/words.hpp"
 
 namespace touchable {
-
 namespace {
 
 std::atomic<std::int64_t> first_ns{0};  // when the first one came
@@ -30,8 +29,8 @@ std::int64_t now_ns() {
     return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-/// A person who asks again does so later. What comes at once is the same wish: a terminal and whoever watches
-/// the program may both send it, and ending now would leave half-written what is just being cleared away.
+/// A person who asks again does so later. What comes at once is the same wish: a terminal and a program that
+/// started this one may both send it, and ending now would leave half-written what is being cleared away.
 void take_signal(int signal) {
     const int error_before = errno;
     const std::int64_t now = now_ns();
@@ -45,7 +44,7 @@ void take_signal(int signal) {
     errno = error_before;
 }
 
-/// A signal that whoever started the program ignores stays ignored: nohup, a shell's background.
+/// A signal that was ignored when the program started stays ignored: nohup, a shell's background.
 void catch_signal(int signal) {
     struct sigaction inherited = {};
     sigaction(signal, nullptr, &inherited);
@@ -55,11 +54,6 @@ void catch_signal(int signal) {
     action.sa_flags = SA_RESTART;
     sigaction(signal, &action, nullptr);
 }
-
-// A pipe that is ready takes so much at once, and nobody waits (PIPE_BUF).
-constexpr std::size_t at_once = 4096;
-// How often one who waits looks whether the person asked to stop.
-constexpr int look_ms = 50;
 
 bool reader_is_gone() {
     pollfd output{STDOUT_FILENO, POLLOUT, 0};
@@ -91,73 +85,6 @@ Result<void> flush_standard_output() {
     std::cout.flush();
     if (std::cout || reader_is_gone()) return {};
     return input_error("standard output cannot be written");
-}
-
-Result<void> StandardOutput::write(std::string_view piece) {
-    if (gone_ || piece.empty()) return {};
-    waiting_ += piece;
-    all_ += piece.size();
-    if (pace_ == Pace::own) return rest().size() < at_once ? Result<void>() : give_all();
-    ends_.push_back(all_);
-    while (!rest().empty()) {
-        TRY_ASSIGN(const auto taken, give(0));
-        if (taken == Taken::nothing_yet) break;
-    }
-    while (!ends_.empty() && ends_.front() <= written_) ends_.pop_front();
-    return ends_.size() > most_waiting ? lagging() : Result<void>();
-}
-
-Error StandardOutput::lagging() {
-    lags_ = true;
-    return input_error("its disk, or whoever reads it, was too slow for 1000 ticks a second: " +
-                       std::to_string(ends_.size()) + " ticks are missing, so it is not complete");
-}
-
-/// What goes at once, where the reader takes anything within so long.
-Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
-    pollfd output{STDOUT_FILENO, POLLOUT, 0};
-    if (poll(&output, 1, patience_ms) <= 0) return Taken::nothing_yet;
-    const std::string_view bytes = rest().substr(0, at_once);
-    const ssize_t count = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
-    if (count < 0 && (errno == EINTR || errno == EAGAIN)) return Taken::nothing_yet;
-    if (count < 0 && errno != EPIPE)
-        return input_error("standard output cannot be written: " + std::generic_category().message(errno));
-    gone_ = count < 0;  // it has heard what it wanted to hear
-    const std::size_t given = gone_ ? rest().size() : static_cast<std::size_t>(count);
-    given_ += given;
-    written_ += given;
-    if (given_ == waiting_.size() || given_ > 16 * at_once) {
-        waiting_.erase(0, given_);
-        given_ = 0;
-    }
-    return Taken::some;
-}
-
-Result<void> StandardOutput::give_all() {
-    using Clock = std::chrono::steady_clock;
-    // What a live run has when somebody ends it is still given.
-    const bool was_interrupted = pace_ == Pace::wall_clock && interrupted();
-    std::size_t taken_before = written_;
-    Clock::time_point since = Clock::now();
-    while (!rest().empty()) {
-        TRY_ASSIGN(const auto taken, give(look_ms));
-        const bool waits = pace_ == Pace::wall_clock || taken == Taken::nothing_yet;
-        if (waits && !was_interrupted && interrupted()) return interrupted_error();
-        if (pace_ == Pace::own || rest().empty()) continue;
-        if (written_ - taken_before >= least_taken) {
-            taken_before = written_;
-            since = Clock::now();
-        }
-        if (Clock::now() - since < patience_) continue;
-        lags_ = true;
-        return input_error("whoever reads it takes hardly more, so it is not complete");
-    }
-    return {};
-}
-
-Result<void> StandardOutput::finish() {
-    if (auto said = flush_standard_output(); !said.ok()) return said;
-    return give_all();
 }
 
 StatusLine::StatusLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -193,8 +120,8 @@ void Progress::at(std::int64_t done) {
     std::fprintf(stderr, "touchable: %s\n", words.c_str());
 }
 
-Result<void> TickProgress::take(const TouchTick& tick) {
-    progress_.at(tick.tick);
+Result<void> Progress::take(const TouchTick& tick) {
+    at(tick.tick);
     return {};
 }
 
@@ -225,7 +152,7 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     return {};
 }
 
-void LiveLine::show(const LiveStatus& status) {
+void LiveLine::show(const TouchSessionSettings::LiveStatus& status) {
     if (!line_.is_due()) return;
     const char* const what = !status.is_camera  ? "frames late"
                              : status.has_ended ? "frames felt, and no more come"

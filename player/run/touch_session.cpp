@@ -7,7 +7,6 @@
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
-
 namespace {
 
 // Of a clip's depths, the nearest and the deepest that count: what lies beyond may be noise.
@@ -28,6 +27,61 @@ Workspace fitted(const Scene& scene, std::vector<double>& depths, double median,
     const double scale = std::min({2 * reach.x / wide, 2 * reach.y / high, 2 * reach.z / deep});
     return {scale, {0, 0, -(near + far) / 2}};
 }
+
+class HandPort final : public HapticPort {
+public:
+    explicit HandPort(Hand& hand) : hand_(hand) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override {
+        hand_.goals_at(tick, FieldProbe(field), goals);
+        return true;
+    }
+    bool write_forces(std::span<const glm::dvec3>) override { return true; }
+
+private:
+    Hand& hand_;
+};
+
+class DevicePort : public HapticPort {
+public:
+    DevicePort(HapticDevice& device, const Workspace& workspace) : workspace_(workspace), device_(device) {}
+    bool read_goals(std::int64_t, const HeightField&, std::span<glm::dvec3> goals) override {
+        if (!device_.read_positions(goals)) return false;
+        for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
+        return true;
+    }
+    bool write_forces(std::span<const glm::dvec3> newtons) override { return device_.write_forces(newtons); }
+
+protected:
+    const Workspace workspace_;
+
+private:
+    HapticDevice& device_;
+};
+
+class SimulatedPort final : public DevicePort {
+public:
+    SimulatedPort(Hand& hand, SimulatedDevice& device, const Workspace& workspace)
+        : DevicePort(device, workspace), hand_(hand), device_(device) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override {
+        hand_.goals_at(tick, FieldProbe(field), goals);
+        const bool first = ticks_passed_ < 0;
+        for (std::size_t finger = 0; finger < goals.size(); ++finger) {
+            const glm::dvec3 meant = workspace_.to_device(goals[finger]);
+            if (first)
+                device_.put(static_cast<int>(finger), meant);
+            else
+                device_.intend(static_cast<int>(finger), meant);
+        }
+        if (first) ticks_passed_ = tick;
+        for (; ticks_passed_ < tick; ++ticks_passed_) device_.pass_tick();
+        return DevicePort::read_goals(tick, field, goals);
+    }
+
+private:
+    Hand& hand_;
+    SimulatedDevice& device_;
+    std::int64_t ticks_passed_ = -1;
+};
 
 }  // namespace
 
@@ -101,7 +155,7 @@ bool TouchSession::is_over(std::int64_t tick) {
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
     for (std::int64_t tick = 0; !is_over(tick); ++tick) {
         if (stop_requested()) return interrupted_error();
-        if (auto done = this->tick(tick, sinks); !done.ok()) return done;
+        TRY(this->tick(tick, sinks));
     }
     return {};
 }
@@ -116,40 +170,20 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     hand_.goals_at(tick, FieldProbe(field), step_.goals());
     if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
     const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
-    for (TouchSink* sink : sinks)
-        if (auto taken = sink->take(done); !taken.ok()) return taken;
+    for (TouchSink* sink : sinks) TRY(sink->take(done));
     return {};
 }
 
-bool HandPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
-    hand_.goals_at(tick, FieldProbe(field), goals);
-    return true;
+std::unique_ptr<HapticPort> make_port(Hand& hand) {
+    return std::make_unique<HandPort>(hand);
 }
 
-bool DevicePort::read_goals(std::int64_t, const HeightField&, std::span<glm::dvec3> goals) {
-    if (!device_.read_positions(goals)) return false;
-    for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
-    return true;
+std::unique_ptr<HapticPort> make_port(HapticDevice& device, const Workspace& workspace) {
+    return std::make_unique<DevicePort>(device, workspace);
 }
 
-SimulatedPort::SimulatedPort(Hand& hand, SimulatedDevice& device, const Workspace& workspace)
-    : hand_(hand), device_(device), workspace_(workspace) {}
-
-bool SimulatedPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
-    hand_.goals_at(tick, FieldProbe(field), goals);
-    const bool first = ticks_passed_ < 0;
-    for (std::size_t finger = 0; finger < goals.size(); ++finger) {
-        const glm::dvec3 meant = workspace_.to_device(goals[finger]);
-        if (first)
-            device_.put(static_cast<int>(finger), meant);
-        else
-            device_.intend(static_cast<int>(finger), meant);
-    }
-    if (first) ticks_passed_ = tick;
-    for (; ticks_passed_ < tick; ++ticks_passed_) device_.pass_tick();
-    if (!device_.read_positions(goals)) return false;
-    for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
-    return true;
+std::unique_ptr<HapticPort> make_port(Hand& hand, SimulatedDevice& device, const Workspace& workspace) {
+    return std::make_unique<SimulatedPort>(hand, device, workspace);
 }
 
 }  // namespace touchable

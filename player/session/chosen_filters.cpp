@@ -204,7 +204,7 @@ Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) 
     settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
     TRY_ASSIGN(const auto solver, TouchSolver::create(scene, settings.touch));
     ForcesInHand forces;
-    TickProgress progress(standard_stroke_ticks);
+    Progress progress("tick", standard_stroke_ticks);
     std::array<TouchSink*, 2> sinks{&forces, &progress};
     TRY(TouchSession(scene, feed, *hand, solver, settings).run(sinks));
     return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};

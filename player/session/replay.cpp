@@ -309,7 +309,7 @@ Result<SceneDescription> read_recorded_facts(const Json& facts, const std::strin
 
 Result<void> ReplayCheck::take(const TouchTick& tick) {
     if (difference_) return {};
-    const RecordedTick& recorded = recording_.ticks[next_++];
+    const RecordedPart::Tick& recorded = recording_.ticks[next_++];
     const std::string where = "tick " + std::to_string(tick.tick);
     if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
         recorded.blend != tick.blend || recorded.epoch != tick.pair.epoch) {

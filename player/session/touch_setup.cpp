@@ -335,7 +335,7 @@ void follow(const RecordedPart& part, TouchSetup& setup) {
     const PlaybackClock clock(setup.scene.rate, part.playback);
     setup.settings.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
                                    now = clock](std::int64_t tick) mutable -> Result<FramePair> {
-        const RecordedTick& recorded = part.ticks[static_cast<std::size_t>(tick)];
+        const RecordedPart::Tick& recorded = part.ticks[static_cast<std::size_t>(tick)];
         if (recorded.epoch > now.at(recorded.time_ns / tick_ns).epoch)
             return input_error("tick " + std::to_string(tick) + " is of epoch " +
                                std::to_string(recorded.epoch) + ", which no command has begun by then");

@@ -8,7 +8,7 @@
 #include "device/hand.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/run/output_file.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
@@ -127,11 +127,11 @@ Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
     if (setup.control)
         port = std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
     else if (setup.held_device)
-        port = std::make_unique<DevicePort>(*setup.held_device, setup.workspace);
+        port = make_port(*setup.held_device, setup.workspace);
     else if (setup.device)
-        port = std::make_unique<SimulatedPort>(*setup.hand, *setup.device, setup.workspace);
+        port = make_port(*setup.hand, *setup.device, setup.workspace);
     else
-        port = std::make_unique<HandPort>(*setup.hand);
+        port = make_port(*setup.hand);
     return port;
 }
 

@@ -19,7 +19,7 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "player/audio/window_sound.hpp"
 #include "player/draw/finger_marks.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"

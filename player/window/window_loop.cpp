@@ -13,7 +13,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/run/output_file.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {

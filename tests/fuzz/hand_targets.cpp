@@ -3,7 +3,7 @@
 
 #include "device/hand.hpp"
 #include "device/hand_parts.hpp"
-#include "player/run/force_table.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/device/fake_probe.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

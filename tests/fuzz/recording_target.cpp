@@ -1,5 +1,5 @@
 #include "engine/base/same_bits.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
@@ -25,7 +25,7 @@ bool parse_recording(std::string_view bytes) {
     require(!recording->empty(), "a recording without a part");
     for (const RecordedPart& part : *recording) {
         require(part.fingers > 0 && !part.ticks.empty(), "a part without fingers or ticks");
-        for (const RecordedTick& tick : part.ticks)
+        for (const RecordedPart::Tick& tick : part.ticks)
             require(tick.goals.size() == static_cast<std::size_t>(part.fingers) &&
                         tick.forces.size() == tick.goals.size() && tick.guards.size() == tick.goals.size(),
                     "a tick has not one of each for a finger");

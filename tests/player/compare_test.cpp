@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "player/run/force_table.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/temporary_folder.hpp"
@@ -62,7 +62,7 @@ TEST(CompareForces, AHumIsFoundInItsBand) {
         const auto c = compare_forces(humming, quiet);
         ASSERT_TRUE(c.ok());
         EXPECT_EQ(c->noise_windows, 4);
-        for (std::size_t k = 0; k < noise_bands.size(); ++k) {
+        for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k) {
             const double rms = 0.1 / std::numbers::sqrt2;
             EXPECT_NEAR(c->noise_a_n[k], k == band ? rms : 0, 0.05 * rms) << hz << " Hz, band " << k;
             EXPECT_NEAR(c->noise_b_n[k], 0, 1e-12);
@@ -88,7 +88,7 @@ TEST(CompareForces, WhoTouchesIsCounted) {
 TEST(CompareForces, RunsThatHaveNothingInCommonAreRefused) {
     const ForceTable a = pressing(3, [](double) { return glm::dvec3(0, 0, 1); });
     ForceTable other = a, two = a;
-    for (ForceSample& sample : other.samples) sample.goal.x = 7;
+    for (ForceTable::Sample& sample : other.samples) sample.goal.x = 7;
     EXPECT_EQ(compare_forces(a, other).error().kind, ErrorKind::usage);
     two.fingers = 3;
     EXPECT_EQ(compare_forces(a, two).error().kind, ErrorKind::usage);

@@ -29,7 +29,7 @@ protected:
         pair_.prev = pair_.next = {0, 0, &frame_};
         EXPECT_TRUE(device_.open().ok());
     }
-    bool read(std::int64_t tick) { return port_.read_goals(tick, {content_->scene(), pair_}, goals_); }
+    bool read(std::int64_t tick) { return port_->read_goals(tick, {content_->scene(), pair_}, goals_); }
 
     std::unique_ptr<AnalyticScene> content_;
     SurfaceFrame frame_;
@@ -37,7 +37,7 @@ protected:
     StillHand hand_;
     SimulatedDevice device_{
         2, {.max_force = 8, .max_stiffness = 2000}, {.damping = 20, .hand_stiffness = 250}};
-    SimulatedPort port_{hand_, device_, {0.001, {0, 0, -1000}}};
+    std::unique_ptr<HapticPort> port_ = make_port(hand_, device_, {0.001, {0, 0, -1000}});
     std::array<glm::dvec3, 2> goals_{};
 };
 
@@ -57,7 +57,7 @@ TEST_F(HeldDevice, YieldsToTheForceOfItsFingerAlone) {
     const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
     for (int tick = 0; tick < 90; ++tick) {
         ASSERT_TRUE(read(tick));
-        ASSERT_TRUE(port_.write_forces(forces));
+        ASSERT_TRUE(port_->write_forces(forces));
     }
     // 2 mm in the end, of a hand of 250 N/m; on the way there.
     EXPECT_GT(goals_[0].z, -999);
@@ -68,15 +68,15 @@ TEST_F(HeldDevice, YieldsToTheForceOfItsFingerAlone) {
 TEST_F(HeldDevice, TicksThatWereSkippedPassForTheHandleToo) {
     const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
     ASSERT_TRUE(read(0));
-    ASSERT_TRUE(port_.write_forces(forces));
+    ASSERT_TRUE(port_->write_forces(forces));
     ASSERT_TRUE(read(30));
     const double once = goals_[0].z;
     SimulatedDevice other(2, device_.limits(), {.damping = 20, .hand_stiffness = 250});
     ASSERT_TRUE(other.open().ok());
-    SimulatedPort port(hand_, other, {0.001, {0, 0, -1000}});
+    const auto port = make_port(hand_, other, {0.001, {0, 0, -1000}});
     for (int tick = 0; tick <= 30; ++tick) {
-        ASSERT_TRUE(port.read_goals(tick, {content_->scene(), pair_}, goals_));
-        ASSERT_TRUE(port.write_forces(forces));
+        ASSERT_TRUE(port->read_goals(tick, {content_->scene(), pair_}, goals_));
+        ASSERT_TRUE(port->write_forces(forces));
     }
     EXPECT_EQ(goals_[0].z, once);
 }
@@ -85,7 +85,7 @@ TEST_F(HeldDevice, ThatFailsSaysSo) {
     ASSERT_TRUE(read(0));
     device_.fail("was unplugged");
     EXPECT_FALSE(read(1));
-    EXPECT_FALSE(port_.write_forces(goals_));
+    EXPECT_FALSE(port_->write_forces(goals_));
 }
 
 }  // namespace

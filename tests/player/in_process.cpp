@@ -2,7 +2,7 @@
 
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/run/live_session.hpp"
+#include "player/run/touch_session.hpp"
 
 #include <gtest/gtest.h>
 

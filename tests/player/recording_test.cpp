@@ -1,4 +1,4 @@
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
     EXPECT_EQ(recording->playback, playback_);
     ASSERT_EQ(recording->ticks.size(), 4U);
     for (std::size_t k = 0; k < 4; ++k) {
-        const RecordedTick& tick = recording->ticks[k];
+        const RecordedPart::Tick& tick = recording->ticks[k];
         EXPECT_EQ(tick.time_ns, times_[k]);
         EXPECT_EQ(tick.frame_prev, 7);
         EXPECT_EQ(tick.frame_next, 8);

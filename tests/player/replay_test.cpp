@@ -9,7 +9,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/picture/image.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
@@ -96,7 +96,7 @@ TEST_F(Replay, FindsTheFramesOfAVariableRateAgain) {
         const auto part = read_recording(file());
         ASSERT_TRUE(part.ok());
         if (run[0] != clip() || run.size() > 3) continue;
-        for (const RecordedTick& tick : part->front().ticks)
+        for (const RecordedPart::Tick& tick : part->front().ticks)
             ASSERT_EQ(tick.frame_prev, std::min<std::int64_t>(scene.rate.frame_at(tick.time_ns), 11));
     }
 }

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "player/run/live_session.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
@@ -115,8 +114,8 @@ TEST_F(ServedTouch, ANetworkThatFailsLetsTheHandGoAndGivesItBack) {
     TouchSetup& s = **setup;
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
-    HandPort hand(*s.hand);
-    LiveSession session(s.scene, *s.feed, hand, *s.solver, settings);
+    const auto hand = make_port(*s.hand);
+    LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
     Watch watch;
     TouchSink* const sinks[]{&watch};
     Result<void> ran;

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/standstill.hpp"
 

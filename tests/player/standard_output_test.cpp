@@ -1,3 +1,4 @@
+#include "player/run/standard_output.hpp"
 #include "player/run/terminal.hpp"
 
 #include <fcntl.h>

@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/run_record.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/player/in_process.hpp"

@@ -12,7 +12,7 @@
 
 #include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

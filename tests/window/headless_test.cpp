@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/window/scripted_window.hpp"
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "engine/picture/image.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/gpu/blockade.hpp"

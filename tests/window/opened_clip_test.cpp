@@ -296,7 +296,7 @@ TEST_F(CountedClip, TheForceOnAFingerThatIsPressedInBeginsAtZeroAndRisesByTheGua
     ASSERT_EQ(recording->size(), 4U);
     double most = 0;
     for (const RecordedPart& part : *recording)
-        for (const RecordedTick& tick : part.ticks) most = std::max(most, glm::length(tick.forces[0]));
+        for (const RecordedPart::Tick& tick : part.ticks) most = std::max(most, glm::length(tick.forces[0]));
     for (const RecordedPart& part : *recording) {
         const int ramp = GuardSettings().ramp_in_ticks;
         double before = 0;

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "haptics_cpu/force_guard.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/persistent_device.hpp"
 #include "player/window/play_window.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/window_loop.hpp"
 #include "tests/window/scripted_window.hpp"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "engine/picture/sound.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/video/film_reader.hpp"
 #include "tests/window/scripted_window.hpp"
 
