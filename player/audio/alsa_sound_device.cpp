@@ -1,4 +1,4 @@
-#include "player/audio/window_sound.hpp"
+#include "player/audio/heard_sound.hpp"
 
 #ifdef TOUCHABLE_HAS_ALSA
 
@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-/// ALSA explains itself on the terminal where nobody tells it otherwise.
+/// In place of ALSA's own, which explains faults on the terminal.
 void say_nothing(const char*, int, const char*, int, const char*, ...) {}
 
 Error alsa_error(const char* what, int code) {

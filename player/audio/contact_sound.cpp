@@ -5,7 +5,6 @@
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr double rate = ContactSound::rate;
@@ -19,15 +18,6 @@ constexpr double usual_change = 0.02;  // N in a millisecond: a rough place
 constexpr double smooth_share = 0.35;  // how loud a smooth surface is beside a rough one
 constexpr double least_hertz = 350, most_more_hertz = 3500, usual_speed = 0.15;  // of a slide
 constexpr double volume_per_tick = 0.05;
-
-/// What came from outside, as a number that can be used.
-double sound_value(float value, double most) {
-    return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
-}
-
-double part(double value, double usual) {
-    return value / (value + usual);
-}
 
 /// Goes on toward a value: as fast as `rise` up and `fall` down, shares of a tick.
 void follow(double& value, double to, double rise, double fall) {
@@ -106,9 +96,9 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
     const double power = newtons * slip;
     follow(roughness_, finger.touching ? sound_value(finger.change, 10) : 0, 0.7, 0.25);
     follow(speed_, slip, 0.3, 0.1);
-    const double rough = smooth_share + (1 - smooth_share) * part(roughness_, usual_change);
-    follow(level_, power > 0 ? most_slide * rough * std::sqrt(part(power, usual_slide)) : 0, 0.35, 0.15);
-    const double hertz = least_hertz + most_more_hertz * part(speed_, usual_speed);
+    const double rough = smooth_share + (1 - smooth_share) * share_of(roughness_, usual_change);
+    follow(level_, power > 0 ? most_slide * rough * std::sqrt(share_of(power, usual_slide)) : 0, 0.35, 0.15);
+    const double hertz = least_hertz + most_more_hertz * share_of(speed_, usual_speed);
     // A higher band has more of the noise.
     noise_.aim(level_ / std::sqrt(1 + hertz / 1000), hertz);
 }
@@ -116,12 +106,12 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
 void FingerSound::strike(const HeardFinger& finger) {
     const double hertz = hertz_of(sound_value(finger.stiffness, 1e6));
     if (const double met = sound_value(finger.met, 10); met > 0) {
-        const double level = most_tap * part(met, usual_meeting);
+        const double level = most_tap * share_of(met, usual_meeting);
         tap_.strike(level, hertz);
         knock_.strike(0.2 * level, 2.8 * hertz);
     }
     if (const double let_go = sound_value(finger.let_go, 50); let_go > 0)
-        knock_.strike(most_knock * part(let_go, usual_let_go), 2.8 * hertz);
+        knock_.strike(most_knock * share_of(let_go, usual_let_go), 2.8 * hertz);
 }
 
 void FingerSound::add(const HeardFinger& finger, std::span<StereoSample> to) {

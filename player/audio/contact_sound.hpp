@@ -44,6 +44,16 @@ struct HeardTick {
     float loudness = 1;  ///< factor on all samples, 0 to 1
 };
 
+/// What came from outside, as a number that can be used.
+inline double sound_value(float value, double most) {
+    return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
+}
+
+/// Half of the most, 1, at the usual value, and ever less more beyond.
+inline double share_of(double value, double usual) {
+    return value / (value + usual);
+}
+
 /// As one: the later of two ticks, with all that happened in the earlier.
 inline HeardTick merged(const HeardTick& earlier, const HeardTick& later) {
     HeardTick both = later;
@@ -77,13 +87,13 @@ inline HeardTick going_on(HeardTick tick) {
 /// A sound that begins at once, softly, and fades: a sine with an envelope.
 class FadingTone {
 public:
-    /// `fade_s`: until 1/e of it is left; `rise_s` likewise until it is there.
+    /// `fade_s`: until 1/e of it is left; `rise_s`: until all but 1/e of it is there.
     FadingTone(double fade_s, double rise_s);
     /// As loud as `level`, unless it is louder. `hertz` is that of all of it from now on.
     void strike(double level, double hertz);
     bool is_silent() const { return level_ == 0 && heard_ == 0; }
     double next();
-    /// Once a tick: what nobody hears any more ends, and rounding does not add up.
+    /// Once a tick: what cannot be heard any more ends, and rounding does not add up.
     void settle();
 
 private:

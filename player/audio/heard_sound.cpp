@@ -6,9 +6,9 @@
 #include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "player/audio/window_sound.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr std::size_t samples_read = 4096;
@@ -198,7 +198,7 @@ void ClipSound::run() {
         track->read(samples);
         next = *number + 1;
         lock.lock();
-        // What nobody wants any more by now would take the place of what is heard.
+        // A block that is not wanted any more by now would take the place of what is heard.
         if (is_new_ || *number < wanted_ || *number > wanted_ + ahead) continue;
         Block& to = place_of(*number);
         to.number = *number;

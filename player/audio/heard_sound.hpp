@@ -3,14 +3,15 @@
 // The parts of what is heard, and their mixture.
 //
 // ClipSound decodes a clip's own track ahead on a thread of its own, and ClipVoice plays it at the clip's
-// moments and speed; SpokenSound is a short sound that is said, SpokenVoice says it; ContactSound is what
-// fingers feel. HeardSound is all three, a millisecond at a time. HeardTicks brings ticks from a session's
-// thread to the loudspeakers' thread, FilmedSound keeps a film's sound in step with its pictures.
+// moments and speed; SpokenVoice says a SpokenSound (window_sound.hpp); ContactSound is what fingers feel.
+// HeardSound is all three, a millisecond at a time. HeardTicks brings ticks from a session's thread to the
+// thread of a SoundDevice, FilmedSound keeps a film's sound in step with its pictures.
 //
 // Each object is one thread's, but for ClipSound and HeardTicks, whose functions name theirs.
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -30,16 +31,6 @@
 #include "player/audio/contact_sound.hpp"
 
 namespace touchable {
-
-/// A short sound, whole in memory: two channels of 16 bits at 48 kHz. Never changed.
-struct SpokenSound {
-    static constexpr double longest_s = 60;
-    std::vector<std::array<std::int16_t, 2>> samples;
-
-    /// Of any file whose sound FFmpeg decodes, such as a WAV file. Refused (ErrorKind::input): one without
-    /// sound, or of more than `longest_s`.
-    static Result<std::shared_ptr<const SpokenSound>> read(const std::filesystem::path& file);
-};
 
 /// Says one sound after the other, each from its begin; what is heard besides is softer meanwhile.
 class SpokenVoice {
@@ -189,6 +180,20 @@ private:
     std::int64_t next_ms_ = 0;
     std::optional<HeardTick> early_;  // what happened in ticks that were left out
     ContactSound::Samples samples_{};
+};
+
+/// Where samples at 48 kHz are heard: two channels of the system's own output. One thread's.
+class SoundDevice {
+public:
+    static constexpr int buffer = 1920;  ///< samples that wait in it: 40 ms
+
+    /// May take long where the system's sound does. Errors (ErrorKind::device) are a few words; so it is
+    /// where the program was built without ALSA.
+    static Result<std::unique_ptr<SoundDevice>> open();
+    virtual ~SoundDevice() = default;
+    /// Whether there is room for so many samples, after `longest` at most.
+    virtual Result<bool> wait_for(int samples, std::chrono::milliseconds longest) = 0;
+    virtual Result<void> write(std::span<const StereoSample> samples) = 0;
 };
 
 }  // namespace touchable

@@ -9,7 +9,6 @@
 #include "engine/base/threads.hpp"
 
 namespace touchable {
-
 namespace {
 
 constexpr double most_press = 0.35, usual_press = 1.5;            // of the heavy motor; N
@@ -18,12 +17,6 @@ constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N in a mill
 constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // of a tick
 constexpr double least_felt = 0.01;                               // a motor does not turn for less
 
-double value_of(float value, double most) {
-    return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
-}
-double share_of(double value, double usual) {
-    return value / (value + usual);
-}
 float motor(double value) {
     return value < least_felt ? 0 : static_cast<float>(std::min(value, 1.0));
 }
@@ -44,13 +37,13 @@ Rumble unpacked(std::uint32_t both) {
 Rumble ContactRumble::next(const HeardTick& tick) {
     double newtons = 0, knock = 0, rough = 0;
     for (const HeardFinger& finger : tick.fingers) {
-        const double pressed = finger.touching ? value_of(finger.share * finger.newtons, 50) : 0;
+        const double pressed = finger.touching ? sound_value(finger.share * finger.newtons, 50) : 0;
         if (pressed == 0) continue;
         newtons += pressed;
-        knock = std::max({knock, share_of(value_of(finger.met, 10), usual_knock),
-                          0.6 * share_of(value_of(finger.let_go, 50), usual_loosened)});
-        const double work = pressed * value_of(finger.slip, 5);
-        rough = std::max(rough, share_of(value_of(finger.change, 10), usual_roughness) *
+        knock = std::max({knock, share_of(sound_value(finger.met, 10), usual_knock),
+                          0.6 * share_of(sound_value(finger.let_go, 50), usual_loosened)});
+        const double work = pressed * sound_value(finger.slip, 5);
+        rough = std::max(rough, share_of(sound_value(finger.change, 10), usual_roughness) *
                                     std::sqrt(share_of(work, usual_work)));
     }
     if (newtons == 0) {

@@ -32,7 +32,7 @@ private:
 };
 
 /// When motors are told what. They are told for a moment only, again and again, so that they stop by
-/// themselves once nobody tells them any more.
+/// themselves once no more orders come.
 class RumbleOrders {
 public:
     static constexpr int lasts_ms = 150;         ///< an order, where no other comes
@@ -42,7 +42,7 @@ public:
     /// At this moment of a clock that does not go backward: `rumble` of the newest of `ticks` ticks. What is
     /// to be ordered now; nothing: what was ordered goes on.
     std::optional<Rumble> at(double now_s, const Rumble& rumble, std::int64_t ticks);
-    /// Whoever was told is gone, and the next one was told nothing.
+    /// The gamepad that had the orders is gone, and the next one has none.
     void forget() { told_ = {}; }
 
 private:

@@ -28,7 +28,7 @@ public:
 
     std::string look() override {
         SDL_GameControllerUpdate();
-        SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);  // nobody asks for its sticks and buttons
+        SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);  // its sticks and buttons are not used
         if (pad_ && SDL_GameControllerGetAttached(pad_.get()) != SDL_TRUE) pad_.reset();
         for (int k = 0; !pad_ && k < SDL_NumJoysticks(); ++k) {
             const SDL_JoystickID id = SDL_JoystickGetDeviceInstanceID(k);

@@ -3,66 +3,15 @@
 #include <cmath>
 #include <condition_variable>
 #include <glm/geometric.hpp>
+#include <mutex>
+#include <thread>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "player/run/run_files.hpp"
 
 namespace touchable {
-
-struct SoundOutput::Shared {
-    std::shared_ptr<HeardTicks> ticks;
-    std::atomic<bool> stopping{false};
-    mutable std::mutex mutex;
-    std::condition_variable ended_now;
-    std::string state = "sound is being opened";
-    bool ended = false;
-
-    void say(std::string words) {
-        const std::lock_guard lock(mutex);
-        state = std::move(words);
-    }
-    void end() {
-        const std::lock_guard lock(mutex);
-        ended = true;
-        ended_now.notify_all();
-    }
-};
-
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr int block = 240;  // 5 ms
-constexpr std::chrono::milliseconds patience(100);
-
-/// Samples until somebody asks to stop. Some outputs of ALSA's take all at once, as fast as it comes: they
-/// get a hundredth more than the time that has passed, which is more than a real one's clock goes too fast.
-Result<void> play(SoundOutput::Shared& shared, SoundDevice& device) {
-    std::vector<StereoSample> samples(block);
-    const auto begun = Clock::now();
-    double written = 0;
-    while (!shared.stopping.load(std::memory_order_relaxed)) {
-        const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
-        if (written > 1.01 * ContactSound::rate * passed + SoundDevice::buffer) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            continue;
-        }
-        TRY_ASSIGN(const auto ready, device.wait_for(block, patience));
-        if (!ready) continue;
-        shared.ticks->fill(samples);
-        if (auto given = device.write(samples); !given.ok()) return given;
-        written += block;
-    }
-    return {};
-}
-
-void open_and_play(SoundOutput::Shared& shared) {
-    auto device = SoundDevice::open();
-    if (!device.ok()) return shared.say("no sound: " + device.error().message);
-    shared.say("sound on");
-    if (auto played = play(shared, **device); !played.ok())
-        shared.say("no sound any more: " + played.error().message);
-}
 
 constexpr std::uint32_t header_bytes = 44, sample_bytes = 4;
 constexpr std::uint32_t most_wav_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
@@ -101,68 +50,149 @@ constexpr std::int64_t settling_ticks = 100;
 
 }  // namespace
 
-SoundOutput::SoundOutput(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
-    shared_->ticks = std::move(ticks);
-    const auto begun = start_thread(thread_, "sound-output", "of the sound", [shared = shared_] {
-        open_and_play(*shared);
-        shared->end();
-    });
-    if (!begun.ok()) shared_->say("no sound: " + begun.error().message);
-}
-
-SoundOutput::~SoundOutput() {
-    if (!thread_.joinable()) return;
-    shared_->stopping.store(true, std::memory_order_relaxed);
-    std::unique_lock lock(shared_->mutex);
-    const bool ended =
-        shared_->ended_now.wait_for(lock, std::chrono::seconds(1), [this] { return shared_->ended; });
-    lock.unlock();
-    if (ended)
-        thread_.join();
-    else
-        thread_.detach();
-}
-
-std::string SoundOutput::state() const {
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->state;
-}
-
-Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing,
-                                                     std::string name) {
-    TRY_ASSIGN(auto opened, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
-    std::unique_ptr<SoundFile> made(new SoundFile(std::move(opened)));
-    TRY(made->file_->write(header_of(0)));
-    return made;
-}
-
-void SoundFile::add(std::span<const StereoSample> samples) {
-    const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
-    if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
-    words_.clear();
-    for (const StereoSample& sample : samples) {
-        put(words_, sample.left);
-        put(words_, sample.right);
+/// The system's loudspeakers, on a thread of its own, which opens them at once. Nothing waits for them, and
+/// nothing fails where there are none.
+class WindowSound::Loudspeakers {
+public:
+    explicit Loudspeakers(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
+        shared_->ticks = std::move(ticks);
+        const auto begun =
+            start_thread(thread_, "sound-output", "of the sound", [shared = shared_] { shared->run(); });
+        if (!begun) shared_->say("no sound: " + begun.error().message);
     }
-    bytes_ += bytes;
-    const auto written = file_->write(words_);
-    if (written.ok()) return;
-    is_faulty_ = true;
-    const std::lock_guard lock(mutex_);
-    fault_ = written.error();
-}
+    /// What hangs in the system's sound is left behind, after a second.
+    ~Loudspeakers() {
+        if (!thread_.joinable()) return;
+        shared_->stopping.store(true, std::memory_order_relaxed);
+        std::unique_lock lock(shared_->mutex);
+        const bool ended =
+            shared_->ended_now.wait_for(lock, std::chrono::seconds(1), [this] { return shared_->ended; });
+        lock.unlock();
+        if (ended)
+            thread_.join();
+        else
+            thread_.detach();
+    }
+    Loudspeakers(const Loudspeakers&) = delete;
+    Loudspeakers& operator=(const Loudspeakers&) = delete;
 
-std::optional<Error> SoundFile::fault() const {
-    const std::lock_guard lock(mutex_);
-    return fault_;
-}
+    /// "sound on", or why there is none. Any thread.
+    std::string state() const {
+        const std::lock_guard lock(shared_->mutex);
+        return shared_->state;
+    }
 
-Result<void> SoundFile::finish() {
-    const auto whole = file_->flush();
-    if (!whole.ok() && file_->size() <= header_bytes) return whole;
-    const auto samples = static_cast<std::uint32_t>(file_->size()) - header_bytes;
-    if (auto begun = file_->write_over(0, header_of(samples)); !begun.ok()) return begun;
-    return file_->finish();
+private:
+    /// With the thread, which may outlive this.
+    struct Shared {
+        std::shared_ptr<HeardTicks> ticks;
+        std::atomic<bool> stopping{false};
+        mutable std::mutex mutex;
+        std::condition_variable ended_now;
+        std::string state = "sound is being opened";
+        bool ended = false;
+
+        void say(std::string words) {
+            const std::lock_guard lock(mutex);
+            state = std::move(words);
+        }
+        void run() {
+            open_and_play();
+            const std::lock_guard lock(mutex);
+            ended = true;
+            ended_now.notify_all();
+        }
+        void open_and_play() {
+            auto device = SoundDevice::open();
+            if (!device) return say("no sound: " + device.error().message);
+            say("sound on");
+            if (auto played = play(**device); !played) say("no sound any more: " + played.error().message);
+        }
+        /// Until it is to stop. Some outputs of ALSA's take all at once, as fast as it comes: they get a
+        /// hundredth more than the time that has passed, which is more than a real one's clock goes too fast.
+        Result<void> play(SoundDevice& device) {
+            using Clock = std::chrono::steady_clock;
+            constexpr int block = 240;  // 5 ms
+            constexpr std::chrono::milliseconds patience(100);
+            std::vector<StereoSample> samples(block);
+            const auto begun = Clock::now();
+            double written = 0;
+            while (!stopping.load(std::memory_order_relaxed)) {
+                const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+                if (written > 1.01 * ContactSound::rate * passed + SoundDevice::buffer) {
+                    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+                    continue;
+                }
+                TRY_ASSIGN(const auto ready, device.wait_for(block, patience));
+                if (!ready) continue;
+                ticks->fill(samples);
+                TRY(device.write(samples));
+                written += block;
+            }
+            return {};
+        }
+    };
+
+    std::shared_ptr<Shared> shared_;
+    std::thread thread_;
+};
+
+/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete, or as complete as a
+/// disk that became full let it be.
+class WindowSound::WavFile {
+public:
+    /// An error (ErrorKind::input) where nothing can be written there.
+    static Result<std::unique_ptr<WavFile>> create(const std::filesystem::path& file, Existing existing,
+                                                   std::string name) {
+        TRY_ASSIGN(auto opened, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
+        TRY(opened->write(header_of(0)));
+        return std::unique_ptr<WavFile>(new WavFile(std::move(opened)));
+    }
+    /// What does not fit into a WAV file, after six hours, is left out.
+    void add(std::span<const StereoSample> samples) {
+        const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
+        if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
+        words_.clear();
+        for (const StereoSample& sample : samples) {
+            put(words_, sample.left);
+            put(words_, sample.right);
+        }
+        bytes_ += bytes;
+        const auto written = file_->write(words_);
+        if (written) return;
+        is_faulty_ = true;
+        const std::lock_guard lock(mutex_);
+        fault_ = written.error();
+    }
+    /// Why nothing more is added; any thread.
+    std::optional<Error> fault() const {
+        const std::lock_guard lock(mutex_);
+        return fault_;
+    }
+    /// Gives the file its name. An error where anything could not be written.
+    Result<void> finish() {
+        const auto whole = file_->flush();
+        if (!whole && file_->size() <= header_bytes) return whole;
+        TRY(file_->write_over(0, header_of(static_cast<std::uint32_t>(file_->size()) - header_bytes)));
+        return file_->finish();
+    }
+
+private:
+    explicit WavFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
+
+    const std::unique_ptr<OutputFile> file_;
+    std::uint32_t bytes_ = 0;  // of samples
+    std::string words_;
+    bool is_faulty_ = false;
+    mutable std::mutex mutex_;
+    std::optional<Error> fault_;  // guarded by it
+};
+
+WindowSound::WindowSound() = default;
+WindowSound::~WindowSound() = default;
+
+std::optional<Error> WindowSound::file_fault() const {
+    return file_ ? file_->fault() : std::nullopt;
 }
 
 Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
@@ -170,10 +200,10 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          Existing existing, std::string name) {
     std::unique_ptr<WindowSound> made(new WindowSound);
     if (file) {
-        TRY_ASSIGN(auto created, SoundFile::create(*file, existing, std::move(name)));
+        TRY_ASSIGN(auto created, WavFile::create(*file, existing, std::move(name)));
         made->file_ = std::move(created);
     }
-    if (loudspeakers) made->output_.emplace(made->ticks_);
+    if (loudspeakers) made->output_ = std::make_unique<Loudspeakers>(made->ticks_);
     return made;
 }
 

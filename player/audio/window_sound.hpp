@@ -3,9 +3,9 @@
 // What is heard of a window, and what a gamepad's motors do.
 //
 // A session's TouchListener is its sink of ticks: it tells the WindowSound what each finger feels (a
-// HeardTick, as of contact_sound.hpp). WindowSound makes a sound of that and of the clip's own track, for
-// loudspeakers (SoundOutput, which a thread of its own feeds), for a WAV file, for a film (FilmedSound), and
-// hands the ticks to the gamepad (GamepadRumble).
+// HeardTick, as of contact_sound.hpp). WindowSound makes a sound of that, of the clip's own track and of a
+// SpokenSound that is said: for loudspeakers, which a thread of its own feeds, for a WAV file, for a film
+// (FilmedSound); and it hands the ticks to the gamepad (GamepadRumble).
 //
 // Ticks come by a session's thread, one session at a time; it neither waits nor allocates there. The window's
 // thread calls everything else, unless it says "any thread". A machine without sound or gamepad loses only
@@ -19,11 +19,9 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -32,69 +30,18 @@
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/audio/rumble.hpp"
-#include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
 
-/// Where samples at 48 kHz are heard: two channels of the system's own output. One thread's.
-class SoundDevice {
-public:
-    static constexpr int buffer = 1920;  ///< samples that wait in it: 40 ms
+/// A short sound, whole in memory: two channels of 16 bits at 48 kHz. Never changed.
+struct SpokenSound {
+    static constexpr double longest_s = 60;
+    std::vector<std::array<std::int16_t, 2>> samples;
 
-    /// May take long where the system's sound does. Errors (ErrorKind::device) are a few words; so it is
-    /// where the program was built without ALSA.
-    static Result<std::unique_ptr<SoundDevice>> open();
-    virtual ~SoundDevice() = default;
-    /// Whether there is room for so many samples, after `longest` at most.
-    virtual Result<bool> wait_for(int samples, std::chrono::milliseconds longest) = 0;
-    virtual Result<void> write(std::span<const StereoSample> samples) = 0;
-};
-
-/// The system's loudspeakers (ALSA's "default", which PipeWire and PulseAudio stand behind where they run),
-/// on a thread of its own. Nobody waits for them, and nobody minds where there are none.
-class SoundOutput {
-public:
-    /// Opens them at once, on that thread.
-    explicit SoundOutput(std::shared_ptr<HeardTicks> ticks);
-    /// What hangs in the system's sound is left behind, after a second.
-    ~SoundOutput();
-    SoundOutput(const SoundOutput&) = delete;
-    SoundOutput& operator=(const SoundOutput&) = delete;
-
-    /// "sound on", or why there is none. Any thread.
-    std::string state() const;
-
-    struct Shared;  ///< with the thread, which may outlive this
-
-private:
-    std::shared_ptr<Shared> shared_;
-    std::thread thread_;
-};
-
-/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete, or as complete as a
-/// disk that became full let it be.
-class SoundFile {
-public:
-    /// An error (ErrorKind::input) where nothing can be written there.
-    static Result<std::unique_ptr<SoundFile>> create(const std::filesystem::path& file, Existing existing,
-                                                     std::string name);
-    /// What does not fit into a WAV file, after six hours, is left out.
-    void add(std::span<const StereoSample> samples);
-    /// Why nothing more is added; any thread.
-    std::optional<Error> fault() const;
-    /// Gives the file its name. An error where anything could not be written.
-    Result<void> finish();
-
-private:
-    explicit SoundFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
-
-    const std::unique_ptr<OutputFile> file_;
-    std::uint32_t bytes_ = 0;  // of samples
-    std::string words_;
-    bool is_faulty_ = false;
-    mutable std::mutex mutex_;
-    std::optional<Error> fault_;  // guarded by it
+    /// Of any file whose sound FFmpeg decodes, such as a WAV file. Refused (ErrorKind::input): one without
+    /// sound, or of more than `longest_s`.
+    static Result<std::shared_ptr<const SpokenSound>> read(const std::filesystem::path& file);
 };
 
 /// Makes a sound of what the window's fingers feel, and adds the clip's own sound: for loudspeakers, for a
@@ -106,6 +53,7 @@ public:
     static Result<std::unique_ptr<WindowSound>> create(bool loudspeakers,
                                                        const std::optional<std::filesystem::path>& file,
                                                        Existing existing, std::string name = "the sound");
+    ~WindowSound();
 
     /// The next tick that is known, from a session's thread, one session at a time. `passed`: how many ticks
     /// it is after the one before; more than 1 where those between are not known.
@@ -139,14 +87,16 @@ public:
     /// Why a clip with a sound track is silent, or in part; otherwise nothing.
     std::string clip_fault() const { return clip_->fault(); }
     /// Why the file gets no more; nothing where it does, or there is none.
-    std::optional<Error> file_fault() const { return file_ ? file_->fault() : std::nullopt; }
+    std::optional<Error> file_fault() const;
     /// In a few words, for a person.
     std::string state() const;
     /// Completes the file. After the last session's end.
     Result<void> finish();
 
 private:
-    WindowSound() = default;
+    class WavFile;
+    class Loudspeakers;
+    WindowSound();
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::atomic<int> volume_{100};
@@ -158,11 +108,11 @@ private:
     std::optional<FilmedSound> film_;
     std::chrono::steady_clock::time_point film_begun_;
     std::atomic<bool> is_filmed_{false};
-    std::unique_ptr<SoundFile> file_;
+    std::unique_ptr<WavFile> file_;
     std::optional<GamepadRumble> rumble_;
     HeardSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
     ContactSound::Samples samples_{};
-    std::optional<SoundOutput> output_;
+    std::unique_ptr<Loudspeakers> output_;
 };
 
 /// Hears what the fingers of one session do.

@@ -11,7 +11,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/audio/heard_sound.hpp"
+#include "player/audio/window_sound.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/persistent_device.hpp"

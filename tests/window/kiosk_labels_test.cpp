@@ -10,6 +10,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
+#include "player/audio/window_sound.hpp"
 #include "tests/player/program.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"
