@@ -626,9 +626,11 @@ const HandOptions::Entry* HandOptions::find(std::string_view name) const {
     return at == entries_.end() ? nullptr : &*at;
 }
 
-std::size_t HandOptions::colon_in(std::string_view description) {
+std::pair<std::string_view, std::string_view> HandOptions::file_and_pairs(std::string_view description) {
     const std::size_t equals = description.rfind('=');
-    return equals == std::string_view::npos ? equals : description.rfind(':', equals);
+    const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
+    if (colon == description.npos) return {description, {}};
+    return {description.substr(0, colon), description.substr(colon + 1)};
 }
 
 bool HandOptions::given(std::string_view name) const {

@@ -28,6 +28,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -119,9 +120,9 @@ public:
     /// and whose they are: `of`, as "hand 'wander'".
     static Result<HandOptions> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
 
-    /// Where such pairs begin in "FILE[:key=value,...]", whose file may have ':' in its name: the place of
-    /// the last ':' with a '=' behind it; npos: there are none.
-    static std::size_t colon_in(std::string_view description);
+    /// The two of "FILE[:key=value,...]", whose file may have ':' in its name: pairs begin after the last ':'
+    /// with a '=' behind it.
+    static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description);
 
     bool given(std::string_view name) const;
     double number(std::string_view name) const;      ///< as given, or the key's default

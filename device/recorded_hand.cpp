@@ -365,9 +365,8 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
-    const std::size_t colon = HandOptions::colon_in(description);
-    const std::string file(description.substr(0, colon));
-    const std::string_view options = colon == std::string_view::npos ? "" : description.substr(colon + 1);
+    const auto [name, options] = HandOptions::file_and_pairs(description);
+    const std::string file(name);
     if (file.empty()) return csv_hand_refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");
     TRY_ASSIGN(const auto given, HandOptions::parse("hand 'csv'", options, recorded_hand_keys));
     TRY_ASSIGN(const auto settings, motion_settings(given));

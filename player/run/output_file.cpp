@@ -250,16 +250,8 @@ Result<void> all_ok(const std::vector<Result<void>>& finished) {
     return fault ? Result<void>(*fault) : Result<void>();
 }
 
-DeviceTickLog::DeviceTickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
-
-std::vector<DeviceTickLog::Slot> DeviceTickLog::slots_for(int ticks, int fingers) {
-    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
-    for (Slot& slot : slots) {
-        slot.places.resize(static_cast<std::size_t>(fingers));
-        slot.newtons.resize(static_cast<std::size_t>(fingers));
-    }
-    return slots;
-}
+DeviceTickLog::DeviceTickLog(int ticks, int fingers)
+    : ring_(std::vector<Slot>(static_cast<std::size_t>(ticks), Slot(static_cast<std::size_t>(fingers)))) {}
 
 void DeviceTickLog::push(const Tick& tick) {
     const bool has_room = ring_.push([&tick](Slot& slot) {

@@ -368,9 +368,8 @@ std::string RecordingFile::tail_of(std::size_t part, std::uint64_t ticks, bool g
     if (goes_on) facts["goes_on"] = true;
     // Names of files need not be UTF-8; JSON must.
     const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-    const std::uint64_t facts_size = text.size();
     tail += text;
-    put(tail, facts_size, 8);
+    put(tail, text.size(), 8);
     put(tail, ticks, 8);
     return tail;
 }
@@ -443,15 +442,13 @@ Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, st
 }
 
 Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& hand) {
-    const std::string_view description = std::string_view(hand).substr(std::string_view("rec:").size());
-    const std::size_t colon = HandOptions::colon_in(description);
-    std::string file(description.substr(0, colon));
+    const auto [name, pairs] =
+        HandOptions::file_and_pairs(std::string_view(hand).substr(std::string_view("rec:").size()));
+    std::string file(name);
     if (file.empty())
         return usage_error("hand 'rec': no file; right would be rec:FILE, a recording of a run",
                            {{Setting::hand}, {Setting::record}});
-    TRY_ASSIGN(const auto given,
-               HandOptions::parse(
-                   "hand 'rec'", colon == std::string_view::npos ? "" : description.substr(colon + 1), keys));
+    TRY_ASSIGN(const auto given, HandOptions::parse("hand 'rec'", pairs, keys));
     TRY_ASSIGN(auto recording, read_recording(file));
     const double metres = scale_of(recording.front());
     for (const RecordedPart& part : recording) {

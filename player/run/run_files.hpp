@@ -175,10 +175,10 @@ public:
 
 private:
     struct Slot {
+        explicit Slot(std::size_t fingers) : places(fingers), newtons(fingers) {}
         Tick tick;
         std::vector<glm::dvec3> places, newtons;
     };
-    static std::vector<Slot> slots_for(int ticks, int fingers);
 
     SpscRing<Slot> ring_;
     std::atomic<std::int64_t> lost_{0};

@@ -13,10 +13,6 @@ namespace {
 constexpr double nearest_share = 0.02, deepest_share = 0.98;
 constexpr double clearance = 0.02;  // device metres
 
-double scale_of(const Scene& scene, double otherwise) {
-    return scene.device_metres_per_unit.value_or(otherwise);
-}
-
 /// What is seen between the nearest and the deepest that count, and a fifth of it in front.
 Workspace fitted(const Scene& scene, std::vector<double>& depths, double median, const glm::dvec3& reach) {
     const double near = quantile(depths, nearest_share), far = quantile(depths, deepest_share);
@@ -88,7 +84,7 @@ private:
 Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
     std::vector<double> depths = valid_depths(scene, first);
     Workspace workspace = default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5));
-    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    workspace.metres_per_scene_unit = scene.device_metres_per_unit.value_or(workspace.metres_per_scene_unit);
     return workspace;
 }
 
@@ -98,7 +94,7 @@ Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const gl
     const bool has_reach = reach.x > 0 && reach.y > 0 && reach.z > 0;
     Workspace workspace = has_reach ? fitted(scene, depths, median, reach)
                                     : default_workspace(scene.width, scene.camera.fx, median);
-    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    workspace.metres_per_scene_unit = scene.device_metres_per_unit.value_or(workspace.metres_per_scene_unit);
     if (!has_reach)
         workspace.origin.z = clearance / workspace.metres_per_scene_unit - quantile(depths, nearest_share);
     return workspace;
