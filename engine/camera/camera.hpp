@@ -39,7 +39,7 @@ using HowToTouch = std::function<std::string(const std::string& camera, const st
 std::string cameras_in_words(VideoSystem& system, const HowToTouch& how);
 
 /// A camera that is there now, or a stream, by whom its frames come.
-using PluggedChoice = std::variant<V4l2Choice, FramesetChoice, StreamChoice>;
+using PluggedChoice = std::variant<V4l2Choice, FramesetChoice, StreamSource>;
 
 /// As a person names it: its node, "pipe:CMD", "tcp://HOST:PORT", a stream's address.
 std::string name_of(const PluggedChoice& choice);

@@ -477,28 +477,26 @@ Opened open_url(const fs::path& path, const std::optional<fs::path>& scene_file,
                 const std::optional<SourceDescription>& known, const OpenSettings& wanted) {
     TRY_ASSIGN(const auto url, read_stream_url(path.string()));
     StreamSource source{.url = url};
+    std::optional<SceneDescription> described;
     if (scene_file) {
-        TRY_ASSIGN(auto described, read_scene_file(*scene_file));
-        source.described = std::move(described);
+        TRY_ASSIGN(described, read_scene_file(*scene_file));
     }
     if (url.transport == StreamTransport::http && !url.is_playlist()) {
         TRY_ASSIGN(auto found, open_http(url));
         if (found.file) {
             if (auto refused = names_others(*found.file)) return std::move(*refused);
-            auto reader =
-                open_file(*found.file, source.described, known.value_or(SourceDescription()), wanted);
+            auto reader = open_file(*found.file, described, known.value_or(SourceDescription()), wanted);
             if (const auto failure = found.end_opening()) return error_at(url.name(), *failure);
             if (reader) (*reader)->forget_inputs();
             return scene_file ? with_inputs(std::move(reader), {*scene_file}) : std::move(reader);
         }
         source.connection = std::move(found.stream);
-        source.wait = source.connection->waits();
     }
     if (known)
         return usage_error(
             url.name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
             of_bare_pictures());
-    auto reader = open_stream_clip(source, wanted.colour);
+    auto reader = open_stream_clip(source, described, wanted.colour);
     return scene_file ? with_inputs(std::move(reader), {*scene_file}) : std::move(reader);
 }
 
@@ -508,7 +506,7 @@ Opened open_stored(const fs::path& path, const std::optional<fs::path>& scene_fi
     if (is_stream_url(path.string())) return open_url(path, scene_file, known, wanted);
     TRY_ASSIGN(const auto is_folder, leads_to_folder(path));
     if (!is_folder && path.extension() == ".m3u8" && !scene_file && !known)
-        return open_stream_clip({.url = playlist_in_folder(path.string())}, wanted.colour);
+        return open_stream_clip({.url = playlist_in_folder(path.string())}, {}, wanted.colour);
     if (known && scene_file)
         return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
                            of_bare_pictures());

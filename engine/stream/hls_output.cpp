@@ -333,20 +333,20 @@ struct Rendition {
     std::int64_t most_bits_s = 0, stated_bits_s = 0;  // the latter in the master playlist
 };
 
-std::int64_t& bytes_of(const HlsRenditionForm& form, HlsFigures& figures) {
+std::int64_t& bytes_of(const HlsRenditionForm& form, HlsWriter::Figures& figures) {
     if (form.is_colour) return form.is_low ? figures.low_colour_bytes : figures.colour_bytes;
     return form.is_low ? figures.low_touch_bytes : figures.touch_bytes;
 }
 
 class FolderWriter final : public HlsWriter {
 public:
-    FolderWriter(const HlsSettings& settings, const SceneDescription& described, HlsFolder folder)
+    FolderWriter(const HlsWriter::Settings& settings, const SceneDescription& described, HlsFolder folder)
         : settings_(settings), described_(described), folder_(std::move(folder)) {}
     Result<void> take_sound(const std::optional<SoundPart>& sound);
     Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) override;
     Result<void> finish() override;
     const std::vector<std::string>& notes() const override { return notes_; }
-    const HlsFigures& figures() const override { return figures_; }
+    const HlsWriter::Figures& figures() const override { return figures_; }
 
 private:
     bool is_live() const { return settings_.window_ns > 0; }
@@ -365,11 +365,11 @@ private:
     Result<HlsShown> shown(const Rendition& rendition) const;
     Result<void> put_master();
 
-    const HlsSettings settings_;
+    const HlsWriter::Settings settings_;
     const SceneDescription described_;
     HlsFolder folder_;
     std::vector<std::string> notes_;
-    HlsFigures figures_;
+    HlsWriter::Figures figures_;
     std::vector<Rendition> renditions_;  // of each level the one that players show comes first
     std::optional<StreamSound> sound_;
     std::int64_t begin_ns_ = 0, newest_ns_ = 0;     // of the segment, and of the newest frame
@@ -559,10 +559,10 @@ class HlsChannel final : public StreamMuxer {
 public:
     explicit HlsChannel(HlsWriter& writer) : writer_(writer) {}
     std::span<const std::uint8_t> header() const override { return {}; }
-    Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                            bool is_key) override {
+    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                      bool is_key) override {
         TRY(writer_.add(frame, label, time_ns));
-        return StreamBlock{label.frame, is_key, {}};
+        return Block{label.frame, is_key, {}};
     }
 
 private:
@@ -571,7 +571,7 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsSettings& settings,
+Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsWriter::Settings& settings,
                                                    const SceneDescription& described,
                                                    const std::optional<SoundPart>& sound) {
     if (settings.segment_ns < hls_second / 2 || settings.segment_ns > 10 * hls_second)

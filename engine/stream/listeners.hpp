@@ -21,6 +21,13 @@ namespace touchable {
 /// The beginning of the one line that a listener by TCP gets in place of a stream; the reason follows.
 inline constexpr std::string_view stream_refusal = "touchable serve: ";
 
+/// Limits on a listener: the connection of one that goes beyond them is closed.
+struct StreamListener {
+    static constexpr std::int64_t longest_request_ns = 5'000'000'000;  ///< for a whole request by HTTP
+    static constexpr std::int64_t longest_piece_ns = 10'000'000'000;   ///< for taking a frameset
+    static constexpr std::size_t most_heard_bytes = 65536;  ///< sent by it, though it has nothing to send
+};
+
 /// A host and a port as sockets take them.
 struct SocketAddress {
     sockaddr_storage storage{};

@@ -15,6 +15,7 @@
 #include "engine/clip/readers.hpp"
 #include "engine/stream/jitter_buffer.hpp"
 #include "engine/stream/receiver.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 namespace {
@@ -22,10 +23,6 @@ namespace {
 /// One that sends no whole frameset for so long is said to be silent.
 constexpr std::int64_t is_silent_ns = 1'000'000'000;
 constexpr std::size_t most_waiting = 256, most_waiting_bytes = std::size_t{512} << 20;
-
-std::int64_t now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// When a frameset was taken, by our clock; `sent_ns` is by the sender's, ns since 1970. Where that cannot
 /// be, because its clock is not set as ours is, the moment at which it would have come by the shortest way.
@@ -47,16 +44,16 @@ std::optional<StreamFigures::Levels> sum_of(const std::optional<StreamFigures::L
 
 class LiveStream final : public ClipReader {
 public:
-    LiveStream(const StreamChoice& choice, const std::optional<SceneDescription>& described)
-        : source_{.url = choice.url, .patience = choice.patience, .described = described, .now_ns = now_ns},
-          run_(choice.url.name(), "stream"),
-          buffer_(std::chrono::nanoseconds(choice.latency).count()),
-          pace_(std::chrono::nanoseconds(choice.latency).count()) {
-        if (choice.connection && choice.connection->is_unread()) {
-            source_.connection = choice.connection;
-            source_.wait = choice.connection->waits();
-            source_.wait->each_alone();  // it may have been made long before
-        }
+    LiveStream(const StreamSource& source, const std::optional<SceneDescription>& described)
+        : source_(source),
+          described_(described),
+          run_(source.url.name(), "stream"),
+          buffer_(std::chrono::nanoseconds(source.latency).count()),
+          pace_(std::chrono::nanoseconds(source.latency).count()) {
+        if (source_.connection && !source_.connection->is_unread()) source_.connection.reset();
+        if (!source_.connection) return;
+        wait_ = source_.connection->waits();
+        wait_->each_alone();  // it may have been made long before
     }
     ~LiveStream() override;
     LiveStream(const LiveStream&) = delete;
@@ -84,6 +81,9 @@ private:
         Received received;
         JitterBuffer::Moments moments;
     };
+    Result<std::unique_ptr<StreamReceiver>> connect() const {
+        return StreamReceiver::open(source_, wait_, described_, steady_now_ns);
+    }
     void receive();
     bool connect_again(std::string why);
     std::string in_short(const Error& error) const;
@@ -95,6 +95,8 @@ private:
     std::optional<RawFrame> frame_of(Waiting waiting);
 
     StreamSource source_;
+    const std::optional<SceneDescription> described_;
+    std::shared_ptr<StreamWait> wait_ = std::make_shared<StreamWait>();
     CameraRun run_;
     Scene scene_;
     UnstatedFilters unstated_filters_;
@@ -131,14 +133,14 @@ private:
 Result<void> LiveStream::open() {
     if (run_.descriptor() < 0 || came_.descriptor() < 0)
         return Error{ErrorKind::internal, "no event can be made to wait for"};
-    TRY_ASSIGN(receiver_, StreamReceiver::open(source_));
+    TRY_ASSIGN(receiver_, connect());
     source_.connection.reset();
     scene_ = receiver_->scene();
     scene_.interpolation = FrameInterpolation::hold;
     unstated_filters_ = receiver_->unstated().filters;
     tracks_ = receiver_->tracks();
     notes_ = receiver_->notes();
-    newest_ns_ = now_ns();
+    newest_ns_ = steady_now_ns();
     return start_thread(thread_, "stream", "that receives the stream", [this] {
         try {
             receive();
@@ -149,7 +151,7 @@ Result<void> LiveStream::open() {
 }
 
 LiveStream::~LiveStream() {
-    source_.wait->interrupt();
+    wait_->interrupt();
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
@@ -175,7 +177,7 @@ void LiveStream::receive() {
             put(std::move(**received));
             continue;
         }
-        if (source_.wait->is_interrupted()) return;
+        if (wait_->is_interrupted()) return;
         if (!received && received.error().kind == ErrorKind::internal)
             return is_over(received.error().message);
         const std::string why =
@@ -208,7 +210,7 @@ bool LiveStream::connect_again(std::string why) {
     receiver_->hang_up();
     {
         const std::lock_guard lock(mutex_);
-        given_up_ += overdue(now_ns());
+        given_up_ += overdue(steady_now_ns());
     }
     for (int attempt = 0;; ++attempt) {
         {
@@ -217,8 +219,8 @@ bool LiveStream::connect_again(std::string why) {
             const auto pause = source_.patience.back_off * (1 << std::min(attempt, most_doublings));
             if (stopped_.wait_for(lock, pause, [this] { return stopping_; })) return false;
         }
-        auto receiver = StreamReceiver::open(source_);
-        if (source_.wait->is_interrupted()) return false;
+        auto receiver = connect();
+        if (wait_->is_interrupted()) return false;
         if (!receiver) {
             why = "cannot be had: " + in_short(receiver.error());
             continue;
@@ -255,7 +257,7 @@ void LiveStream::note(const StreamReceiver& receiver) {
 /// Where framesets are not taken, the oldest are left out; segments, which wait at their server, are not
 /// fetched.
 void LiveStream::put(Received received) {
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_now_ns();
     const bool in_segments = source_.url.is_playlist();
     auto moments = in_segments ? pace_.add(received.sent_ns, now) : buffer_.add(received.sent_ns, now);
     moments.taken_ns = taken_ns(received.sent_ns, moments, now);
@@ -280,7 +282,7 @@ void LiveStream::put(Received received) {
 std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
     const std::lock_guard lock(mutex_);
     came_.forget();
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_now_ns();
     const auto take = [this] {
         Waiting front = std::move(waiting_.front());
         waiting_.pop_front();
@@ -358,7 +360,7 @@ std::vector<std::string> LiveStream::remarks() const {
     const std::lock_guard lock(mutex_);
     if (!why_again_.empty())
         all.push_back("the sender " + why_again_ + "; connecting again");
-    else if (const std::int64_t silent = now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
+    else if (const std::int64_t silent = steady_now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
         all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
                                 1e-9 * static_cast<double>(silent)));
     if (figures_.connections > 1)
@@ -376,7 +378,8 @@ std::vector<std::string> LiveStream::remarks() const {
     const auto tell = [&all](std::int64_t count, const char* what) {
         if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
     };
-    tell(figures_.lost + given_up_ + overdue(now_ns()), "were lost on the way, or left out by the sender");
+    tell(figures_.lost + given_up_ + overdue(steady_now_ns()),
+         "were lost on the way, or left out by the sender");
     tell(figures_.late, "came late");
     tell(without_colour_, "came without their colour, which a narrow link leaves out first");
     tell(figures_.torn, "were damaged on the way, and left out");
@@ -386,7 +389,7 @@ std::vector<std::string> LiveStream::remarks() const {
 std::optional<StreamFigures> LiveStream::stream_figures() const {
     const std::lock_guard lock(mutex_);
     StreamFigures figures = figures_;
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_now_ns();
     figures.lost += given_up_ + overdue(now);
     figures.held = figures.late + figures.lost + figures.torn;
     if (over_.empty())
@@ -397,9 +400,9 @@ std::optional<StreamFigures> LiveStream::stream_figures() const {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamChoice& choice,
+Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamSource& source,
                                                      const std::optional<SceneDescription>& described) {
-    auto stream = std::make_unique<LiveStream>(choice, described);
+    auto stream = std::make_unique<LiveStream>(source, described);
     TRY(stream->open());
     return std::unique_ptr<ClipReader>(std::move(stream));
 }

@@ -345,28 +345,33 @@ std::size_t bytes_of_planes(const RawFrame& frame) {
     return bytes;
 }
 
-Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource& source) {
-    std::unique_ptr<StreamReceiver> receiver(new StreamReceiver(source));
+Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource& source,
+                                                             std::shared_ptr<StreamWait> wait,
+                                                             const std::optional<SceneDescription>& described,
+                                                             std::function<std::int64_t()> now_ns) {
+    std::unique_ptr<StreamReceiver> receiver(new StreamReceiver(source, wait));
     const bool is_called =
         source.url.transport == StreamTransport::srt && source.url.value("mode") == "listener";
     const auto until_called = is_called ? source.patience.caller : std::chrono::milliseconds(0);
-    if (!source.wait->is_together()) source.wait->together_at_most(until_called + source.patience.opening);
-    auto begun = receiver->connect(source);
+    if (!wait->is_together()) wait->together_at_most(until_called + source.patience.opening);
+    auto begun = receiver->connect(source, described, std::move(now_ns));
     if (begun) begun = receiver->read_first();
-    source.wait->each_alone();
+    wait->each_alone();
     TRY(begun);
     return receiver;
 }
 
-Result<void> StreamReceiver::connect(const StreamSource& source) {
+Result<void> StreamReceiver::connect(const StreamSource& source,
+                                     const std::optional<SceneDescription>& described,
+                                     std::function<std::int64_t()> now_ns) {
     if (source.url.is_playlist()) {
         wait_->at_most(source.patience.opening);
-        TRY_ASSIGN(pictures_, open_hls_stream(source.url, wait_, source.described, source.now_ns));
+        TRY_ASSIGN(pictures_, open_hls_stream(source.url, wait_, described, std::move(now_ns)));
         return {};
     }
     std::shared_ptr<StreamBytes> bytes = source.connection;
     if (!bytes) {
-        auto connected = StreamBytes::connect(source.url, source.wait, source.patience);
+        auto connected = StreamBytes::connect(source.url, wait_, source.patience);
         if (!connected) return error_at(name_, connected.error());
         bytes = std::move(*connected);
     }
@@ -384,7 +389,7 @@ Result<void> StreamReceiver::connect(const StreamSource& source) {
                            ": sends neither Matroska nor MPEG-TS; right would be a touchable serve there");
     }
     TRY_ASSIGN(pictures_, (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
-                              std::move(bytes), name_, source.described));
+                              std::move(bytes), name_, described));
     return {};
 }
 

@@ -6,14 +6,16 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/clip/clip.hpp"
-#include "engine/stream/receiving.hpp"
+#include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_pictures.hpp"
 
 namespace touchable {
@@ -139,8 +141,12 @@ std::size_t bytes_of_planes(const RawFrame& frame);
 /// One connection to a sender: framesets in order, those alone that are whole, each with what `Scene` says.
 class StreamReceiver {
 public:
-    /// Connects, and reads what it sends up to the first whole frameset. Errors name the stream.
-    static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source);
+    /// Connects, and reads what it sends up to the first whole frameset. Errors name the stream. `wait` ends
+    /// its reads; `described` stands in place of its own scene; `now_ns` as HlsInput::open has it.
+    static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source,
+                                                        std::shared_ptr<StreamWait> wait,
+                                                        const std::optional<SceneDescription>& described,
+                                                        std::function<std::int64_t()> now_ns = {});
 
     const Scene& scene() const { return scene_; }
     const SceneDescription::Unstated& unstated() const { return unstated_; }
@@ -171,8 +177,10 @@ public:
     bool was_broken_off() const { return pictures_->was_lost() || assembler_->has_part(); }
 
 private:
-    explicit StreamReceiver(const StreamSource& source) : name_(source.url.name()), wait_(source.wait) {}
-    Result<void> connect(const StreamSource& source);
+    StreamReceiver(const StreamSource& source, std::shared_ptr<StreamWait> wait)
+        : name_(source.url.name()), wait_(std::move(wait)) {}
+    Result<void> connect(const StreamSource& source, const std::optional<SceneDescription>& described,
+                         std::function<std::int64_t()> now_ns);
     Result<void> read_first();
     Result<void> take(StreamPictures::Came came);
     Received received(WholeFrameset frameset) const;

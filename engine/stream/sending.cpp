@@ -36,8 +36,8 @@ void StreamRing::begin(std::span<const std::uint8_t> header, std::span<const std
     changed();
 }
 
-void StreamRing::add(StreamBlock block) {
-    auto shared = std::make_shared<const StreamBlock>(std::move(block));
+void StreamRing::add(StreamMuxer::Block block) {
+    auto shared = std::make_shared<const StreamMuxer::Block>(std::move(block));
     {
         const std::lock_guard lock(mutex_);
         if (shared->is_key) newest_key_ = end_of_kept();
@@ -131,7 +131,7 @@ void StreamAudience::came(const std::string& name) {
     ++there_;
 }
 
-void StreamAudience::went(ListenerFigures figures) {
+void StreamAudience::went(Listener figures) {
     const std::lock_guard lock(mutex_);
     say_(figures.name + (figures.end.empty() ? " has all of it: " : " " + figures.end + ": ") +
          std::to_string(figures.sent) + " framesets sent, " +
@@ -152,7 +152,7 @@ void StreamAudience::remark(const std::string& line) {
     say_(line);
 }
 
-std::vector<ListenerFigures> StreamAudience::gone() const {
+std::vector<StreamAudience::Listener> StreamAudience::gone() const {
     const std::lock_guard lock(mutex_);
     return gone_;
 }
@@ -162,23 +162,23 @@ std::int64_t StreamAudience::all() const {
     return all_;
 }
 
-// --- SteadySenderTime
+// --- StreamSender::Time
 
-std::int64_t SteadySenderTime::now_ns() {
+std::int64_t StreamSender::Time::now_ns() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::int64_t SteadySenderTime::utc_ns() {
+std::int64_t StreamSender::Time::utc_ns() {
     return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-bool SteadySenderTime::wait_until(std::int64_t at_ns) {
+bool StreamSender::Time::wait_until(std::int64_t at_ns) {
     const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
     std::unique_lock lock(mutex_);
     return !told_.wait_until(lock, at, [this] { return is_over_; });
 }
 
-void SteadySenderTime::end() {
+void StreamSender::Time::end() {
     const std::lock_guard lock(mutex_);
     is_over_ = true;
     told_.notify_all();
@@ -194,7 +194,7 @@ void StreamSender::end() {
 
 Result<void> StreamSender::run() {
     auto sent = send_all();
-    for (const StreamChannel& channel : channels_) channel.ring.end();
+    for (const Channel& channel : channels_) channel.ring.end();
     const bool is_ended = is_told_to_end_ && !sent && sent.error().kind == ErrorKind::interrupted;
     return is_ended ? Result<void>{} : std::move(sent);
 }
@@ -262,8 +262,8 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     const PictureLabel label{figures_.framesets, time_.utc_ns() + due.at_ns - time_.now_ns()};
     const bool key = is_key(due.time_ns);
     const bool is_ahead = !clip_->is_live() && settings_.is_paced;
-    std::vector<StreamBlock> blocks;
-    for (StreamChannel& channel : channels_) {
+    std::vector<StreamMuxer::Block> blocks;
+    for (Channel& channel : channels_) {
         TRY_ASSIGN(auto block, channel.muxer->add(frame, label, due.time_ns, key));
         if (is_ahead)
             blocks.push_back(std::move(block));
@@ -281,7 +281,7 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     return true;
 }
 
-void StreamSender::give(StreamChannel& channel, StreamBlock block) {
+void StreamSender::give(Channel& channel, StreamMuxer::Block block) {
     if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header(), channel.muxer->padding());
     figures_.bytes += std::ssize(block.bytes);
     channel.ring.add(std::move(block));

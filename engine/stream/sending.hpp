@@ -19,8 +19,8 @@
 //
 // Threads: StreamSender::run, its muxers and HlsWriter belong to one thread. StreamRing and StreamAudience
 // may be called by any thread, but each ring cursor by one. Servers and outputs have threads of their own;
-// create, start and destroy them on one thread. Rings, audience and SenderTime outlive all that refers to
-// them.
+// create, start and destroy them on one thread. Rings, audience and StreamSender::Time outlive all that
+// refers to them.
 
 #include <atomic>
 #include <chrono>
@@ -48,32 +48,32 @@ namespace touchable {
 
 // --- Forms of a stream
 
-/// A frameset as a container has it: bytes that follow those of any frameset before. A listener may begin
-/// with any block that is a key.
-struct StreamBlock {
-    std::int64_t frame = 0;  ///< its number in the stream
-    bool is_key = false;     ///< decoding of all planes begins here
-    std::vector<std::uint8_t> bytes;
-    /// Bytes at the end that are its colour alone. A listener that goes without them does so until a key.
-    std::size_t colour_bytes = 0;
-
-    std::span<const std::uint8_t> given(bool with_colour) const {
-        return std::span(bytes).first(bytes.size() - (with_colour ? 0 : colour_bytes));
-    }
-};
-
 /// Makes the bytes of a stream, once for all listeners. One thread. Every plane that is felt is lossless,
 /// each picture is labelled and can be checked; the scene goes with each beginning.
 class StreamMuxer {
 public:
+    /// A frameset as a container has it: bytes that follow those of any frameset before. A listener may begin
+    /// with any block that is a key.
+    struct Block {
+        std::int64_t frame = 0;  ///< its number in the stream
+        bool is_key = false;     ///< decoding of all planes begins here
+        std::vector<std::uint8_t> bytes;
+        /// Bytes at the end that are its colour alone. A listener that goes without them does so until a key.
+        std::size_t colour_bytes = 0;
+
+        std::span<const std::uint8_t> given(bool with_colour) const {
+            return std::span(bytes).first(bytes.size() - (with_colour ? 0 : colour_bytes));
+        }
+    };
+
     virtual ~StreamMuxer() = default;
     /// The bytes that every listener is given first; available once the first frame was added.
     virtual std::span<const std::uint8_t> header() const = 0;
     /// A few bytes without meaning, which may follow any block.
     virtual std::span<const std::uint8_t> padding() const { return {}; }
     /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
-    virtual Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                                    bool is_key) = 0;
+    virtual Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                              bool is_key) = 0;
 };
 
 /// A stream in our clips' own form, Matroska: tracks with their roles, the scene attached, and for each
@@ -97,24 +97,6 @@ Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& d
 /// The playlist in an HlsWriter's folder that players open.
 inline constexpr std::string_view hls_master_name = "master.m3u8";
 
-struct HlsSettings {
-    std::filesystem::path folder;
-    std::int64_t segment_ns = 1'000'000'000;  ///< from 0.5 s to 10 s
-    /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
-    /// playlists come with the end.
-    std::int64_t window_ns = 0;
-    bool has_low = false;  ///< a second level of about half the bytes, for narrow links
-};
-
-/// Figures of what was written, and of what each viewer fetches of it.
-struct HlsFigures {
-    std::int64_t segments = 0, duration_ns = 0;              ///< of the segments that are complete
-    std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of them
-    std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in place of those, where the link is narrow
-    /// Of both media playlists, as they are now; a live stream's are fetched once a segment.
-    std::int64_t playlist_bytes = 0;
-};
-
 /// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
 /// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
 /// same frames, and a master playlist in which ordinary players find the colour alone. The low level has both
@@ -123,10 +105,28 @@ struct HlsFigures {
 /// playlist that names it. One thread.
 class HlsWriter {
 public:
+    struct Settings {
+        std::filesystem::path folder;
+        std::int64_t segment_ns = 1'000'000'000;  ///< from 0.5 s to 10 s
+        /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
+        /// playlists come with the end.
+        std::int64_t window_ns = 0;
+        bool has_low = false;  ///< a second level of about half the bytes, for narrow links
+    };
+
+    /// Figures of what was written, and of what each viewer fetches of it.
+    struct Figures {
+        std::int64_t segments = 0, duration_ns = 0;              ///< of the segments that are complete
+        std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of them
+        std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in their place, where the link is narrow
+        /// Of both media playlists, as they are now; a live stream's are fetched once a segment.
+        std::int64_t playlist_bytes = 0;
+    };
+
     virtual ~HlsWriter() = default;
     /// Refused: a folder with files of others, a scene that no clip can have, a length that is out of range
     /// (ErrorKind::usage). Sound that is not AAC is left out, which a note says.
-    static Result<std::unique_ptr<HlsWriter>> open(const HlsSettings& settings,
+    static Result<std::unique_ptr<HlsWriter>> open(const Settings& settings,
                                                    const SceneDescription& described,
                                                    const std::optional<SoundPart>& sound = {});
 
@@ -136,7 +136,7 @@ public:
     virtual Result<void> finish() = 0;
     /// Remarks for a person, once the first frame was added.
     virtual const std::vector<std::string>& notes() const = 0;
-    virtual const HlsFigures& figures() const = 0;
+    virtual const Figures& figures() const = 0;
 };
 
 /// A form of a stream whose framesets go into an HlsWriter's folder: its blocks have no bytes, and decoding
@@ -145,17 +145,17 @@ std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer);
 
 // --- Listeners and what they are given
 
-/// How far behind the newest frameset a listener may be, before whole framesets are left out for it.
-struct StreamBounds {
-    std::int64_t framesets = 30;
-    std::size_t bytes = std::size_t{64} << 20U;
-};
-
 /// A stream's header and its newest framesets, shared by all listeners. Keeps as many framesets as the bounds
 /// allow, and always those from the newest key on. Any thread may call it, but each cursor belongs to one.
 class StreamRing {
 public:
-    using Block = std::shared_ptr<const StreamBlock>;
+    /// How far behind the newest frameset a listener may be, before whole framesets are left out for it.
+    struct Bounds {
+        std::int64_t framesets = 30;
+        std::size_t bytes = std::size_t{64} << 20U;
+    };
+
+    using Block = std::shared_ptr<const StreamMuxer::Block>;
     using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
     /// The place of one listener.
@@ -169,13 +169,14 @@ public:
         std::int64_t dropped_ = 0;
     };
 
-    explicit StreamRing(const StreamBounds& bounds = {}) : bounds_(bounds) {}
+    StreamRing() = default;
+    explicit StreamRing(const Bounds& bounds) : bounds_(bounds) {}
     /// `wake` is called after each change, on the thread that made it. Call this before others use the ring.
     void watch(std::function<void()> wake) { watchers_.push_back(std::move(wake)); }
 
     /// Header and padding (StreamMuxer); before the first block.
     void begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding = {});
-    void add(StreamBlock block);
+    void add(StreamMuxer::Block block);
     /// No block comes any more.
     void end();
 
@@ -209,7 +210,7 @@ private:
     std::int64_t end_of_kept() const { return first_ + std::ssize(kept_); }
     void changed();
 
-    const StreamBounds bounds_;
+    const Bounds bounds_;
     std::vector<std::function<void()>> watchers_;
     mutable std::mutex mutex_;
     mutable std::condition_variable there_is_more_;
@@ -223,32 +224,25 @@ private:
     bool is_over_ = false;
 };
 
-/// Limits on a listener: the connection of one that goes beyond them is closed.
-struct StreamListener {
-    static constexpr std::int64_t longest_request_ns = 5'000'000'000;  ///< for a whole request by HTTP
-    static constexpr std::int64_t longest_piece_ns = 10'000'000'000;   ///< for taking a frameset
-    static constexpr std::size_t most_heard_bytes = 65536;  ///< sent by it, though it has nothing to send
-};
-
-/// Figures of one listener.
-struct ListenerFigures {
-    std::string name;                    ///< "tcp://192.168.0.5:41234"
-    std::int64_t sent = 0, dropped = 0;  ///< framesets
-    std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
-    std::string end{};                   ///< why it is not there any more; empty: it had all of the stream
-    std::optional<StreamFigures::Link> link{};  ///< of its connection, where the transport counts (SRT)
-};
-
 /// The listeners of a stream, now and before, and what they were given. Any thread.
 class StreamAudience {
 public:
+    /// Figures of one listener.
+    struct Listener {
+        std::string name;                    ///< "tcp://192.168.0.5:41234"
+        std::int64_t sent = 0, dropped = 0;  ///< framesets
+        std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
+        std::string end{};                  ///< why it is not there any more; empty: it had all of the stream
+        std::optional<LinkFigures> link{};  ///< of its connection, where the transport counts (SRT)
+    };
+
     static constexpr int most_listeners = 64;
 
     /// `say` gets one line for each listener that comes or goes, from one thread at a time.
     explicit StreamAudience(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
 
     void came(const std::string& name);
-    void went(ListenerFigures figures);
+    void went(Listener figures);
     /// Says that a listener's link is too narrow for the colour.
     void goes_without_colour(const std::string& name);
     /// Another line for a person about the listeners.
@@ -257,13 +251,13 @@ public:
     int there() const { return there_; }
     bool has_room() const { return there_ < most_listeners; }
     /// Those that left, the earliest first, the last 256; `all` counts every listener so far.
-    std::vector<ListenerFigures> gone() const;
+    std::vector<Listener> gone() const;
     std::int64_t all() const;
 
 private:
     mutable std::mutex mutex_;
     std::function<void(const std::string&)> say_;  // guarded by mutex_, as is what follows
-    std::vector<ListenerFigures> gone_;
+    std::vector<Listener> gone_;
     std::int64_t all_ = 0;
     std::atomic<int> there_{0};
 };
@@ -331,64 +325,57 @@ std::int64_t wait_before_call_ns(int calls_in_vain);
 
 // --- The sender
 
-/// A sender's clock; a test has its own, which passes when it wants.
-class SenderTime {
-public:
-    virtual ~SenderTime() = default;
-    /// The time of std::chrono::steady_clock, ns.
-    virtual std::int64_t now_ns() = 0;
-    /// The time since 1970 (UTC), ns; it may be stepped.
-    virtual std::int64_t utc_ns() = 0;
-    /// False where `end` came before.
-    virtual bool wait_until(std::int64_t at_ns) = 0;
-    /// From any thread: ends the wait, and all later ones at once.
-    virtual void end() = 0;
-};
-
-class SteadySenderTime final : public SenderTime {
-public:
-    std::int64_t now_ns() override;
-    std::int64_t utc_ns() override;
-    bool wait_until(std::int64_t at_ns) override;
-    void end() override;
-
-private:
-    std::mutex mutex_;
-    std::condition_variable told_;
-    bool is_over_ = false;  // guarded by mutex_
-};
-
-/// A form in which a stream is sent, and where its framesets go.
-struct StreamChannel {
-    std::unique_ptr<StreamMuxer> muxer;
-    StreamRing& ring;
-};
-
-struct SendSettings {
-    bool loop = false;                         ///< of a clip: from its beginning again and again
-    std::optional<std::int64_t> longest_ns{};  ///< of the stream
-    bool is_paced = true;                      ///< of a clip: otherwise as fast as it can be read and encoded
-};
-
-/// Figures of what was sent, with listeners or without.
-struct SendFigures {
-    std::int64_t framesets = 0, keys = 0, bytes = 0;
-    std::int64_t rounds = 0;      ///< of a loop, begun
-    std::int64_t latest_ns = 0;   ///< the most by which a frameset was behind its time
-    std::int64_t held_up_ns = 0;  ///< delay that was not made up for
-    bool clip_ended = false;      ///< it gave no further frame: a camera is gone
-};
-
 /// Sends a clip at its own times, or a camera's frames as they are taken: each is encoded once in every form.
 /// Frames are numbered one after the other and times go on, also from round to round of a loop. Decoding of
 /// all planes begins at least every half second, and every 15 frames.
 class StreamSender {
 public:
+    /// A sender's clock and its waits: those of std::chrono::steady_clock, or a test's, which pass when it
+    /// wants.
+    class Time {
+    public:
+        virtual ~Time() = default;
+        /// The time of std::chrono::steady_clock, ns.
+        virtual std::int64_t now_ns();
+        /// The time since 1970 (UTC), ns; it may be stepped.
+        virtual std::int64_t utc_ns();
+        /// False where `end` came before.
+        virtual bool wait_until(std::int64_t at_ns);
+        /// From any thread: ends the wait, and all later ones at once.
+        virtual void end();
+
+    private:
+        std::mutex mutex_;
+        std::condition_variable told_;
+        bool is_over_ = false;  // guarded by mutex_
+    };
+
+    /// A form in which a stream is sent, and where its framesets go.
+    struct Channel {
+        std::unique_ptr<StreamMuxer> muxer;
+        StreamRing& ring;
+    };
+
+    struct Settings {
+        bool loop = false;                         ///< of a clip: from its beginning again and again
+        std::optional<std::int64_t> longest_ns{};  ///< of the stream
+        bool is_paced = true;  ///< of a clip: otherwise as fast as it can be read and encoded
+    };
+
+    /// Figures of what was sent, with listeners or without.
+    struct Figures {
+        std::int64_t framesets = 0, keys = 0, bytes = 0;
+        std::int64_t rounds = 0;      ///< of a loop, begun
+        std::int64_t latest_ns = 0;   ///< the most by which a frameset was behind its time
+        std::int64_t held_up_ns = 0;  ///< delay that was not made up for
+        bool clip_ended = false;      ///< it gave no further frame: a camera is gone
+    };
+
     /// From `run` to the first frame of a clip: by then its first frames are encoded.
     static constexpr std::int64_t lead_ns = 100'000'000;
 
-    StreamSender(std::unique_ptr<ClipReader> clip, std::vector<StreamChannel> channels,
-                 const SendSettings& settings, SenderTime& time)
+    StreamSender(std::unique_ptr<ClipReader> clip, std::vector<Channel> channels, const Settings& settings,
+                 Time& time)
         : clip_(std::move(clip)), channels_(std::move(channels)), settings_(settings), time_(time) {}
 
     /// Sends from the clip's beginning until it ends, `longest_ns` is over, or `end` is called; the rings are
@@ -401,7 +388,7 @@ public:
     /// Remarks for a person, such as that the camera was unplugged.
     std::vector<std::string> remarks() const { return clip_->remarks(); }
     /// Once it has run.
-    const SendFigures& figures() const { return figures_; }
+    const Figures& figures() const { return figures_; }
 
 private:
     struct Due {
@@ -413,16 +400,16 @@ private:
     Due due(const RawFrame& frame) const;
     Result<bool> send(const RawFrame& frame, const Due& due);
     bool is_key(std::int64_t time_ns);
-    void give(StreamChannel& channel, StreamBlock block);
+    void give(Channel& channel, StreamMuxer::Block block);
     void keep_pace(const Due& due);
 
     const std::unique_ptr<ClipReader> clip_;
-    std::vector<StreamChannel> channels_;
-    const SendSettings settings_;
-    SenderTime& time_;
+    std::vector<Channel> channels_;
+    const Settings settings_;
+    Time& time_;
     std::atomic<bool> is_told_to_end_{false};
     std::atomic<std::int64_t> sent_{0};
-    SendFigures figures_;
+    Figures figures_;
     std::int64_t begin_ns_ = 0;  // time 0 of the stream
     std::int64_t round_ns_ = 0;  // when the round began, of a stream whose frames have own times
     std::int64_t frames_of_round_ = 0;

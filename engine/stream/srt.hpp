@@ -15,7 +15,7 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/stream/listeners.hpp"
-#include "engine/stream/receiving.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 

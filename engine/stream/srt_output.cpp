@@ -108,7 +108,7 @@ private:
     const SrtSettings settings_;
     const StreamRing& ring_;
     StreamAudience& audience_;
-    SteadySenderTime time_;
+    StreamSender::Time time_;
     std::atomic<bool> stop_{false}, is_over_{false};
     std::atomic<std::int64_t> refused_{0};
     std::function<bool()> may_come_ = [this] {

@@ -14,15 +14,11 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/stream/receiving.hpp"
 #include "engine/stream/srt.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 namespace {
-
-std::int64_t steady_now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // --- FFmpeg's protocols
 
@@ -152,7 +148,7 @@ Result<std::shared_ptr<StreamBytes>> open_pipe(const StreamUrl& url, std::shared
 /// A file on a server, shared by all its readers. It holds the part that was read last.
 class HttpFile {
 public:
-    HttpFile(StreamUrl url, const StreamPatience& patience, std::uint64_t size,
+    HttpFile(StreamUrl url, const StreamSource::Patience& patience, std::uint64_t size,
              std::shared_ptr<StreamWait> wait, std::shared_ptr<StreamBytes> connection)
         : url_(std::move(url)),
           patience_(patience),
@@ -220,7 +216,7 @@ private:
     }
 
     const StreamUrl url_;
-    const StreamPatience patience_;
+    const StreamSource::Patience patience_;
     const std::uint64_t size_;
     const std::shared_ptr<StreamWait> wait_;
     std::atomic<bool> is_opening_{true};
@@ -262,7 +258,7 @@ Error StreamWait::in_time(Error error) const {
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
-                                                          const StreamPatience& patience) {
+                                                          const StreamSource::Patience& patience) {
     silence_ffmpeg();
     const bool listens = url.transport == StreamTransport::srt && url.value("mode") == "listener";
     wait->at_most(listens ? patience.caller : patience.connection);
@@ -305,7 +301,7 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
 
 // --- open_http
 
-Result<HttpSource> open_http(const StreamUrl& url, const StreamPatience& patience) {
+Result<HttpSource> open_http(const StreamUrl& url, const StreamSource::Patience& patience) {
     const auto wait = std::make_shared<StreamWait>();
     wait->together_at_most(patience.opening);
     auto connection = StreamBytes::connect(url, wait, patience);

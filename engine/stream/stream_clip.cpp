@@ -127,8 +127,11 @@ std::vector<std::string> StreamClip::remarks() const {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source, Colour colour) {
-    TRY_ASSIGN(auto receiver, StreamReceiver::open(source));
+Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source,
+                                                     const std::optional<SceneDescription>& described,
+                                                     Colour colour) {
+    const auto wait = source.connection ? source.connection->waits() : std::make_shared<StreamWait>();
+    TRY_ASSIGN(auto receiver, StreamReceiver::open(source, wait, described));
     auto clip = std::make_unique<StreamClip>(source, std::move(receiver));
     if (colour == Colour::left_out) clip->leave_out_colour();
     return std::unique_ptr<ClipReader>(std::move(clip));

@@ -37,8 +37,8 @@ public:
         static constexpr std::array<std::uint8_t, 2> empty_void{0xEC, 0x80};
         return empty_void;
     }
-    Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                            bool is_key) override;
+    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                      bool is_key) override;
 
 private:
     struct Track {
@@ -98,8 +98,8 @@ Result<void> MatroskaStream::write_picture(std::size_t track, const PlaneView& p
     return muxer_->write(*packet, static_cast<int>(track), stream_millisecond);
 }
 
-Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabel& label,
-                                        std::int64_t time_ns, bool is_key) {
+Result<StreamMuxer::Block> MatroskaStream::add(const RawFrame& frame, const PictureLabel& label,
+                                               std::int64_t time_ns, bool is_key) {
     RawFrame counted = frame;  // frames of a stream count up, whatever their numbers in the clip
     counted.number = check_.frames();
     TRY(check_.check(counted, scene_));
@@ -110,7 +110,7 @@ Result<StreamBlock> MatroskaStream::add(const RawFrame& frame, const PictureLabe
         TRY(sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) {
             return muxer_->write(packet, sound_stream_, stream_millisecond);
         }));
-    StreamBlock block{label.frame, is_key, {}};
+    Block block{label.frame, is_key, {}};
     // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
     for (const bool is_colour : {false, true}) {
         for (std::size_t k = 0; k < tracks_.size(); ++k) {
@@ -140,8 +140,8 @@ public:
         static constexpr std::array<std::uint8_t, 188> null_packet{0x47, 0x1F, 0xFF, 0x10};
         return null_packet;
     }
-    Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                            bool is_key) override;
+    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                      bool is_key) override;
 
 private:
     Result<void> open(const RawFrame& first);
@@ -167,8 +167,8 @@ Result<void> MpegtsMuxer::open(const RawFrame& first) {
     return {};
 }
 
-Result<StreamBlock> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                                     bool is_key) {
+Result<StreamMuxer::Block> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& label,
+                                            std::int64_t time_ns, bool is_key) {
     if (!encoder_) {
         TRY(open(frame));
         is_key = true;
@@ -183,7 +183,7 @@ Result<StreamBlock> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& 
         packet.pts = packet.dts = tick;
         TRY(muxer_->write(packet, static_cast<int>(k), clock_90_khz));
     }
-    return StreamBlock{label.frame, is_key, muxer_->take()};
+    return Block{label.frame, is_key, muxer_->take()};
 }
 
 }  // namespace

@@ -121,14 +121,14 @@ Result<void> take_stream(SessionOptions& session) {
     const std::string words = session.clip.file.string();
     if (session.camera || !session.live || !is_stream_url(words)) return {};
     TRY_ASSIGN(auto url, read_stream_url(words));
-    StreamChoice choice{.url = url};
+    StreamSource source{.url = url};
     if (url.transport == StreamTransport::http && !url.is_playlist()) {
         TRY_ASSIGN(auto found, open_http(url));
         if (found.file) return {};
-        choice.connection = std::move(found.stream);
+        source.connection = std::move(found.stream);
     }
     session.camera = "stream:" + url.name();
-    session.clip.take({std::move(choice), {}, {}});
+    session.clip.take({std::move(source), {}, {}});
     return {};
 }
 
@@ -344,7 +344,7 @@ CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {
 Result<void> read_live_stream(bool has_latency, SessionOptions& session) {
     if (auto taken = take_stream(session); !taken.ok()) return taken;
     auto& plugged = session.clip.plugged;
-    auto* const stream = plugged ? std::get_if<StreamChoice>(&*plugged) : nullptr;
+    auto* const stream = plugged ? std::get_if<StreamSource>(&*plugged) : nullptr;
     if (stream) stream->latency = std::chrono::milliseconds(session.stream_latency_ms);
     if (stream || !has_latency) return {};
     return usage_error(

@@ -43,7 +43,7 @@ struct ServeOptions {
     int listeners = 0;  ///< that are there before it begins
     std::optional<std::int64_t> longest_ns;
     bool mpegts = false;  ///< over SRT: as stock tools read it
-    std::optional<HlsSettings> hls;
+    std::optional<HlsWriter::Settings> hls;
     std::optional<std::filesystem::path> json;
     Existing existing = Existing::keep;  ///< of `json`
 };
@@ -127,7 +127,7 @@ private:
     StreamRing nobody_;  // listens to what goes into a folder
     std::unique_ptr<StreamServer> server_;
     std::vector<std::unique_ptr<SrtOutput>> outputs_;
-    SteadySenderTime time_;
+    StreamSender::Time time_;
     std::unique_ptr<StreamSender> sender_;
     std::thread thread_;
     std::int64_t cpu_ns_ = 0, begin_ns_ = 0, end_ns_ = 0;
@@ -236,12 +236,12 @@ Result<void> Serving::send() {
         if (interrupted()) return interrupted_error();
         std::this_thread::sleep_for(serve_look_again);
     }
-    std::vector<StreamChannel> channels;
+    std::vector<StreamSender::Channel> channels;
     for (auto* const form : {&matroska_, &mpegts_})
         if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
     if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
     const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
-    const SendSettings settings{options_.loop, options_.longest_ns, is_paced};
+    const StreamSender::Settings settings{options_.loop, options_.longest_ns, is_paced};
     sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
     begin_ns_ = time_.now_ns();
     cpu_ns_ = cpu_ns();
@@ -289,7 +289,7 @@ std::optional<Error> Serving::lost_camera() const {
 
 /// What each viewer fetches, a live one with both playlists once a segment.
 nlohmann::ordered_json Serving::hls_as_json() const {
-    const HlsFigures& all = hls_->figures();
+    const HlsWriter::Figures& all = hls_->figures();
     const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
     const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
     const bool is_live = options_.hls->window_ns > 0;
@@ -310,14 +310,14 @@ nlohmann::ordered_json Serving::hls_as_json() const {
 }
 
 nlohmann::ordered_json Serving::report_as_json() const {
-    const SendFigures& sent = sender_->figures();
+    const StreamSender::Figures& sent = sender_->figures();
     const auto each = [&sent](double all) {
         return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
     };
     constexpr double ms = 1e-6;
     std::int64_t folder_bytes = 0;
     if (hls_) {
-        const HlsFigures& all = hls_->figures();
+        const HlsWriter::Figures& all = hls_->figures();
         folder_bytes = all.colour_bytes + all.touch_bytes + all.low_colour_bytes + all.low_touch_bytes;
     }
     nlohmann::ordered_json report{
@@ -335,7 +335,7 @@ nlohmann::ordered_json Serving::report_as_json() const {
         {"listeners_in_all", audience_.all()},
     };
     auto listeners = nlohmann::ordered_json::array();
-    for (const ListenerFigures& each_one : audience_.gone()) {
+    for (const StreamAudience::Listener& each_one : audience_.gone()) {
         nlohmann::ordered_json figures{{"name", each_one.name},
                                        {"sent", each_one.sent},
                                        {"dropped", each_one.dropped},
@@ -355,7 +355,7 @@ nlohmann::ordered_json Serving::report_as_json() const {
 
 std::string Serving::report_in_words() const {
     const auto report = report_as_json();
-    const SendFigures& sent = sender_->figures();
+    const StreamSender::Figures& sent = sender_->figures();
     std::string text;
     for (const std::string& note : notes_) text += "note: " + note + '\n';
     text += "sent " + std::to_string(sent.framesets) + " framesets in " +
@@ -374,7 +374,7 @@ std::string Serving::report_in_words() const {
                            report["hls"]["playlist_bytes_per_second"].get<double>()) /
                               1000) +
                 formatted(" by %.1f requests a second\n", report["hls"]["requests_per_second"].get<double>());
-    for (const ListenerFigures& one : audience_.gone())
+    for (const StreamAudience::Listener& one : audience_.gone())
         text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
                 " left out\n";
     return text;
@@ -462,7 +462,7 @@ Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
             return usage_error("--hls-segment, --hls-window and --hls-low are for --hls DIR");
         return {};
     }
-    HlsSettings& hls = options.hls.emplace();
+    HlsWriter::Settings& hls = options.hls.emplace();
     hls.folder = *typed.hls;
     if (typed.hls_segment) hls.segment_ns = std::llround(*typed.hls_segment * 1e9);
     hls.has_low = typed.hls_low == "on";

@@ -104,7 +104,7 @@ Result<ClipChoice::LiveCamera> read_sender(const std::string& words) {
 
 Result<ClipChoice::LiveCamera> read_stream(const std::string& words) {
     TRY_ASSIGN(auto url, read_stream_url(words.substr(stream_kind.size())));
-    return ClipChoice::LiveCamera{StreamChoice{.url = std::move(url)}, {}, {}};
+    return ClipChoice::LiveCamera{StreamSource{.url = std::move(url)}, {}, {}};
 }
 
 Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {

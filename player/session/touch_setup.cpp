@@ -121,7 +121,7 @@ std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate
     if (options.stale_after_ns) return *options.stale_after_ns;
     constexpr std::int64_t usual_ns = 250'000'000;
     const auto& plugged = options.clip.plugged;
-    const bool is_stream = plugged && std::holds_alternative<StreamChoice>(*plugged);
+    const bool is_stream = plugged && std::holds_alternative<StreamSource>(*plugged);
     return is_stream ? std::max(usual_ns, 3 * rate.time_ns(1)) : 0;
 }
 

@@ -29,10 +29,10 @@ struct Written {
     Result<void> outcome;
     std::vector<RawFrame> frames;
     std::vector<std::string> notes;
-    HlsFigures figures;
+    HlsWriter::Figures figures;
 };
 
-Written write_hls(const HlsSettings& settings, int frames, const Planes& planes,
+Written write_hls(const HlsWriter::Settings& settings, int frames, const Planes& planes,
                   const std::optional<SoundPart>& sound = {}) {
     const Scene scene = small_hls_scene();
     Written written;
@@ -175,7 +175,7 @@ TEST(HlsWriter, LowLevelHasEverySecondFrameset) {
         const bool is_low = entry.path().filename().string().find("-low-") != std::string::npos;
         (is_low ? low_bytes : full_bytes) += static_cast<std::int64_t>(entry.file_size());
     }
-    const HlsFigures& figures = written.figures;
+    const HlsWriter::Figures& figures = written.figures;
     EXPECT_EQ(figures.colour_bytes + figures.touch_bytes, full_bytes);
     EXPECT_EQ(figures.low_colour_bytes + figures.low_touch_bytes, low_bytes);
     EXPECT_LT(figures.low_colour_bytes, figures.colour_bytes);
@@ -231,7 +231,7 @@ TEST(HlsWriter, AWindowMovesAndWhatLeftItGoesLater) {
 
 TEST(HlsWriter, TheNextRunGoesOnWhereTheLastOneEnded) {
     const TemporaryFolder folder;
-    const HlsSettings live{folder / "web", hls_second, 4 * hls_second};
+    const HlsWriter::Settings live{folder / "web", hls_second, 4 * hls_second};
     ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
     const auto before = files_of(folder / "web/touch.m3u8");
     ASSERT_EQ(message(write_hls(live, 25, {true}).outcome), "");
@@ -333,9 +333,9 @@ TEST(HlsWriter, TwoNeverWriteOneFolder) {
 
 TEST(HlsWriter, SettingsOutOfRangeAreRefused) {
     const TemporaryFolder folder;
-    for (const HlsSettings& settings :
-         {HlsSettings{folder.path(), hls_second / 4}, HlsSettings{folder.path(), 11 * hls_second},
-          HlsSettings{folder.path(), hls_second, -1}}) {
+    for (const HlsWriter::Settings& settings : {HlsWriter::Settings{folder.path(), hls_second / 4},
+                                                HlsWriter::Settings{folder.path(), 11 * hls_second},
+                                                HlsWriter::Settings{folder.path(), hls_second, -1}}) {
         const auto writer = HlsWriter::open(settings, small_hls_scene());
         ASSERT_FALSE(writer.ok());
         EXPECT_EQ(writer.error().kind, ErrorKind::usage);

@@ -32,8 +32,8 @@ std::shared_ptr<const StreamOfFrames> stream_of(int frames, const Planes& planes
     return std::make_shared<const StreamOfFrames>(make_stream(small_scene(width, 48, 16), frames, planes));
 }
 
-StreamChoice live_choice(const std::string& url) {
-    StreamChoice choice{.url = *read_stream_url(url)};
+StreamSource live_choice(const std::string& url) {
+    StreamSource choice{.url = *read_stream_url(url)};
     choice.patience.back_off = std::chrono::milliseconds(5);
     return choice;
 }
@@ -151,7 +151,7 @@ TEST(LiveStream, OneThatIsSilentIsConnectedToAgain) {
         while (!to.is_gone() && to.wait(std::chrono::milliseconds(5))) {
         }
     });
-    StreamChoice choice = live_choice(sender.url());
+    StreamSource choice = live_choice(sender.url());
     choice.patience.silence = std::chrono::milliseconds(50);
     const auto clip = open_live_stream(choice);
     ASSERT_EQ(message(clip), "");

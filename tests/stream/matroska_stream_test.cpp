@@ -21,7 +21,7 @@ constexpr std::int64_t stream_second_ns = 1'000'000'000;
 /// A stream as a listener saves it who was there from block `from` on.
 struct Saved {
     std::string header;
-    std::vector<StreamBlock> blocks{};
+    std::vector<StreamMuxer::Block> blocks{};
 
     std::string from(std::size_t block) const {
         std::string bytes = header;
@@ -262,7 +262,7 @@ TEST(MatroskaStream, RefusesWhatBreaksIt) {
     EXPECT_TRUE((*muxer)->header().empty());
     ASSERT_EQ(message((*muxer)->add(test_frame(scene, 7, touch_planes), {}, 0, true)), "");
     EXPECT_FALSE((*muxer)->header().empty());
-    const auto refusal = [](const Result<StreamBlock>& block) {
+    const auto refusal = [](const Result<StreamMuxer::Block>& block) {
         return block.ok() ? std::nullopt : std::optional(block.error().kind);
     };
     // One plane fewer; a value that the scene does not allow; a size that no clip has.

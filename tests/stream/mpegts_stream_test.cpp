@@ -15,7 +15,7 @@ namespace {
 constexpr int keys_apart = 5;
 
 struct TransportStream {
-    std::vector<StreamBlock> blocks;
+    std::vector<StreamMuxer::Block> blocks;
     std::vector<RawFrame> frames;
     std::string bytes_from(std::size_t block) const {
         std::string all;
@@ -77,7 +77,7 @@ Received received(const std::string& bytes, const std::vector<RawFrame>& frames)
 TEST(MpegtsStream, BlocksAreWholePackets) {
     const TransportStream stream = transport_stream(11, all_planes);
     for (std::size_t n = 0; n < stream.blocks.size(); ++n) {
-        const StreamBlock& block = stream.blocks[n];
+        const StreamMuxer::Block& block = stream.blocks[n];
         EXPECT_EQ(block.is_key, n % keys_apart == 0);
         ASSERT_FALSE(block.bytes.empty());
         ASSERT_EQ(block.bytes.size() % 188, 0U);

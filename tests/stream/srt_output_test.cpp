@@ -41,7 +41,7 @@ TEST(SrtOutput, GivesAllToSeveralCallers) {
     for (std::thread& caller : callers) caller.join();
     for (const std::string& each : heard) EXPECT_TRUE(each == sent.all) << each.size();
     sent.wait_for_nobody();
-    for (const ListenerFigures& figures : sent.audience.gone()) {
+    for (const StreamAudience::Listener& figures : sent.audience.gone()) {
         EXPECT_EQ(figures.sent, 20);
         EXPECT_EQ(figures.dropped, 0);
         EXPECT_EQ(figures.end, "");
@@ -104,7 +104,7 @@ TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
     const auto gone = sent.audience.gone();
     ASSERT_EQ(gone.size(), 2U);
     const bool is_first_narrow = gone[0].dropped > gone[1].dropped;
-    const ListenerFigures &few = gone[is_first_narrow ? 0 : 1], &all = gone[is_first_narrow ? 1 : 0];
+    const StreamAudience::Listener &few = gone[is_first_narrow ? 0 : 1], &all = gone[is_first_narrow ? 1 : 0];
     EXPECT_EQ(all.dropped, 0);
     EXPECT_EQ(all.sent, framesets);
     EXPECT_GT(few.dropped, 0);

@@ -341,7 +341,7 @@ TEST(HttpFile, ThatDripsIsRefusedOnce) {
 
 TEST(HttpFile, FailsAtOnceAfterAFailedRead) {
     const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
-    StreamPatience patience;
+    StreamSource::Patience patience;
     patience.frameset = milliseconds(1'000);
     const auto opened = open_http(server.url(), patience);
     ASSERT_EQ(message(opened), "");
@@ -364,7 +364,7 @@ TEST(HttpFile, FailsAtOnceAfterAFailedRead) {
 
 TEST(HttpFile, IsOpenedWithinATimeForAllOfIt) {
     const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
-    StreamPatience patience;
+    StreamSource::Patience patience;
     patience.opening = milliseconds(3'000);
     patience.frameset = std::chrono::hours(1);
     const auto opened = open_http(server.url(), patience);

@@ -102,7 +102,7 @@ TEST(StreamRing, BytesAreBoundedToo) {
     auto late = ring.join();
     add_blocks(ring, 13, 15, 5, 50'000);
     for (std::int64_t n = 10; n < 15; ++n) EXPECT_EQ(next_frame(ring, late), n);
-    std::weak_ptr<const StreamBlock> old;
+    std::weak_ptr<const StreamMuxer::Block> old;
     {
         auto first = ring.join();
         old = ring.next(first);

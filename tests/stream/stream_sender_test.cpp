@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t sender_ms = 1'000'000, sender_utc_ns = 1'800'000'000'000'000'000;
 
 /// Passes while somebody waits, or where it is told to.
-class VirtualTime final : public SenderTime {
+class VirtualTime final : public StreamSender::Time {
 public:
     std::int64_t now_ns() override { return now; }
     std::int64_t utc_ns() override { return sender_utc_ns + now + stepped; }
@@ -81,17 +81,17 @@ public:
         std::uint64_t epoch;
         bool is_key;
     };
-    NotingMuxer(std::vector<Note>& notes, SenderTime& time) : notes_(notes), time_(time) {}
+    NotingMuxer(std::vector<Note>& notes, StreamSender::Time& time) : notes_(notes), time_(time) {}
     std::span<const std::uint8_t> header() const override { return header_; }
-    Result<StreamBlock> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                            bool is_key) override {
+    Result<StreamMuxer::Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                                   bool is_key) override {
         notes_.push_back({label, time_ns, time_.now_ns(), frame.epoch, is_key});
-        return StreamBlock{label.frame, is_key, {1, 2, 3}};
+        return StreamMuxer::Block{label.frame, is_key, {1, 2, 3}};
     }
 
 private:
     std::vector<Note>& notes_;
-    SenderTime& time_;
+    StreamSender::Time& time_;
     std::vector<std::uint8_t> header_{7};
 };
 
@@ -99,10 +99,10 @@ struct Sent {
     VirtualTime time;
     StreamRing ring;
     std::vector<NotingMuxer::Note> notes;
-    SendFigures figures;
+    StreamSender::Figures figures;
 
-    Result<void> send(std::unique_ptr<ClipReader> clip, const SendSettings& settings = {}) {
-        std::vector<StreamChannel> channels;
+    Result<void> send(std::unique_ptr<ClipReader> clip, const StreamSender::Settings& settings = {}) {
+        std::vector<StreamSender::Channel> channels;
         channels.push_back({std::make_unique<NotingMuxer>(notes, time), ring});
         StreamSender sender(std::move(clip), std::move(channels), settings, time);
         auto run = sender.run();
@@ -187,7 +187,7 @@ TEST(StreamSender, WhoComesLateBeginsAtOnce) {
 TEST(StreamSender, ALoopGoesOnInNumbersAndTimes) {
     Sent sent;
     const Scene scene = scene_of_rate(25, 2);
-    const SendSettings settings{.loop = true, .longest_ns = 2'000 * sender_ms};
+    const StreamSender::Settings settings{.loop = true, .longest_ns = 2'000 * sender_ms};
     ASSERT_EQ(message(sent.send(std::make_unique<MadeClip>(scene, 10), settings)), "");
     ASSERT_EQ(sent.notes.size(), 25U);
     EXPECT_EQ(sent.figures.rounds, 3);
@@ -250,7 +250,7 @@ TEST(StreamSender, WhoWasHeldUpDoesNotMakeUpForIt) {
 
 TEST(StreamSender, EndsWhenItIsTold) {
     Sent sent;
-    std::vector<StreamChannel> channels;
+    std::vector<StreamSender::Channel> channels;
     channels.push_back({std::make_unique<NotingMuxer>(sent.notes, sent.time), sent.ring});
     StreamSender sender(std::make_unique<MadeClip>(scene_of_rate(30), 10), std::move(channels),
                         {.loop = true}, sent.time);
@@ -281,7 +281,7 @@ TEST(StreamSender, RoundsOfALoopAreOneClip) {
     auto first = ring.join();
     auto muxer = open_matroska_stream(scene);
     ASSERT_EQ(message(muxer), "");
-    std::vector<StreamChannel> channels;
+    std::vector<StreamSender::Channel> channels;
     channels.push_back({std::move(*muxer), ring});
     StreamSender sender(std::make_unique<MadeClip>(scene, 7), std::move(channels),
                         {.loop = true, .longest_ns = 1'000 * sender_ms}, time);

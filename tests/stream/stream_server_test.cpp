@@ -16,7 +16,8 @@ constexpr std::chrono::milliseconds at_once{0};
 
 /// A server that takes turns when it is told to, at a time that does not pass by itself.
 struct Served {
-    explicit Served(const char* address = "http://127.0.0.1:0/live.mkv", const StreamBounds& bounds = {})
+    explicit Served(const char* address = "http://127.0.0.1:0/live.mkv",
+                    const StreamRing::Bounds& bounds = {})
         : ring(bounds) {
         auto opened = StreamServer::open({*read_stream_url(address)}, ring, audience, [this] { return now; });
         EXPECT_TRUE(opened.ok());
