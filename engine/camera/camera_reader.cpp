@@ -9,7 +9,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -105,7 +105,7 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
                              "a code is 0.0001 m of a D405, 0.00025 m of an L515",
                              {{Setting::depth_unit}}});
     }
-    const Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
+    const SourceDescription::Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
     const bool has_unit = known.metres_per_code || preset != nullptr;
     if (format == V4L2_PIX_FMT_Z16 && !has_unit) {
         known.metres_per_code = 0.001;
@@ -125,7 +125,8 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
                                       std::span<const PlaneView> first, const SourceDescription& known) {
     std::vector<Remark> remarks;
     const SourceDescription all = with_card(facts, format, known, remarks);
-    auto guessed = guess_scene("/dev", picture_of(fullest(first)), all);  // where no camera's file lies
+    std::vector<std::filesystem::path> inputs;
+    auto guessed = guess_camera(picture_of(fullest(first)), all, inputs);
     if (!guessed) return error_at(facts.node, guessed.error());
     Scene& scene = guessed->scene;
     if (!scene.stored.is_plain() || scene.depth.kind != DepthCodingKind::metric)
@@ -135,7 +136,7 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
                            {{Setting::depth_unit, "0.001"}});
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     scene.name = facts.card;
-    return settled(*guessed, std::move(guessed->inputs), first, facts.node);
+    return settled(*guessed, std::move(inputs), first, facts.node);
 }
 
 Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const PlaneView> first,

@@ -27,7 +27,7 @@ struct DepthMeaning {
     std::vector<std::filesystem::path> inputs{};  ///< files that were read for it
 };
 
-/// By what is known of the camera, and by its first pictures, of 16 bits in host order: as guess_scene, but
+/// By what is known of the camera, and by its first pictures, of 16 bits in host order: as guess_camera, but
 /// that Z16 is millimetres unless `known` says otherwise. The far plane is well behind what they show, for
 /// what is not seen yet. Errors begin with the node.
 Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,

@@ -40,7 +40,7 @@ struct V4l2Choice {
 };
 
 /// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what is not
-/// known: `known` and guesses, as of a picture (guessed_scene.hpp), which the scene's remarks tell; or
+/// known: `known` and guesses, as of a picture (open_clip.hpp), which the scene's remarks tell; or
 /// `scene_file`.
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on

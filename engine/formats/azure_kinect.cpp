@@ -138,9 +138,8 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
     std::vector<Remark> remarks;
     const bool is_told = said.intrinsics || said.fov;
     if (const auto text = demuxer->attachment(calibration_file); text && !is_told) {
-        TRY_ASSIGN(auto read, parse_azure_kinect_calibration(*text, *depth_size, colour_size,
+        TRY_ASSIGN(cameras, parse_azure_kinect_calibration(*text, *depth_size, colour_size,
                                                              file.string() + ": its " + calibration_file));
-        cameras = std::move(read);
         const Camera& camera = cameras->depth;
         if (!(camera.fx > 0) || !(camera.fy > 0))
             return input_error(file.string() + ": its " + calibration_file +

@@ -17,7 +17,6 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/formats/bag_file.hpp"
-#include "engine/formats/guessed_scene.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/ros_messages.hpp"
 #include "engine/formats/source_description.hpp"
@@ -388,10 +387,8 @@ private:
 
 Result<BagRecording> BagRecording::open(const SourceFile& file) {
     BagRecording recording;
-    TRY_ASSIGN(auto bag, BagFile::open(file));
-    recording.bag_ = std::move(bag);
-    TRY_ASSIGN(auto streams, choose_bag_streams(*recording.bag_));
-    recording.streams_ = std::move(streams);
+    TRY_ASSIGN(recording.bag_, BagFile::open(file));
+    TRY_ASSIGN(recording.streams_, choose_bag_streams(*recording.bag_));
     TRY(recording.put_in_order());
     return recording;
 }
@@ -451,7 +448,7 @@ Result<StoredImage> BagRecording::stored(PlaneRole role, std::int64_t frame) {
 Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,
                                     std::vector<Remark>& remarks) {
     const BagStreams& streams = recording.streams();
-    const Preset* const preset = preset_named(known.preset);
+    const SourceDescription::Preset* const preset = preset_named(known.preset);
     TRY_ASSIGN(auto camera, bag_camera(recording.bag(), streams.depth.topic));
     if (!known.intrinsics && !known.fov && camera && !(preset && preset->intrinsics.fx > 0)) {
         known.intrinsics = camera->intrinsics;

@@ -561,6 +561,11 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
         "Kalibr's camchain.yaml, Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }
 
+Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {
+    TRY_ASSIGN(const auto read, read_camera_file(file));
+    return read.intrinsics;
+}
+
 std::optional<Intrinsics> intrinsics_in_json(const std::string& text) {
     const CameraText said = cameras_in_text(text);
     return said.cameras.empty() ? std::nullopt : std::optional(said.cameras.front().intrinsics);

@@ -1,5 +1,9 @@
 #pragma once
 
+// What files beside pictures tell of the camera: its intrinsics, those of each frame, where it stood, and
+// where colour's camera stands. No file is an error where it only lies there; what calls itself a camera's
+// file and is not understood is named.
+
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -14,10 +18,6 @@
 
 namespace touchable {
 
-// What files beside pictures tell of the camera: its intrinsics, those of each frame, where it stood, and
-// where colour's camera stands. No file is an error where it only lies there; what calls itself a camera's
-// file and is not understood is named.
-
 inline constexpr double usual_fov = 60;  ///< degrees, where nothing tells
 /// Begins a remark that guesses the field of view (guesses_camera).
 inline constexpr std::string_view camera_guess_mark = "the camera sees ";
@@ -28,6 +28,22 @@ Camera camera_of_fov(double degrees, int width, int height);
 /// A remark on a field of view that is guessed: how wide it is taken to be, and how much too narrow or too
 /// wide all shapes are if it is wrong. Their depth is right all the same.
 std::string guessed_field_of_view(double degrees);
+
+/// A camera as a file says it.
+struct CameraFile {
+    Intrinsics intrinsics;
+    double baseline = 0;          ///< metres; of a stereo pair, otherwise 0
+    double offset = 0;            ///< of its disparities, pixels
+    double codes_per_metre = 0;   ///< of its depth; 0: not said
+    bool has_distortion = false;  ///< by its lens, which nothing here undoes
+    std::string name{};           ///< its members, its own name, its topic
+    bool operator==(const CameraFile&) const = default;
+};
+
+/// The first camera in a camera's own file; an error where it has none (read_intrinsics).
+Result<CameraFile> read_camera_file(const std::filesystem::path& file);
+/// The first camera in such a file's text, unchecked; nothing where it has none.
+std::optional<Intrinsics> intrinsics_in_json(const std::string& text);
 
 /// What a text says of cameras.
 struct CameraText {

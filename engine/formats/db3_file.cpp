@@ -280,8 +280,7 @@ std::string column_text(sqlite3_stmt& row, int column) {
 }
 
 Result<void> Db3File::open(const SourceFile& file) {
-    TRY_ASSIGN(auto bytes, bytes_of_file(file));
-    bytes_ = std::move(bytes);
+    TRY_ASSIGN(bytes_, bytes_of_file(file));
     auto database = SqliteBytes::open(*bytes_);
     if (!database) return at_file(database.error());
     database_ = std::move(*database);

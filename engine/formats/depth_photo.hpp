@@ -1,5 +1,11 @@
 #pragma once
 
+// Photographs with depth, in whatever file a phone wrote them: how they are turned, what EXIF and XMP say,
+// the clip that is made of one (depth_photo.cpp), and their files, JPEG (jpeg_depth.cpp) and HEIC
+// (heic_image.cpp).
+
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -8,15 +14,16 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
-namespace touchable {
+struct heif_depth_representation_info;
 
-// What photographs with depth have in common, in whatever file a phone wrote them: how they are turned, what
-// EXIF and XMP say, and the clip that is made of one.
+namespace touchable {
 
 /// How a stored picture becomes upright: its columns become rows first, then left and right, and top and
 /// bottom, change places.
@@ -84,5 +91,79 @@ struct DepthPhoto {
 Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path& file, DepthPhoto photo,
                                                      const std::optional<SceneDescription>& described,
                                                      const SourceDescription& known);
+
+// --- JPEG
+
+// JPEG files with a depth map, as phones write them: in their XMP ("GDepth"), or as a picture after their own
+// that their XMP describes ("Dynamic Depth").
+
+/// Whether a JPEG's XMP speaks of a depth map, be it whole or not.
+bool has_jpeg_depth(const SourceFile& file);
+
+/// A clip of one frame as of open_depth_photo; the JPEG's own picture is its colour.
+Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file,
+                                                    const std::optional<SceneDescription>& described,
+                                                    const SourceDescription& known);
+
+/// The contents of a JPEG's segments APP1, up to its picture. Nothing where a segment is cut.
+std::optional<std::vector<std::string_view>> app1_segments(std::string_view jpeg);
+
+/// Bytes of the first picture in a file, which others may follow. Nothing where its end is missing.
+std::optional<std::size_t> jpeg_length(std::string_view file);
+
+/// What a JPEG's EXIF says (parse_exif).
+ExifFacts read_jpeg_exif(std::string_view jpeg);
+
+/// The XMP of a JPEG file: its packet, and the extended packet that it names, put together from its pieces.
+/// Empty where the file has none. Prefixes are taken as they stand, without their namespaces. Messages begin
+/// with `where`.
+Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where);
+/// The same in order, the extended packet first.
+Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where);
+
+/// The bytes of a Dynamic Depth JPEG's depth map, a picture after its own: found by the directory of its XMP,
+/// which lists the pictures and their lengths. Messages begin with `where`.
+Result<std::string_view> dynamic_depth_map(std::string_view jpeg, const XmpEntries& xmp,
+                                           const std::string& where);
+
+/// Its camera, of the picture as stored. Nothing where the XMP has none.
+std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp);
+
+// --- HEIC
+
+// HEIC, HEIF and AVIF photographs with an auxiliary picture of depth, as iPhones write portraits. libheif
+// decodes them; what it hides or would trip over is read of the file's boxes here.
+
+/// Whether a file is one of these, by its first 12 bytes.
+bool is_heif(std::string_view begin);
+
+/// A clip of one frame as of open_depth_photo.
+Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
+                                                    const std::optional<SceneDescription>& described,
+                                                    const SourceDescription& known);
+
+/// How each picture of a HEIF file is turned and mirrored, by its number; those without such properties are
+/// left out. libheif applies them and does not tell. Of a file that is cut, what is there.
+std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file);
+
+struct CodedSize {
+    std::uint32_t width = 0, height = 0;
+};
+/// Sizes that the decoder of H.265 is set up for, of all pictures and tiles: it takes memory for these,
+/// whatever else the file says.
+std::vector<CodedSize> read_heif_coded_sizes(std::string_view file);
+
+/// How pictures of a file are put together of others.
+struct HeifParts {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> tiles;  ///< of a picture, by their numbers
+    bool has_layers = false;  ///< one is another one once more (iden), or several over each other (iovl)
+};
+HeifParts read_heif_parts(std::string_view file);
+
+/// What a HEIF file's depth stands for, into `photo`'s coding, camera (of pictures as stored) and notes.
+/// `depth` of the photo is there. `info` of the codec's: may be null. `xmp` of the depth picture, where Apple
+/// writes range and camera: may be empty, or of anything.
+void describe_heif_depth(const heif_depth_representation_info* info, const std::string& xmp,
+                         DepthPhoto& photo);
 
 }  // namespace touchable

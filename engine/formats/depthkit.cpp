@@ -66,8 +66,7 @@ Result<DepthkitMetadata> DepthkitMetadata::read(const std::filesystem::path& fil
     constexpr std::size_t largest = 1 << 20;
     DepthkitMetadata metadata;
     metadata.file_ = file.string();
-    TRY_ASSIGN(auto text, read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
-    metadata.text_ = std::move(text);
+    TRY_ASSIGN(metadata.text_, read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
     return metadata;
 }
 
@@ -223,8 +222,7 @@ Result<TrackPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t fram
         newest_number_ = -1;
         newest_ = {};
         TRY(seek(frame));
-        TRY_ASSIGN(auto plane, next());
-        newest_ = std::move(plane);
+        TRY_ASSIGN(newest_, next());
         newest_number_ = frame;
     }
     PlaneView half = newest_.view;
@@ -247,8 +245,7 @@ Result<void> DepthkitPictures::rewind() {
     while (stream_ < streams && container.streams[stream_]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO)
         ++stream_;
     if (stream_ == streams) return input_error(file_ + ": has no video track");
-    TRY_ASSIGN(auto decoder, TrackDecoder::open(stream(), PlaneRole::colour, file_));
-    decoder_ = std::move(decoder);
+    TRY_ASSIGN(decoder_, TrackDecoder::open(stream(), PlaneRole::colour, file_));
     demuxer_->select(stream_);
     number_ = 0;
     return {};

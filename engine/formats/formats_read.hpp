@@ -1,5 +1,9 @@
 #pragma once
 
+// The readers of formats, for open_clip.cpp, which knows in which order files are tried. A format has a probe
+// (`is_`), a reader (`open_`), and, where its files do not say what their depth is, a guess (`guess_`) from
+// what is `known` of them. `described` stands in place of what a file says of itself.
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,19 +15,40 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/formats/guessed_scene.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-// The readers of formats, for open_clip.cpp, which knows in which order files are tried. A format has a probe
-// (`is_`), a reader (`open_`), and, where its files do not say what their depth is, a guess (`guess_`) from
-// what is `known` of them. `described` stands in place of what a file says of itself.
+class VideoFile;
 
 /// A clip at its beginning, or why it cannot be read.
 using Opened = Result<std::unique_ptr<ClipReader>>;
+
+// guessed_scene.cpp
+
+/// What describes pictures that have no scene file: what is said and known of them, and guesses for the rest,
+/// which its remarks tell.
+struct GuessedScene : SceneDescription {
+    std::vector<std::filesystem::path> inputs;  ///< files that were read for it, beside pictures
+    // What was opened for it, so that the clip need not open it again.
+    std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a picture
+    std::shared_ptr<VideoFile> video{};        ///< of a video: its depth
+};
+
+/// Of a folder: which pictures are depth and which are colour, by their names, kinds and lists; then as for a
+/// picture. An error says what was found there.
+Result<GuessedScene> guess_folder(const std::filesystem::path& folder, const SourceDescription& known);
+
+/// Of depth as in this picture, in a folder that may have a camera's file. Where `coding` is given it stands,
+/// and nothing of the picture but its size counts. The scene says nothing of files.
+Result<GuessedScene> guess_scene(const std::filesystem::path& folder, const StoredImage& depth,
+                                 const SourceDescription& known, const DepthCoding* coding = nullptr);
+
+/// Of a single picture of depth. Camera: as said, by preset, by a camera's file beside it, or 60 degrees
+/// wide. Unit: as said, by preset, or by the size of its values. `scene.folder` names it.
+Result<GuessedScene> guess_picture(const SourceFile& file, const SourceDescription& known);
 
 // image_folder.cpp
 

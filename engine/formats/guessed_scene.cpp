@@ -1,4 +1,5 @@
-#include "engine/formats/guessed_scene.hpp"
+// The scene of depth pictures that have no scene file (SceneGuess). What is known (SourceDescription) stands;
+// what is not is taken from files beside the pictures, from their names and from their values.
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,8 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/formats_read.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/value_evidence.hpp"
@@ -252,13 +255,14 @@ bool holds_words(const StoredImage& picture) {
 }
 
 /// Null where no preset is named.
-Result<const Preset*> known_preset(const SourceDescription& known) {
-    if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
-    if (const Preset* preset = preset_named(known.preset)) return preset;
+Result<const SourceDescription::Preset*> known_preset(const SourceDescription& known) {
+    if (known.preset.empty()) return static_cast<const SourceDescription::Preset*>(nullptr);
+    if (const SourceDescription::Preset* preset = preset_named(known.preset)) return preset;
     if (video_values_named(known.preset))
         return usage_error("preset " + known.preset + " is of videos of depth", {{Setting::preset}});
     std::string names;
-    for (const Preset& each : all_presets()) names += (names.empty() ? "" : ", ") + std::string(each.name);
+    for (const SourceDescription::Preset& each : all_presets())
+        names += (names.empty() ? "" : ", ") + std::string(each.name);
     return usage_error("preset " + known.preset + " is not known: must be one of " + names,
                        {{Setting::preset}});
 }
@@ -267,7 +271,8 @@ Result<const Preset*> known_preset(const SourceDescription& known) {
 /// known is guessed, and each guess is a remark.
 class SceneGuess {
 public:
-    SceneGuess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
+    SceneGuess(const SourceDescription& known, const SourceDescription::Preset* preset)
+        : known_(known), preset_(preset) {}
 
     /// Of depth as in this picture; `coding`, if any, stands, whatever its values are.
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
@@ -311,7 +316,7 @@ private:
     bool take_colour_camera(const fs::path& movement, const Image& colour);
 
     const SourceDescription& known_;
-    const Preset* preset_;
+    const SourceDescription::Preset* preset_;
     SceneDescription described_;
     Scene& scene_ = described_.scene;
     std::vector<fs::path> inputs_;
@@ -743,6 +748,13 @@ Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& dept
     SceneGuess guess(known, preset);
     TRY(guess.describe(folder, depth, coding));
     return guess.made();
+}
+
+Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
+                                      std::vector<fs::path>& inputs) {
+    TRY_ASSIGN(auto guessed, guess_scene("/dev", first, known));  // where no camera's file lies
+    inputs = std::move(guessed.inputs);
+    return SceneDescription(std::move(guessed));
 }
 
 Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescription& known) {

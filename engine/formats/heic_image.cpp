@@ -1,4 +1,5 @@
-#include "engine/formats/heic_image.hpp"
+// HEIC, HEIF and AVIF photographs: libheif decodes them (HeicImage); what it hides or would trip over is read
+// of the file's boxes here.
 
 #include <libheif/heif.h>
 
@@ -16,6 +17,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/depth_photo.hpp"
 
 namespace touchable {
 namespace {

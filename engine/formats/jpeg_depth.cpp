@@ -1,4 +1,5 @@
-#include "engine/formats/jpeg_depth.hpp"
+// JPEG photographs with a depth map: their segments, their XMP, the map in it or behind the picture
+// (JpegDepth).
 
 #include <algorithm>
 #include <iterator>
@@ -7,6 +8,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/depth_photo.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"

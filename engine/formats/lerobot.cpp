@@ -12,6 +12,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
+#include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/checked_json.hpp"

@@ -75,8 +75,7 @@ private:
 };
 
 Result<void> McapFile::open(const SourceFile& file) {
-    TRY_ASSIGN(auto bytes, bytes_of_file(file));
-    bytes_ = std::move(bytes);
+    TRY_ASSIGN(bytes_, bytes_of_file(file));
     TRY(records(*bytes_, outside));
     const bool tells_channels = !channels_.empty();  // in its summary
     for (std::uint32_t number = 0; number < chunks_.size(); ++number) {

@@ -15,9 +15,8 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/bag_file.hpp"
+#include "engine/formats/depth_photo.hpp"
 #include "engine/formats/formats_read.hpp"
-#include "engine/formats/heic_image.hpp"
-#include "engine/formats/jpeg_depth.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/picture/ffmpeg.hpp"
@@ -558,10 +557,11 @@ Result<Made> unless_given_up(Result<Made> made, const fs::path& path) {
 
 }  // namespace
 
-Result<GuessedScene> guess_clip(const fs::path& path, const SourceDescription& known,
-                                std::stop_token given_up) {
+Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescription& known,
+                                    std::stop_token given_up) {
     const WorkUntil until(std::move(given_up));
-    return unless_given_up(guess_stored(path, known), path);
+    TRY_ASSIGN(auto guessed, unless_given_up(guess_stored(path, known), path));
+    return SceneDescription(std::move(guessed));
 }
 
 std::vector<ClipFormat> clip_formats() {

@@ -1,32 +1,40 @@
 #pragma once
 
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <stop_token>
-#include <vector>
-
-#include "engine/base/result.hpp"
-#include "engine/clip/clip.hpp"
-#include "engine/clip/readers.hpp"
-#include "engine/formats/guessed_scene.hpp"
-#include "engine/formats/source_description.hpp"
-
-namespace touchable {
-
 // Opens clips of every kind: our own in Matroska and MP4, glTF, texts of MPEG-4 scenes, recordings of cameras
 // and of ROS, photographs of phones, videos and pictures of depth, folders of pictures, streams.
 //
 // `open_clip` recognises a file by its first bytes, in the order of `clip_formats`, and returns a ClipReader
 // at the clip's beginning. What a file does not say of its depth and its camera comes from a scene file, or
-// from a SourceDescription, which is what a person knows of them; the rest is guessed, and each guess is a
-// remark of the reader's scene. `guess_clip` returns that description alone, to be written as a scene file
-// and corrected. `with_still_maps` lays pictures of touch under all frames of an open clip.
+// from a SourceDescription, which is what a person knows of them; the rest is guessed: camera, unit, coding,
+// rate, and which files are depth and which are colour. Each guess is a remark in the reader's scene, with
+// the settings that say another, so that a program can show what was assumed. `guess_clip` returns that
+// description alone, to be written as a scene file and corrected. `with_still_maps` lays pictures of touch
+// under all frames of an open clip.
+//
+//   TRY_ASSIGN(const auto guessed, guess_clip("pictures", known));
+//   for (const Remark& remark : guessed.scene.remarks) show(remark);
 //
 // All functions may be called by any thread, also by several threads at once. They wait for disks and
 // servers: another thread ends that by `given_up`, and soon after it the result is an error of kind
 // interrupted. A reader is used by one thread at a time. Errors are one line with the file's name; below
 // `player/commands` they name a Setting, never an option.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "engine/base/result.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/formats/source_description.hpp"
+
+namespace touchable {
+
+class VideoFile;
+struct StoredImage;
 
 /// A kind of clip that can be opened.
 struct ClipFormat {
@@ -39,8 +47,21 @@ std::vector<ClipFormat> clip_formats();
 
 /// The scene of a path that has no scene file: a folder of pictures, a picture or video of depth, a
 /// recording. Of a clip of ours, the scene that is in it.
-Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
-                                std::stop_token given_up = {});
+/// What only a whole clip tells is left open (unstated): a reader settles it.
+Result<SceneDescription> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
+                                    std::stop_token given_up = {});
+/// The scene of a camera's depth, as in its first picture; it says nothing of files. `inputs` gets those that
+/// were read for it.
+Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
+                                      std::vector<std::filesystem::path>& inputs);
+
+/// A remark that doubts the unit of a clip whose median depth, in metres, no depth camera measures; nothing
+/// where the unit may be right. `otherwise` and `hints` are the remark's.
+std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
+
+/// Whether a remark guesses the camera, or doubts the unit; also one that was read from a scene file.
+bool guesses_camera(const Remark& remark);
+bool doubts_unit(const Remark& remark);
 
 /// Opens a file, a folder, a URL, or a scene file, whose patterns are relative to it. A folder is described
 /// by `scene_file`, by a scene.json in it, or by `known` and guesses. With a clip that has a scene,
@@ -70,9 +91,5 @@ struct StillMaps {
 /// The clip with these maps under every frame.
 Result<std::unique_ptr<ClipReader>> with_still_maps(Result<std::unique_ptr<ClipReader>> clip,
                                                     const StillMaps& maps);
-/// One such map. `scene` gets the ranges that the file states; a scene without heights gets some, white being
-/// one level of depth high.
-Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& scene);
-Result<StillPlane> read_height_map(const std::filesystem::path& file, Scene& scene);
 
 }  // namespace touchable

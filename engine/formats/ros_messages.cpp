@@ -430,8 +430,7 @@ Result<StoredImage> ros_picture(const RosImage& image, const std::string& where)
     picture.image = {static_cast<int>(image.width), static_cast<int>(image.height), 1, 1, {}};
     const std::size_t pixels = std::size_t{image.width} * image.height;
     if (encoding->yuv != AV_PIX_FMT_NONE) {
-        TRY_ASSIGN(auto rgb, rgb_of_yuv(image, encoding->yuv, where));
-        picture.image = std::move(rgb);
+        TRY_ASSIGN(picture.image, rgb_of_yuv(image, encoding->yuv, where));
     } else if (encoding->kind == RosPictureKind::colour) {
         picture.image = rgb_of(image, *encoding);
     } else if (encoding->kind == RosPictureKind::depth_floats) {

@@ -12,7 +12,7 @@ constexpr Intrinsics kinect{525, 525, 319.5, 239.5, 640, 480};
 
 /// From the descriptions of the data sets. Where a description gives one number for baseline x fx, `baseline`
 /// is that number divided by the preset's fx.
-const Preset presets[] = {
+const SourceDescription::Preset presets[] = {
     {"tum", "TUM RGB-D: 5000 codes a metre", kinect, 0, 1.0 / 5000},
     {"redwood", "Redwood and Open3D: millimetres", kinect, 0, 0.001},
     {"icl", "ICL-NUIM: 5000 codes a metre", {481.2, 480, 319.5, 239.5, 640, 480}, 0, 1.0 / 5000},
@@ -70,13 +70,13 @@ Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
     return camera;
 }
 
-std::span<const Preset> all_presets() {
+std::span<const SourceDescription::Preset> all_presets() {
     return presets;
 }
 
-const Preset* preset_named(const std::string& name) {
-    const auto* const found =
-        std::ranges::find_if(presets, [&](const Preset& each) { return name == each.name; });
+const SourceDescription::Preset* preset_named(const std::string& name) {
+    const auto* const found = std::ranges::find_if(
+        presets, [&](const SourceDescription::Preset& each) { return name == each.name; });
     return found == std::end(presets) ? nullptr : found;
 }
 

@@ -1,15 +1,13 @@
 #pragma once
 
 // What is known of depth pictures, videos and recordings that have no scene file: a SourceDescription. A
-// program fills it in from what a person typed and passes it to open_clip, guess_clip (open_clip.hpp),
-// guess_scene (guessed_scene.hpp) or a camera (engine/camera). Everything that it leaves out is guessed, and
-// the scene's remarks say so.
+// program fills it in from what a person typed and passes it to open_clip, guess_clip (open_clip.hpp) or a
+// camera (engine/camera). Everything that it leaves out is guessed, and the scene's remarks say so.
 //
 //   SourceDescription known;
 //   known.metres_per_code = 0.001;
 //   known.preset = "tum";
-//   TRY_ASSIGN(const auto file, read_camera_file("camera.json"));
-//   known.intrinsics = file.intrinsics;
+//   TRY_ASSIGN(known.intrinsics, read_intrinsics("camera.json"));
 //   TRY_ASSIGN(auto clip, open_clip("pictures", {}, known));
 //
 // A stated value counts for more than a preset, and a preset for more than a file beside the pictures, except
@@ -42,6 +40,17 @@ Camera scaled_camera(const Intrinsics& intrinsics, int width, int height);
 
 /// What a person says of pictures without a scene file. What is left out is guessed, and said.
 struct SourceDescription {
+    /// What is known of the pictures of a data set, a camera or a program.
+    struct Preset {
+        const char* name;
+        const char* what;            ///< in words
+        Intrinsics intrinsics;       ///< fx 0: `fov` tells, or a file beside the pictures
+        double fov = 0;              ///< from edge to edge, degrees
+        double metres_per_code = 0;  ///< 0: not metric
+        int invalid = 0;             ///< a code that is no depth, beside 0
+        StoredDepth stored{};
+    };
+
     std::optional<Intrinsics> intrinsics;
     std::optional<double> fov;              ///< from the left edge to the right one, degrees
     std::optional<double> metres_per_code;  ///< of metric depth: of a stored 1
@@ -52,41 +61,16 @@ struct SourceDescription {
     bool operator==(const SourceDescription&) const = default;
 };
 
-/// What is known of the pictures of a data set, a camera or a program.
-struct Preset {
-    const char* name;
-    const char* what;            ///< in words
-    Intrinsics intrinsics;       ///< fx 0: `fov` tells, or a file beside the pictures
-    double fov = 0;              ///< from edge to edge, degrees
-    double metres_per_code = 0;  ///< 0: not metric
-    int invalid = 0;             ///< a code that is no depth, beside 0
-    StoredDepth stored{};
-};
-
-std::span<const Preset> all_presets();
+std::span<const SourceDescription::Preset> all_presets();
 /// Null: there is none of that name.
-const Preset* preset_named(const std::string& name);
+const SourceDescription::Preset* preset_named(const std::string& name);
 
 /// Which number of a video's pixels is depth, by a preset's name that is for videos alone: hue, mean.
 std::optional<VideoValues> video_values_named(const std::string& name);
 
-/// A camera as a file says it.
-struct CameraFile {
-    Intrinsics intrinsics;
-    double baseline = 0;          ///< metres; of a stereo pair, otherwise 0
-    double offset = 0;            ///< of its disparities, pixels
-    double codes_per_metre = 0;   ///< of its depth; 0: not said
-    bool has_distortion = false;  ///< by its lens, which nothing here undoes
-    std::string name{};           ///< its members, its own name, its topic
-    bool operator==(const CameraFile&) const = default;
-};
-
-/// The first camera in a camera's own file of up to 16 MiB: JSON, YAML, XML, a matrix, or the files of
-/// COLMAP, Kalibr, Middlebury, ORB-SLAM and ARKitScenes. An error says what a file without a camera should
+/// Those of the first camera in a camera's own file of up to 16 MiB: JSON, YAML, XML, a matrix, or the files
+/// of COLMAP, Kalibr, Middlebury, ORB-SLAM and ARKitScenes. An error says what a file without a camera should
 /// have.
-Result<CameraFile> read_camera_file(const std::filesystem::path& file);
-
-/// The first camera in such a file's text, unchecked; nothing where it has none.
-std::optional<Intrinsics> intrinsics_in_json(const std::string& text);
+Result<Intrinsics> read_intrinsics(const std::filesystem::path& file);
 
 }  // namespace touchable

@@ -177,8 +177,7 @@ Result<void> StoredClipReader::take(Track& track, std::int64_t frame, TrackPictu
             return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
         plane = plane_from(std::move(codes), bits);
     }
-    TRY_ASSIGN(auto fits, fit_plane(track.role, std::move(plane), scene_, where));
-    track.newest = std::move(fits);
+    TRY_ASSIGN(track.newest, fit_plane(track.role, std::move(plane), scene_, where));
     track.number = clip_.pictures->picture_number(track.role, frame);
     return {};
 }

@@ -152,8 +152,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
         }
         if (last.image.samples.empty() || !(last.from == *picture) || last.channel != channel) {
             last = {};  // two large ones are one too many
-            TRY_ASSIGN(auto read, read_layer(*picture, channel, property, notes));
-            last = std::move(read);
+            TRY_ASSIGN(last, read_layer(*picture, channel, property, notes));
             if (!picture->file.empty()) layers.files.push_back(picture->file);
         }
         if (joined.samples.empty()) {
@@ -305,8 +304,7 @@ Result<bool> TouchPictures::go_on(Layer& layer, std::int64_t frame, double secon
     TRY(video.seek(number));
     TRY_ASSIGN(auto picture, video.next());
     if (!picture) return input_error(video.where(number) + ": is missing");
-    TRY_ASSIGN(auto rgb, VideoPicture(std::move(picture), layer.converter, video.where(number)).rgb());
-    layer.plane = std::move(rgb);
+    TRY_ASSIGN(layer.plane, VideoPicture(std::move(picture), layer.converter, video.where(number)).rgb());
     layer.number = number;
     return true;
 }
@@ -364,8 +362,7 @@ Result<StillPlane> TouchPictures::open(const TouchSources& sources) {
         }
         properties_[k] = {known, wanted.channel};
     }
-    TRY_ASSIGN(auto first, at(0, 0));
-    still.plane = std::move(first);
+    TRY_ASSIGN(still.plane, at(0, 0));
     for (const auto& layer : layers_) {
         const PlaneView& view = layer->plane.view;
         if (view.width != scene_.width || view.height != scene_.height)

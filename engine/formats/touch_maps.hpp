@@ -1,5 +1,9 @@
 #pragma once
 
+// Touch as other programs describe it: surfaces of X3D and haptic materials of glTF, whose properties are
+// pictures or videos each, become one haptic plane of a clip. open_clip.hpp lays maps under a
+// whole clip.
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -15,9 +19,6 @@
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
-
-// Touch as other programs describe it: surfaces of X3D and haptic materials of glTF, whose properties are
-// pictures or videos each, become one haptic plane of a clip. open_clip.hpp has the maps of a whole clip.
 
 /// A file that another one names by a URL, or holds.
 struct LinkedFile {
@@ -63,6 +64,11 @@ Result<HapticLayers> read_x3d_surface(const std::filesystem::path& file, std::st
 /// the file states no range. A property without a texture is as in the scene's default_properties.
 Result<HapticLayers> read_gltf_material(const std::filesystem::path& file, std::string_view bytes,
                                         const Scene& scene);
+
+/// A map of a whole clip (StillMaps). `scene` gets the ranges that the file states; a scene without heights
+/// gets some, white being one level of depth high.
+Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& scene);
+Result<StillPlane> read_height_map(const std::filesystem::path& file, Scene& scene);
 
 /// Where one property of touch is: a channel of a video, or of a picture that serves all frames.
 struct TouchSource {

@@ -38,7 +38,7 @@ int common_divisor(const StoredImage& picture);
 /// Whose data set stores depth like this: raw disparities with their bytes swapped (nyu), bits rotated by 3
 /// (sun). Null: no evidence of any.
 struct EvidentPreset {
-    const Preset* preset = nullptr;
+    const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words
 };
 EvidentPreset evident_preset(const StoredImage& picture);

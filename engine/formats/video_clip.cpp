@@ -9,6 +9,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
+#include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/formats/stored_clip.hpp"
@@ -460,8 +461,7 @@ Opened open_video_clip(const fs::path& folder, const SceneDescription& described
     clip.inputs = {folder / source.depth};
     clip.alignment = alignment;
     if (!depth) {
-        TRY_ASSIGN(auto opened, VideoFile::open(clip.inputs.front(), PlaneRole::depth));
-        depth = std::move(opened);
+        TRY_ASSIGN(depth, VideoFile::open(clip.inputs.front(), PlaneRole::depth));
     }
     clip.count = depth->count();
     clip.found.rate = depth->rate();

@@ -183,8 +183,7 @@ Result<HapticLayers> SurfaceReader::read() {
     layers.files.push_back(file_);
     TRY_ASSIGN(const auto relative, is_relative());
     for (std::size_t k = 0; k < properties.size(); ++k) {
-        TRY_ASSIGN(auto read, layer(properties[k]));
-        layers.properties[k] = std::move(read);
+        TRY_ASSIGN(layers.properties[k], layer(properties[k]));
     }
     PropertyRange& stiffness = layers.properties[0].range;
     const double unit = relative ? unit_ : 1e-3;

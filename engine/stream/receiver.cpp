@@ -425,10 +425,9 @@ Result<void> StreamReceiver::take(StreamPictures::Came came) {
     assembler_->add_torn(came.torn);
     for (StreamPicture& picture : came.pictures) {
         if (picture.role == PlaneRole::colour && !with_colour_) continue;
-        TRY_ASSIGN(auto fits, fit_plane(picture.role, std::move(picture.plane), scene_,
+        TRY_ASSIGN(picture.plane, fit_plane(picture.role, std::move(picture.plane), scene_,
                                         name_ + ": " + std::string(role_name(picture.role)) + ", frame " +
                                             std::to_string(picture.number)));
-        picture.plane = std::move(fits);
         assembler_->add(std::move(picture));
     }
     return {};

@@ -313,8 +313,7 @@ public:
         : StreamBytes(std::move(wait)), socket_(std::move(socket)) {}
     /// Waits until a sender calls.
     Result<void> wait_for_caller(const SrtSettings& settings, const SocketAddress& address) {
-        TRY_ASSIGN(auto door, SrtSocket::create(settings, SrtSocket::Direction::receives));
-        door_ = std::move(door);
+        TRY_ASSIGN(door_, SrtSocket::create(settings, SrtSocket::Direction::receives));
         TRY(door_.listen(address, may_come_));
         while (!waits()->is_over()) {
             if (auto caller = door_.accept()) {

@@ -193,8 +193,7 @@ Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription
     TRY(check_storable("the stream", described));
     std::optional<StreamSound> opened;
     if (sound) {
-        TRY_ASSIGN(auto of_clip, StreamSound::open(*sound));
-        opened = std::move(of_clip);
+        TRY_ASSIGN(opened, StreamSound::open(*sound));
     }
     auto stream = std::make_unique<MatroskaStream>(described, std::move(opened));
     TRY(stream->open());

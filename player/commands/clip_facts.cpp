@@ -8,7 +8,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/stream/stream_url.hpp"

@@ -136,7 +136,7 @@ Result<void> take_stream(SessionOptions& session) {
 
 std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) {
     std::string names;
-    for (const Preset& preset : all_presets())
+    for (const SourceDescription::Preset& preset : all_presets())
         names += (names.empty() ? "" : ", ") + std::string(preset.name);
     auto* intrinsics = sub.add_option("--intrinsics", typed.intrinsics,
                                       "of pictures without a scene file: focal lengths and principal point, "
@@ -184,8 +184,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
             "--intrinsics '" + printable(*typed.intrinsics) +
             "' will not do; right would be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file "
             "of the camera");
-    TRY_ASSIGN(const auto file, read_camera_file(*typed.intrinsics));
-    known.intrinsics = file.intrinsics;
+    TRY_ASSIGN(known.intrinsics, read_intrinsics(*typed.intrinsics));
     known.file = *typed.intrinsics;
     return with_likely_pixels(std::move(known), *typed.intrinsics);
 }

@@ -20,7 +20,7 @@ Result<void> print_formats() {
                  "(MPEG_haptic_material)\n      touchable play depth.webm --haptic surface.x3d\n"
                  "  heights: a picture in grey\n      touchable play depth.webm --height bumps.png\n";
     std::cout << "What is known of pictures by name (--preset NAME):\n";
-    for (const Preset& preset : all_presets())
+    for (const SourceDescription::Preset& preset : all_presets())
         std::cout << "  " << preset.name
                   << std::string(18 - std::min<std::size_t>(17, std::string(preset.name).size()), ' ')
                   << preset.what << '\n';

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/words.hpp"
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_facts.hpp"

@@ -13,7 +13,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

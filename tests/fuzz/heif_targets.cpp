@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/formats/heic_image.hpp"
+#include "engine/formats/depth_photo.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

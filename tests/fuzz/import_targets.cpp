@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "engine/formats/depth_photo.hpp"
-#include "engine/formats/jpeg_depth.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"

@@ -1,6 +1,7 @@
 // Maps of touch in the files of other programs, and clips as glTF scenes.
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/formats/touch_maps.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

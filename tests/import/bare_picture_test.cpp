@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #endif
 
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 

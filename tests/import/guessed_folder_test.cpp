@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/formats/guessed_scene.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/formats/heic_image.hpp"
+#include "engine/formats/depth_photo.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/exif_bytes.hpp"
 #include "tests/import/heic_file.hpp"

@@ -1,5 +1,6 @@
 // Maps that serve a whole clip: pictures, and surfaces of X3D and glTF, whose texts are written here by hand.
 #include "engine/formats/open_clip.hpp"
+#include "engine/formats/touch_maps.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/formats/jpeg_depth.hpp"
+#include "engine/formats/depth_photo.hpp"
 
 #include <gtest/gtest.h>
 
