@@ -69,7 +69,7 @@ std::string master_text(const HlsShown& shown, const std::optional<HlsShown>& lo
 /// "avc1.64001f" of a stream of H.264 with start codes; nothing where it has no sequence parameters.
 std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header);
 
-/// The number that the segment after the last one of a media playlist has; 0 where the text is none.
+/// The number that the segment after the last one of a media playlist of ours has; 0 where the text is none.
 std::int64_t next_segment_of(std::string_view media);
 
 // --- Playlists that are read
@@ -80,15 +80,11 @@ std::int64_t next_segment_of(std::string_view media);
 /// Longer ones are refused.
 inline constexpr std::size_t largest_hls_playlist = std::size_t{1} << 20;
 
-/// Which hosts a playlist may name.
-enum class HlsHosts { own, any };
-
 bool is_hls_playlist(std::string_view first_bytes);
 
 /// The place that a playlist at `base` names. Refused: another scheme or host than its own (of a file, what
-/// is not beside or below it), but for http and https where `any` is allowed; what is no URI.
-Result<std::string> resolved_place(std::string_view base, std::string_view named,
-                                   HlsHosts hosts = HlsHosts::own);
+/// is not beside or below it), and what is no URI.
+Result<std::string> resolved_place(std::string_view base, std::string_view named);
 
 /// Media playlists of a stream.
 struct HlsPlaces {
@@ -98,8 +94,7 @@ struct HlsPlaces {
 };
 /// The media playlists that the playlist at `place` leads to: those that a master playlist names, or the
 /// media playlist itself. Refused: a master without planes of touch, one that names itself.
-Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place,
-                                     HlsHosts hosts = HlsHosts::own);
+Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place);
 
 /// Facts that a media playlist states.
 struct HlsMediaFacts {
@@ -109,8 +104,7 @@ struct HlsMediaFacts {
 };
 /// Refused: what FFmpeg's reader would go after although it is no media playlist of ours to read: another
 /// playlist, keys, places as above, several initialisations, no segment at all.
-Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place,
-                                      HlsHosts hosts = HlsHosts::own);
+Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place);
 
 /// A segment that a media playlist lists.
 struct HlsListedSegment {
@@ -120,8 +114,7 @@ struct HlsListedSegment {
 /// The first segment at the place `segment`, in a media playlist that was checked, whose number is `least` or
 /// more; nothing where there is none.
 std::optional<HlsListedSegment> segment_in(std::string_view text, const std::string& place,
-                                           const std::string& segment, std::int64_t least,
-                                           HlsHosts hosts = HlsHosts::own);
+                                           const std::string& segment, std::int64_t least);
 /// The playlist without the segments before number `first`; nothing where it has none from there on.
 std::optional<std::string> playlist_from(std::string_view text, std::int64_t first);
 
@@ -174,7 +167,6 @@ public:
     /// returns true (ErrorKind::interrupted); it stays so. `now_ns`: the clock by which the level is
     /// chosen that the link carries (LevelChoice), where the stream has two; null: the full level alone.
     static Result<std::unique_ptr<HlsInput>> open(const std::string& place, WaitIsOver is_over,
-                                                  HlsHosts hosts = HlsHosts::own,
                                                   std::function<std::int64_t()> now_ns = {});
     virtual ~HlsInput() = default;
 

@@ -107,8 +107,6 @@ Result<std::string> fetch_place(const std::string& place, std::size_t most, cons
     return std::move(*fetched);
 }
 
-// --- LevelChoice
-
 constexpr double quick_share = 0.5, slow_share = 0.2;  // of the newest segment in the means
 constexpr double rate_to_spare = 2;
 constexpr int segments_before_up = 4;
@@ -116,46 +114,6 @@ constexpr int segments_before_up = 4;
 double in_seconds(std::int64_t ns) {
     return static_cast<double>(ns) * 1e-9;
 }
-
-}  // namespace
-
-double LevelChoice::rate() const {
-    return std::min(quick_, slow_);
-}
-
-double LevelChoice::need(bool of_low) const {
-    const OfRenditions& needs = needs_[of_low ? 1 : 0];
-    return needs[0] + needs[1];
-}
-
-void LevelChoice::leave_out_colour() {
-    bytes_[1] = seconds_[1] = needs_[0][1] = needs_[1][1] = 0;
-}
-
-void LevelChoice::add(const FetchedSegment& fetched) {
-    if (fetched.duration_ns <= 0) return;
-    const bool failed = fetched.bytes <= 0;
-    if (failed && fetched.fetch_ns <= fetched.duration_ns)
-        return;  // a missing file tells nothing of the link
-    const std::size_t k = fetched.is_touch ? 0 : 1;
-    bytes_[k] = static_cast<double>(fetched.bytes);
-    seconds_[k] = std::max(in_seconds(fetched.fetch_ns), 1e-9);
-    if (!failed) needs_[fetched.is_low ? 1 : 0][k] = bytes_[k] / in_seconds(fetched.duration_ns);
-    if (!fetched.is_touch) return;  // it is judged together with touch
-    const double seconds = seconds_[0] + seconds_[1], newest = (bytes_[0] + bytes_[1]) / seconds;
-    quick_ += (has_rate_ ? quick_share : 1) * (newest - quick_);
-    slow_ += (has_rate_ ? slow_share : 1) * (newest - slow_);
-    has_rate_ = true;
-    if (!is_low_) {
-        is_low_ = seconds > in_seconds(fetched.duration_ns) || rate() < need(false);
-        good_ = 0;
-        return;
-    }
-    good_ = rate() >= rate_to_spare * need(false) ? good_ + 1 : 0;
-    is_low_ = good_ < segments_before_up;
-}
-
-namespace {
 
 // --- Renditions and levels
 
@@ -173,7 +131,7 @@ struct HlsBeginning {
 class HlsRendition {
 public:
     /// `place`: of the media playlist. Errors name a place.
-    static Result<std::unique_ptr<HlsRendition>> open(std::string place, WaitIsOver is_over, HlsHosts hosts,
+    static Result<std::unique_ptr<HlsRendition>> open(std::string place, WaitIsOver is_over,
                                                       HlsBeginning beginning = {});
     ~HlsRendition();
     HlsRendition(const HlsRendition&) = delete;
@@ -192,10 +150,9 @@ public:
     std::int64_t segments_lost() const { return segments_lost_; }
 
 private:
-    HlsRendition(std::string place, WaitIsOver is_over, HlsHosts hosts, const HlsBeginning& beginning)
+    HlsRendition(std::string place, WaitIsOver is_over, const HlsBeginning& beginning)
         : place_(std::move(place)),
           is_over_(std::move(is_over)),
-          hosts_(hosts),
           levels_(beginning.levels),
           is_low_(beginning.is_low) {}
     Result<void> begin(HlsBeginning beginning);
@@ -212,7 +169,6 @@ private:
 
     const std::string place_;
     const WaitIsOver is_over_;
-    const HlsHosts hosts_;
     HlsLevels* const levels_;
     const bool is_low_;
     AVFormatContext* context_ = nullptr;
@@ -246,7 +202,7 @@ class HlsLevels {
 public:
     /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
     static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
-                                                   HlsHosts hosts, std::shared_ptr<HlsLevelReading> reading,
+                                                   std::shared_ptr<HlsLevelReading> reading,
                                                    std::optional<std::string> text = {});
     HlsLevels(const HlsLevels&) = delete;
     HlsLevels& operator=(const HlsLevels&) = delete;
@@ -273,18 +229,16 @@ public:
     std::int64_t now_ns() const { return reading_->now_ns(); }
 
 private:
-    HlsLevels(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over, HlsHosts hosts,
+    HlsLevels(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
               std::shared_ptr<HlsLevelReading> reading)
         : places_(std::move(places)),
           is_touch_(is_touch),
           is_over_(std::move(is_over)),
-          hosts_(hosts),
           reading_(places_.low.empty() ? nullptr : std::move(reading)) {}
 
     const HlsLevelPlaces places_;
     const bool is_touch_;
     const WaitIsOver is_over_;
-    const HlsHosts hosts_;
     const std::shared_ptr<HlsLevelReading> reading_;
     std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
     bool is_low_ = false, is_opening_ = false;
@@ -395,10 +349,10 @@ ByteRange range_in(const AVDictionary* options) {
 }
 
 Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, WaitIsOver is_over,
-                                                         HlsHosts hosts, HlsBeginning beginning) {
+                                                         HlsBeginning beginning) {
     silence_ffmpeg();
     std::unique_ptr<HlsRendition> rendition(
-        new HlsRendition(std::move(place), std::move(is_over), hosts, beginning));
+        new HlsRendition(std::move(place), std::move(is_over), beginning));
     TRY(rendition->begin(std::move(beginning)));
     return rendition;
 }
@@ -464,7 +418,7 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
     const auto place = place_named(named);
     std::optional<HlsListedSegment> listed;
     if (levels_ && place && *place != facts_.header)
-        listed = segment_in(playlist_, place_, *place, newest_segment_ + 1, hosts_);
+        listed = segment_in(playlist_, place_, *place, newest_segment_ + 1);
     if (listed && levels_->goes_over_before(listed->number, is_low_)) {
         was_ended_ = true;
         return AVERROR_EXIT;
@@ -502,7 +456,7 @@ Result<void> HlsRendition::fetch_playlist() {
 /// The newest that there is; where there is none, the one before stays.
 Result<void> HlsRendition::take_playlist(Result<std::string> text) {
     const bool is_first = playlist_.empty();
-    auto facts = text ? check_hls_media(*text, place_, hosts_) : Result<HlsMediaFacts>(text.error());
+    auto facts = text ? check_hls_media(*text, place_) : Result<HlsMediaFacts>(text.error());
     if (text && !facts) return error_at(place_, facts.error());
     const bool is_older = facts && !is_first && facts->next_segment < facts_.next_segment;
     if (!facts || is_older) {
@@ -523,7 +477,7 @@ Result<void> HlsRendition::take_playlist(Result<std::string> text) {
 Result<std::string> HlsRendition::place_named(const std::string& named) const {
     const std::string folder = place_.substr(0, place_.rfind('/') + 1);
     const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
-    return resolved_place(place_, is_file ? named.substr(folder.size()) : named, hosts_);
+    return resolved_place(place_, is_file ? named.substr(folder.size()) : named);
 }
 
 Result<std::string> HlsRendition::read_segment(const std::string& place, const ByteRange& range) {
@@ -559,12 +513,12 @@ Result<const AVPacket*> HlsRendition::peek() {
 // --- HlsLevels
 
 Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
-                                                   HlsHosts hosts, std::shared_ptr<HlsLevelReading> reading,
+                                                   std::shared_ptr<HlsLevelReading> reading,
                                                    std::optional<std::string> text) {
     std::unique_ptr<HlsLevels> levels(
-        new HlsLevels(std::move(places), is_touch, std::move(is_over), hosts, std::move(reading)));
+        new HlsLevels(std::move(places), is_touch, std::move(is_over), std::move(reading)));
     HlsLevels* const chooses = levels->reading_ ? levels.get() : nullptr;
-    TRY_ASSIGN(levels->read_, HlsRendition::open(levels->places_.full, levels->is_over_, hosts,
+    TRY_ASSIGN(levels->read_, HlsRendition::open(levels->places_.full, levels->is_over_,
                                                  {.text = std::move(text), .levels = chooses}));
     return levels;
 }
@@ -574,7 +528,7 @@ bool HlsLevels::goes_over_before(std::int64_t number, bool from_low) {
     const bool to_low = reading_->choice.is_low();
     if (is_opening_ || next_ || to_low == from_low) return false;
     is_opening_ = true;
-    auto other = HlsRendition::open(to_low ? places_.low : places_.full, is_over_, hosts_,
+    auto other = HlsRendition::open(to_low ? places_.low : places_.full, is_over_,
                                     {.from = number, .levels = this, .is_low = to_low});
     is_opening_ = false;
     if (other) next_ = std::move(*other);
@@ -598,7 +552,7 @@ Result<const AVPacket*> HlsLevels::peek() {
     return read_->peek();
 }
 
-// --- HlsInput
+// --- BothRenditions
 
 /// While a stream is opened: touch needs the rest of the time.
 constexpr std::chrono::seconds longest_wait_for_colour{4};
@@ -684,12 +638,52 @@ std::string place_of(const std::string& named) {
 
 }  // namespace
 
-Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over, HlsHosts hosts,
+// --- LevelChoice
+
+double LevelChoice::rate() const {
+    return std::min(quick_, slow_);
+}
+
+double LevelChoice::need(bool of_low) const {
+    const OfRenditions& needs = needs_[of_low ? 1 : 0];
+    return needs[0] + needs[1];
+}
+
+void LevelChoice::leave_out_colour() {
+    bytes_[1] = seconds_[1] = needs_[0][1] = needs_[1][1] = 0;
+}
+
+void LevelChoice::add(const FetchedSegment& fetched) {
+    if (fetched.duration_ns <= 0) return;
+    const bool failed = fetched.bytes <= 0;
+    if (failed && fetched.fetch_ns <= fetched.duration_ns)
+        return;  // a missing file tells nothing of the link
+    const std::size_t k = fetched.is_touch ? 0 : 1;
+    bytes_[k] = static_cast<double>(fetched.bytes);
+    seconds_[k] = std::max(in_seconds(fetched.fetch_ns), 1e-9);
+    if (!failed) needs_[fetched.is_low ? 1 : 0][k] = bytes_[k] / in_seconds(fetched.duration_ns);
+    if (!fetched.is_touch) return;  // it is judged together with touch
+    const double seconds = seconds_[0] + seconds_[1], newest = (bytes_[0] + bytes_[1]) / seconds;
+    quick_ += (has_rate_ ? quick_share : 1) * (newest - quick_);
+    slow_ += (has_rate_ ? slow_share : 1) * (newest - slow_);
+    has_rate_ = true;
+    if (!is_low_) {
+        is_low_ = seconds > in_seconds(fetched.duration_ns) || rate() < need(false);
+        good_ = 0;
+        return;
+    }
+    good_ = rate() >= rate_to_spare * need(false) ? good_ + 1 : 0;
+    is_low_ = good_ < segments_before_up;
+}
+
+// --- HlsInput
+
+Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over,
                                                  std::function<std::int64_t()> now_ns) {
     const std::string place = place_of(named);
     auto text = fetch_place(place, largest_hls_playlist, is_over);
     if (!text) return error_at(named, text.error());
-    const auto places = places_in_playlist(*text, place, hosts);
+    const auto places = places_in_playlist(*text, place);
     if (!places) return error_at(named, places.error());
     // Colour first: of a live stream it then begins no later.
     const auto is_opening = std::make_shared<bool>(true);
@@ -704,10 +698,10 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitI
     }
     auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
                                          : HlsLevels::open({places->colour, places->low_colour}, false,
-                                                           is_over_for_colour, hosts, reading);
+                                                           is_over_for_colour, reading);
     *is_opening = false;
     const bool is_media = places->touch == place;
-    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, is_over, hosts, reading,
+    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, is_over, reading,
                                            is_media ? std::optional(std::move(*text)) : std::nullopt));
     auto input = std::make_unique<BothRenditions>(std::move(touch), is_over, std::move(reading));
     input->add_colour(std::move(colour));

@@ -228,9 +228,8 @@ public:
 
 private:
     HlsRenditionOutput(const HlsRenditionForm& form, LabelledEncoder encoder,
-                       std::unique_ptr<MemoryMuxer> muxer)
-        : form_(form), encoder_(std::move(encoder)), muxer_(std::move(muxer)) {}
-    Result<void> begin(const AVCodecParameters* sound);
+                       std::unique_ptr<MemoryMuxer> muxer, std::optional<int> sound_stream)
+        : form_(form), encoder_(std::move(encoder)), muxer_(std::move(muxer)), sound_stream_(sound_stream) {}
 
     HlsRenditionForm form_;
     LabelledEncoder encoder_;  // its track k is stream k
@@ -260,23 +259,19 @@ Result<HlsRenditionOutput> HlsRenditionOutput::open(const HlsRenditionForm& form
                LabelledEncoder::open(planes_of(form, first), described, TrackCoding::h264_thrifty,
                                      form.is_low ? TrackCoding::h264_reduced : TrackCoding::h264_visual));
     TRY_ASSIGN(auto muxer, MemoryMuxer::open("mp4"));
-    HlsRenditionOutput output(form, std::move(encoder), std::move(muxer));
-    TRY(output.begin(sound));
-    return output;
-}
-
-Result<void> HlsRenditionOutput::begin(const AVCodecParameters* sound) {
-    for (std::size_t k = 0; k < encoder_.tracks(); ++k) {
-        TRY_ASSIGN(AVStream* const stream, muxer_->add_stream(hls_tick));
-        TRY(encoder_.describe(k, *stream->codecpar));
+    for (std::size_t k = 0; k < encoder.tracks(); ++k) {
+        TRY_ASSIGN(AVStream* const stream, muxer->add_stream(hls_tick));
+        TRY(encoder.describe(k, *stream->codecpar));
         stream->id = static_cast<int>(k) + 1;
-        av_dict_set(&stream->metadata, "handler_name", encoder_.name(k).c_str(), 0);
+        av_dict_set(&stream->metadata, "handler_name", encoder.name(k).c_str(), 0);
     }
+    std::optional<int> sound_stream;
     if (sound) {
-        TRY_ASSIGN(sound_stream_, muxer_->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
+        TRY_ASSIGN(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
     }
     // A picture of each track by turns: a reader needs no more memory than that.
-    return muxer_->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1");
+    TRY(muxer->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1"));
+    return HlsRenditionOutput(form, std::move(encoder), std::move(muxer), sound_stream);
 }
 
 Result<void> HlsRenditionOutput::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,

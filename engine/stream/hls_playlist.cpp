@@ -109,12 +109,10 @@ Error foreign_place(std::string_view named) {
                        ", which is elsewhere: a playlist may name only what its own host has");
 }
 
-Result<std::string> absolute_place(std::string_view base, std::string_view named, HlsHosts hosts) {
-    const PlaceParts own = parts_of(base), other = parts_of(named);
+Result<std::string> absolute_place(std::string_view base, std::string_view named) {
+    const PlaceParts other = parts_of(named);
     const bool is_web = other.origin.starts_with("http://") || other.origin.starts_with("https://");
-    const bool is_own = other.origin == own.origin;
-    if (!is_web || own.origin == file_scheme || (!is_own && hosts == HlsHosts::own))
-        return foreign_place(named);
+    if (!is_web || other.origin != parts_of(base).origin) return foreign_place(named);
     const std::size_t query = std::min(named.find('?'), named.size());
     return other.origin + plain_path(other.path) + std::string(named.substr(query));
 }
@@ -239,8 +237,7 @@ bool is_of_one_segment(std::string_view tag) {
 }
 
 /// A tag that names a place, or what cannot be read.
-Result<void> check_media_tag(std::string_view line, const std::string& place, HlsHosts hosts,
-                             HlsMediaFacts& facts) {
+Result<void> check_media_tag(std::string_view line, const std::string& place, HlsMediaFacts& facts) {
     if (is_master_line(line)) return input_error("leads to further playlists, where segments should be");
     if (const auto key = after_tag(line, "#EXT-X-KEY"); key && attribute(*key, "METHOD") != "NONE")
         return input_error("is encrypted, which is not read");
@@ -248,7 +245,7 @@ Result<void> check_media_tag(std::string_view line, const std::string& place, Hl
     if (!map) return {};
     const auto named = attribute(*map, "URI");
     if (!named) return input_error("has an initialisation without a URI");
-    TRY_ASSIGN(auto header, resolved_place(place, *named, hosts));
+    TRY_ASSIGN(auto header, resolved_place(place, *named));
     if (!facts.header.empty() && facts.header != header)
         return input_error("changes its initialisation on the way, which is not read");
     facts.header = std::move(header);
@@ -290,16 +287,9 @@ std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header) 
 }
 
 std::int64_t next_segment_of(std::string_view media) {
-    constexpr std::string_view first_key = "\n#EXT-X-MEDIA-SEQUENCE:", segment_key = "\n#EXTINF:";
-    const std::size_t at = media.find(first_key);
-    std::int64_t number = 0;
-    if (at == std::string_view::npos) return 0;
-    const char* const begin = media.data() + at + first_key.size();
-    std::from_chars(begin, media.data() + media.size(), number);
-    constexpr std::int64_t most = std::int64_t{1} << 53;
-    if (number < 0 || number > most) return 0;
-    for (std::size_t next = 0; (next = media.find(segment_key, next)) != std::string_view::npos; ++next)
-        ++number;
+    std::int64_t number = first_number_in(media);
+    PlaylistLines lines(media);
+    while (const auto line = lines.next()) number += after_tag(*line, "#EXTINF") ? 1 : 0;
     return number;
 }
 
@@ -310,7 +300,7 @@ bool is_hls_playlist(std::string_view first_bytes) {
             first_bytes[begin.size()] == '\r');
 }
 
-Result<std::string> resolved_place(std::string_view base, std::string_view named, HlsHosts hosts) {
+Result<std::string> resolved_place(std::string_view base, std::string_view named) {
     constexpr std::size_t longest = 4096;
     const auto is_odd = [](char letter) {
         return static_cast<unsigned char>(letter) <= ' ' || letter == 127;
@@ -319,12 +309,11 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
     if (named.empty() || named.size() > longest || (!is_file && std::ranges::any_of(named, is_odd)) ||
         named.find('\\') != std::string_view::npos)
         return input_error("it names " + in_quotes(named) + ", which is no URI");
-    if (!scheme_in(named).empty()) return absolute_place(base, named, hosts);
+    if (!scheme_in(named).empty()) return absolute_place(base, named);
     const PlaceParts own = parts_of(base);
     if (named.starts_with("//")) {
         if (is_file) return foreign_place(named);
-        return absolute_place(base, own.origin.substr(0, own.origin.find(':') + 1) + std::string(named),
-                              hosts);
+        return absolute_place(base, own.origin.substr(0, own.origin.find(':') + 1) + std::string(named));
     }
     const std::string folder = own.path.substr(0, own.path.rfind('/') + 1);
     if (is_file) {
@@ -339,7 +328,7 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
     return own.origin + plain_path(whole) + std::string(named.substr(query));
 }
 
-Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place, HlsHosts hosts) {
+Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place) {
     TRY(check_size(text));
     const NamedPlaylists named = named_in(text);
     if (!named.is_master) return HlsPlaces{.touch = place};
@@ -349,7 +338,7 @@ Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& p
                            std::string(hls_planes_id));
     const auto take = [&](std::optional<std::string_view> of, std::string& to) -> Result<void> {
         if (!of) return {};
-        TRY_ASSIGN(auto resolved, resolved_place(place, *of, hosts));
+        TRY_ASSIGN(auto resolved, resolved_place(place, *of));
         if (resolved == place) return input_error("is a playlist of itself");
         to = std::move(resolved);
         return {};
@@ -367,14 +356,14 @@ Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& p
     return places;
 }
 
-Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place, HlsHosts hosts) {
+Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place) {
     TRY(check_size(text));
     HlsMediaFacts facts;
     PlaylistLines lines(text);
     std::int64_t segments = 0, first = 0;
     while (const auto line = lines.next()) {
         if (line->starts_with('#')) {
-            TRY(check_media_tag(*line, place, hosts, facts));
+            TRY(check_media_tag(*line, place, facts));
             facts.has_ended = facts.has_ended || *line == "#EXT-X-ENDLIST";
             const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE");
             if (!number) continue;
@@ -383,7 +372,7 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
             first = *counted;
             continue;
         }
-        TRY_ASSIGN(const auto segment, resolved_place(place, *line, hosts));
+        TRY_ASSIGN(const auto segment, resolved_place(place, *line));
         if (segment == place) return input_error("is a playlist of itself");
         ++segments;
     }
@@ -393,13 +382,13 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
 }
 
 std::optional<HlsListedSegment> segment_in(std::string_view text, const std::string& place,
-                                           const std::string& segment, std::int64_t least, HlsHosts hosts) {
+                                           const std::string& segment, std::int64_t least) {
     HlsListedSegment listed{first_number_in(text), 0};
     PlaylistLines lines(text);
     while (const auto line = lines.next()) {
         if (const auto length = after_tag(*line, "#EXTINF")) listed.duration_ns = duration_ns(*length);
         if (line->starts_with('#')) continue;
-        const auto named = resolved_place(place, *line, hosts);
+        const auto named = resolved_place(place, *line);
         if (listed.number >= least && named && *named == segment) return listed;
         listed = {listed.number + 1, 0};
     }

@@ -124,7 +124,6 @@ bool is_begin_of_plane(PlaneRole role, PlanePart part) {
 constexpr std::size_t most_tracks = 16;
 /// So many halves of a plane wait for the others: tracks of one frame come close to each other.
 constexpr std::size_t most_halves = 8;
-constexpr AVRational nanosecond{1, 1'000'000'000};
 
 Error no_memory() {
     return {ErrorKind::internal, "a stream's pictures: out of memory"};
@@ -286,7 +285,7 @@ Result<std::size_t> LabelledDecoder::add_track(const AVStream& stream, const std
     if (tracks_.size() == most_tracks) return input_error(where + ": is one track more than 16");
     silence_ffmpeg();
     TRY_ASSIGN(auto decoder, PacketDecoder::open(stream, where, most_pixels_));
-    tracks_.push_back({std::move(decoder), stream.time_base});
+    tracks_.push_back({std::move(decoder)});
     return tracks_.size() - 1;
 }
 
@@ -359,9 +358,7 @@ Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictu
         return {};
     }
     const PictureMessage message = said.picture->picture.value();
-    LabelledPicture picture{message.role, message.label, is_key_frame(*frame), 0, {}, std::move(said.scene)};
-    if (frame->best_effort_timestamp != AV_NOPTS_VALUE)
-        picture.time_ns = av_rescale_q(frame->best_effort_timestamp, track.time_base, nanosecond);
+    LabelledPicture picture{message.role, message.label, is_key_frame(*frame), {}, std::move(said.scene)};
     if (!follows(track, message, picture.is_key)) {
         ++faults_.undecodable;
         return {};

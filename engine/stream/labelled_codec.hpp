@@ -71,7 +71,6 @@ public:
 
     /// Tracks in their order: colour first, which ordinary players show, low parts last.
     std::size_t tracks() const { return tracks_.size(); }
-    PlaneRole role(std::size_t track) const { return tracks_[track].role; }
     /// "depth", "depth_low": for tools that show names.
     std::string name(std::size_t track) const;
     /// Says in a container how a track is encoded.
@@ -102,7 +101,6 @@ struct LabelledPicture {
     PlaneRole role = PlaneRole::depth;
     PictureLabel label;
     bool is_key = false;                       ///< decoding could have begun with it
-    std::int64_t time_ns = 0;                  ///< by the container's clock
     Plane plane;                               ///< of both halves, where it was sent as two
     std::shared_ptr<const std::string> scene;  ///< JSON that came with it; null: none did
 };
@@ -140,7 +138,6 @@ public:
 private:
     struct Track {
         std::unique_ptr<PacketDecoder> decoder;
-        AVRational time_base;
         bool has_begun = false;                // with a packet that is a key
         bool is_broken = false;                // a picture that others depend on is missing
         std::optional<std::int64_t> newest{};  // frame number

@@ -264,7 +264,7 @@ Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
                                                         const std::optional<SceneDescription>& described,
                                                         std::function<std::int64_t()> now_ns) {
     auto input = HlsInput::open(
-        url.text, [wait] { return wait->is_over(); }, HlsHosts::own, std::move(now_ns));
+        url.text, [wait] { return wait->is_over(); }, std::move(now_ns));
     if (!input) return wait->in_time(input.error());
     return open_packets(std::make_unique<HlsPackets>(std::move(wait), std::move(*input)), url.name(),
                         described);

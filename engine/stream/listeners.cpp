@@ -35,33 +35,17 @@ std::string_view next_word(std::string_view& line) {
     return word;
 }
 
-std::string_view reason_of(int status) {
-    switch (status) {
-        case 200:
-            return "OK";
-        case 404:
-            return "Not Found";
-        case 405:
-            return "Method Not Allowed";
-        case 503:
-            return "Service Unavailable";
-        default:
-            return "Bad Request";
-    }
-}
-
-std::string_view words_of(int status) {
-    switch (status) {
-        case 404:
-            return "there is no stream of this name\n";
-        case 405:
-            return "the stream is only read: GET or HEAD\n";
-        case 503:
-            return "as many listen as there is room for; try again later\n";
-        default:
-            return "this is no request of HTTP/1.0 or HTTP/1.1\n";
-    }
-}
+struct HttpStatus {
+    int number;
+    std::string_view reason, words;
+};
+constexpr HttpStatus http_statuses[] = {
+    {200, "OK", ""},
+    {404, "Not Found", "there is no stream of this name\n"},
+    {405, "Method Not Allowed", "the stream is only read: GET or HEAD\n"},
+    {503, "Service Unavailable", "as many listen as there is room for; try again later\n"},
+    {400, "Bad Request", "this is no request of HTTP/1.0 or HTTP/1.1\n"},
+};
 
 }  // namespace
 
@@ -112,11 +96,11 @@ int HttpRequest::judged(std::string_view head) {
 }
 
 std::string http_answer(int status) {
-    std::string head = "HTTP/1.1 " + std::to_string(status) + " " + std::string(reason_of(status)) +
+    const auto& [number, reason, words] = *std::ranges::find(http_statuses, status, &HttpStatus::number);
+    std::string head = "HTTP/1.1 " + std::to_string(status) + " " + std::string(reason) +
                        "\r\nConnection: close\r\nCache-Control: no-store\r\n";
     if (status == 200) return head + "Content-Type: video/x-matroska\r\nAccept-Ranges: none\r\n\r\n";
     if (status == 405) head += "Allow: GET, HEAD\r\n";
-    const std::string_view words = words_of(status);
     return head.append("Content-Type: text/plain; charset=utf-8\r\nContent-Length: ")
         .append(std::to_string(words.size()))
         .append("\r\n\r\n")

@@ -108,9 +108,8 @@ void FramesetAssembler::leave_doubtful() {
 
 void FramesetAssembler::admit(StreamPicture picture) {
     const PlaneRole role = picture.role;
-    if (last_ && picture.number + picture.frames <= *last_ + 1 && role != PlaneRole::colour)
-        return add_late(picture);
     if (last_ && picture.number + picture.frames <= *last_ + 1) {
+        if (role != PlaneRole::colour) return add_late(picture);
         without_colour_in_a_row_ = 0;  // it is sent again
         newest_colour_ = std::move(picture.plane);
         return;
@@ -228,11 +227,11 @@ void FramesetAssembler::give_whole() {
             if (came_before_colour(number)) {
                 last_ = number;
                 forget();
-                gave = true;
-                break;
+            } else if (has_its_colour(number)) {
+                give(number);
+            } else {
+                return;
             }
-            if (!has_its_colour(number)) return;
-            give(number);
             gave = true;
             break;
         }
@@ -426,8 +425,8 @@ Result<void> StreamReceiver::take(StreamPictures::Came came) {
     for (StreamPicture& picture : came.pictures) {
         if (picture.role == PlaneRole::colour && !with_colour_) continue;
         TRY_ASSIGN(picture.plane, fit_plane(picture.role, std::move(picture.plane), scene_,
-                                        name_ + ": " + std::string(role_name(picture.role)) + ", frame " +
-                                            std::to_string(picture.number)));
+                                            name_ + ": " + std::string(role_name(picture.role)) + ", frame " +
+                                                std::to_string(picture.number)));
         assembler_->add(std::move(picture));
     }
     return {};

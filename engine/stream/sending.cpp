@@ -4,6 +4,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 namespace {
@@ -165,7 +166,7 @@ std::int64_t StreamAudience::all() const {
 // --- StreamSender::Time
 
 std::int64_t StreamSender::Time::now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return steady_now_ns();
 }
 
 std::int64_t StreamSender::Time::utc_ns() {

@@ -268,13 +268,13 @@ private:
 class StreamServer {
 public:
     static constexpr int most_connections = 96;
-    using Clock = std::function<std::int64_t()>;  ///< ns, of any beginning; never backward
+    /// ns, of any beginning; never backward. None: std::chrono::steady_clock.
+    using Clock = std::function<std::int64_t()>;
 
     /// Listens at tcp:// and http:// names; port 0 is any that is free. Refused is (ErrorKind::usage) a host
     /// that is no address of numbers, and (ErrorKind::input) an address that cannot be had.
     static Result<std::unique_ptr<StreamServer>> open(const std::vector<StreamUrl>& urls, StreamRing& ring,
-                                                      StreamAudience& audience, Clock clock = steady_clock());
-    static Clock steady_clock();
+                                                      StreamAudience& audience, Clock clock = {});
     /// Closes everything at once.
     virtual ~StreamServer() = default;
 

@@ -163,19 +163,10 @@ std::string StreamUrl::name() const {
 }
 
 std::string StreamUrl::protocols() const {
-    switch (transport) {
-        case StreamTransport::tcp:
-            return "tcp";
-        case StreamTransport::http:
-            return is_tls ? "https,tls,tcp" : "http,tcp";
-        case StreamTransport::udp:
-            return "udp";
-        case StreamTransport::srt:
-            return "";
-        case StreamTransport::pipe:
-            break;
-    }
-    return "pipe";
+    if (transport == StreamTransport::http) return is_tls ? "https,tls,tcp" : "http,tcp";
+    if (transport == StreamTransport::tcp) return "tcp";
+    if (transport == StreamTransport::udp) return "udp";
+    return transport == StreamTransport::pipe ? "pipe" : "";
 }
 
 std::string StreamUrl::value(std::string_view key) const {

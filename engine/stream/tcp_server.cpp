@@ -21,6 +21,7 @@
 #include "engine/clip/readers.hpp"
 #include "engine/stream/listeners.hpp"
 #include "engine/stream/sending.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 namespace {
@@ -409,14 +410,9 @@ void TcpServer::refuse(const OwnedSocket& socket, const Door& door, const std::s
 
 }  // namespace
 
-StreamServer::Clock StreamServer::steady_clock() {
-    return
-        [] { return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count(); };
-}
-
 Result<std::unique_ptr<StreamServer>> StreamServer::open(const std::vector<StreamUrl>& urls, StreamRing& ring,
                                                          StreamAudience& audience, Clock clock) {
-    auto server = std::make_unique<TcpServer>(ring, audience, std::move(clock));
+    auto server = std::make_unique<TcpServer>(ring, audience, clock ? std::move(clock) : steady_now_ns);
     TRY(server->open_doors(urls));
     return std::unique_ptr<StreamServer>(std::move(server));
 }

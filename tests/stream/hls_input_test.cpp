@@ -112,8 +112,7 @@ struct LinkedServer {
               return reply;
           }) {}
     Result<std::unique_ptr<HlsInput>> open() {
-        return HlsInput::open(server.url("/master.m3u8"), never, HlsHosts::own,
-                              [this] { return now_ns.load(); });
+        return HlsInput::open(server.url("/master.m3u8"), never, [this] { return now_ns.load(); });
     }
     std::atomic<std::int64_t> now_ns{0};
     std::function<WebReply(const std::string&)> answer{};
