@@ -139,7 +139,7 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
     const bool is_told = said.intrinsics || said.fov;
     if (const auto text = demuxer->attachment(calibration_file); text && !is_told) {
         TRY_ASSIGN(cameras, parse_azure_kinect_calibration(*text, *depth_size, colour_size,
-                                                             file.string() + ": its " + calibration_file));
+                                                           file.string() + ": its " + calibration_file));
         const Camera& camera = cameras->depth;
         if (!(camera.fx > 0) || !(camera.fy > 0))
             return input_error(file.string() + ": its " + calibration_file +

@@ -83,36 +83,29 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
             }))
             continue;
         if (++looked_at > most_topics) break;
-        topics.push_back({connection.topic, is_compressed, RosPictureKind::none, "", {}});
-        BagPictures& pictures = topics.back();
-        std::vector<std::uint32_t> ids;  // who writes it may have been started twice
+        BagPictures pictures{connection.topic, is_compressed, RosPictureKind::none, "", {}};
+        std::vector<std::uint32_t> ids;  // its writer may have been started twice
         for (const BagConnection& other : bag.connections())
             if (other.topic == pictures.topic && other.type == connection.type && other.md5 == connection.md5)
                 ids.push_back(other.id);
-        TRY_ASSIGN(auto messages, bag.messages(ids));
-        pictures.messages = std::move(messages);
-        if (pictures.messages.empty()) {
-            topics.pop_back();
-            continue;
-        }
+        TRY_ASSIGN(pictures.messages, bag.messages(ids));
+        if (pictures.messages.empty()) continue;
         const auto bytes = bag.read_first(pictures.messages);
-        if (!bytes && bag.is_given_up(pictures.messages.front())) {
-            topics.pop_back();
-            continue;
-        }
-        if (!bytes) return bytes.error();
-        if (is_compressed) {
-            const auto image = parse_ros_compressed_image(*bytes);
-            if (!image) continue;
+        if (!bytes && bag.is_given_up(pictures.messages.front())) continue;
+        TRY(bytes);
+        if (!is_compressed) {
+            if (const auto image = parse_ros_image(*bytes)) {
+                pictures.encoding = image->encoding;
+                pictures.kind = ros_picture_kind(image->encoding);
+            }
+        } else if (const auto image = parse_ros_compressed_image(*bytes)) {
             pictures.encoding = image->format;
             pictures.kind = ros_compressed_kind(image->format);
             if (pictures.kind == RosPictureKind::colour && has_word(pictures.topic, {"depth"}) &&
                 image->format.find("png") != std::string_view::npos)
                 pictures.kind = RosPictureKind::depth16;
-        } else if (const auto image = parse_ros_image(*bytes)) {
-            pictures.encoding = image->encoding;
-            pictures.kind = ros_picture_kind(image->encoding);
         }
+        topics.push_back(std::move(pictures));
     }
     return topics;
 }

@@ -275,8 +275,7 @@ Result<BagRecord> RosBag::record_at(ByteSource& bytes, std::uint64_t at, std::ui
 }
 
 Result<void> RosBag::open(const SourceFile& file) {
-    TRY_ASSIGN(auto bytes, bytes_of_file(file));
-    bytes_ = std::move(bytes);
+    TRY_ASSIGN(bytes_, bytes_of_file(file));
     std::string begin(bag_magic.size() + bag_version.size(), '\0');
     if (bytes_->size() < begin.size()) return damaged("it ends in its first bytes");
     TRY(read_bytes(*bytes_, 0, begin.data(), begin.size()));

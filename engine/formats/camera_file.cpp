@@ -19,6 +19,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/checked_json.hpp"
 
@@ -31,13 +32,8 @@ constexpr std::size_t longest_camera_file = std::size_t{16} << 20;  // Record3D'
 constexpr std::size_t most_cameras = 64, longest_name = 200;
 constexpr int deepest_yaml = 16;
 
-std::string_view without_ends(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-    return first == std::string_view::npos ? std::string_view() : text.substr(first, last + 1 - first);
-}
-
 Json yaml_scalar(std::string_view text) {
-    text = without_ends(text);
+    text = trimmed(text);
     if (const auto number = parsed_number(text)) return *number;
     const bool is_quoted = text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.back() == text[0];
     return is_quoted ? std::string(text.substr(1, text.size() - 2)) : std::string(text);
@@ -134,7 +130,7 @@ YamlLines::YamlLines(std::string_view text) {
         const auto end = text.find('\n');
         const std::string_view line = without_comment(text.substr(0, end));
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        const std::string_view inner = without_ends(line);
+        const std::string_view inner = trimmed(line);
         if (inner == "---" || inner == "...") {
             if (!lines_.empty()) break;
             continue;
@@ -172,7 +168,7 @@ std::string YamlLines::gathered(std::string_view text) {
 Json YamlLines::value_of(std::string_view text, std::size_t indent, int depth) {
     while (!text.empty() && (text[0] == '!' || text[0] == '&')) {
         const auto end = text.find_first_of(" \t");
-        text = end == std::string_view::npos ? std::string_view() : without_ends(text.substr(end));
+        text = end == std::string_view::npos ? std::string_view() : trimmed(text.substr(end));
     }
     if (!text.empty() && (text[0] == '[' || text[0] == '{')) return YamlInBrackets(gathered(text)).value();
     if (!text.empty() && text[0] != '|' && text[0] != '>') return yaml_scalar(text);
@@ -188,7 +184,7 @@ Json YamlLines::value_of(std::string_view text, std::size_t indent, int depth) {
 Json YamlLines::items(std::size_t indent, int depth) {
     Json list = Json::array();
     while (goes_on(indent) && is_item()) {
-        const std::string_view text = without_ends(lines_[at_].text.substr(1));
+        const std::string_view text = trimmed(lines_[at_].text.substr(1));
         const bool is_bracket = text.starts_with('[') || text.starts_with('{');
         if (!text.empty() && !is_bracket && text[0] != '"' && text[0] != '\'' &&
             (text.starts_with("- ") || text.find(": ") != std::string_view::npos || text.back() == ':')) {
@@ -217,8 +213,7 @@ Json YamlLines::block(std::size_t indent, int depth) {
         if (colon == std::string_view::npos && line.back() == ':') colon = line.size() - 1;
         ++at_;
         if (colon == std::string_view::npos) continue;
-        add(map, yaml_name(line.substr(0, colon)),
-            value_of(without_ends(line.substr(colon + 1)), indent, depth));
+        add(map, yaml_name(line.substr(0, colon)), value_of(trimmed(line.substr(colon + 1)), indent, depth));
         // What stands further in without a reason is passed over.
         while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
     }

@@ -1,5 +1,4 @@
 #include "engine/formats/camera_sidecar.hpp"
-#include "engine/formats/picture_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -220,7 +220,7 @@ std::vector<fs::path> pose_files_in(const fs::path& folder) {
     std::vector<fs::path> files;
     std::error_code ignored;
     const auto add = [&](const fs::path& file) {
-        if (fs::is_regular_file(file, ignored)) files.push_back(file);
+        if (is_file(file)) files.push_back(file);
     };
     for (const char* name : {"poses.txt", "groundtruth.txt", "trajectory.log"}) add(folder / name);
     std::vector<fs::path> logs;

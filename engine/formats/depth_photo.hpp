@@ -72,6 +72,10 @@ XmpProperties properties_of(const XmpEntries& entries);
 
 /// A property that is a number; nothing where it is none, or absent.
 std::optional<double> xmp_number(const XmpProperties& xmp, std::string_view name);
+/// Whether such a number can be a side of a picture, pixels.
+inline bool is_xmp_side(const std::optional<double>& side) {
+    return side && *side >= 1 && *side < 1e6;
+}
 
 /// A phone's photograph with depth: what its file holds and says.
 struct DepthPhoto {

@@ -12,6 +12,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/picture/ffmpeg.hpp"
 
@@ -28,11 +29,6 @@ constexpr int deepest_code = DepthCoding::hue_circle - DepthCoding::hue_circle /
 /// Textures are compressed in blocks of 4x4 pixels; a median of 5x5 sees beyond one. Holes are specks and the
 /// blocks' dark rims.
 constexpr FilterSettings usual_filter{5, 2};
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-    return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
-}
 
 /// Of digits that are nothing but a number.
 std::optional<double> finite_number(std::string_view digits) {
@@ -66,7 +62,8 @@ Result<DepthkitMetadata> DepthkitMetadata::read(const std::filesystem::path& fil
     constexpr std::size_t largest = 1 << 20;
     DepthkitMetadata metadata;
     metadata.file_ = file.string();
-    TRY_ASSIGN(metadata.text_, read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
+    TRY_ASSIGN(metadata.text_,
+               read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
     return metadata;
 }
 
@@ -330,9 +327,7 @@ std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video)
 
 std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video) {
     std::filesystem::path metadata = video.parent_path() / depthkit_metadata_name(video);
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(metadata, ignored)) return std::nullopt;
-    return metadata;
+    return is_file(metadata) ? std::optional(std::move(metadata)) : std::nullopt;
 }
 
 std::optional<std::filesystem::path> depthkit_video_of(const std::filesystem::path& metadata) {
@@ -340,9 +335,7 @@ std::optional<std::filesystem::path> depthkit_video_of(const std::filesystem::pa
     for (const char* extension : {".mov", ".mp4", ".MOV", ".MP4"}) {
         std::filesystem::path video = metadata.parent_path() / stem;
         video += extension;
-        std::error_code ignored;
-        if (depthkit_metadata_of(video) == metadata && std::filesystem::is_regular_file(video, ignored))
-            return video;
+        if (depthkit_metadata_of(video) == metadata && is_file(video)) return video;
     }
     return std::nullopt;
 }

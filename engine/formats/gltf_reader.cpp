@@ -52,6 +52,13 @@ std::optional<Node> gltf_extension(const Node& node, const char* name) {
     return all.has(name) ? std::optional(all[name]) : std::nullopt;
 }
 
+/// The element of an array of which `index` is the number; `what`: in words, such as "textures".
+Node one_of(const Node& array, const Node& index, const std::string& what) {
+    const auto found = array.element(static_cast<std::size_t>(index.whole()));
+    if (!found) index.refuse("a number of one of " + std::to_string(array.size()) + " " + what);
+    return *found;
+}
+
 /// What a file says, .gltf or .glb, and the bytes that it carries. `bytes` has to stay.
 class GltfFile {
 public:
@@ -62,18 +69,19 @@ public:
     const std::filesystem::path& file() const { return file_; }
     Node root() const { return {json_, ""}; }
     /// Of one of the arrays at the root, such as textures[2].
-    Node element(const char* array, const Node& index) const;
+    Node element(const char* array, const Node& index) const { return one_of(root()[array], index, array); }
     Node texture(std::size_t number) const;
     /// What a texture shows where its file is read as a picture. `texture`: of the array "textures".
     LinkedFile picture(const Node& texture);
     /// What it shows moving; nothing where it has no MPEG_texture_video. Of the alternatives of a medium the
     /// first that is a file here.
     std::optional<GltfVideo> video(const Node& texture) const;
+    /// The file that a URI of it names.
+    LinkedFile linked(const std::string& uri) const;
     /// The others that were read for pictures.
     const std::vector<std::filesystem::path>& read_files() const { return read_files_; }
 
 private:
-    LinkedFile linked(const Node& uri) const;
     LinkedFile carried_picture(const Node& view);
 
     std::filesystem::path file_;
@@ -145,13 +153,6 @@ GltfFile::GltfFile(const std::filesystem::path& file, std::string_view bytes) : 
     if (!version.text().starts_with("2.")) version.refuse("2.0 or another 2, which alone is read");
 }
 
-Node GltfFile::element(const char* array, const Node& index) const {
-    const Node all = root()[array];
-    const auto found = all.element(static_cast<std::size_t>(index.whole()));
-    if (!found) index.refuse("a number of one of " + std::to_string(all.size()) + " " + array);
-    return *found;
-}
-
 Node GltfFile::texture(std::size_t number) const {
     const Node all = root()["textures"];
     const auto found = all.element(number);
@@ -160,8 +161,8 @@ Node GltfFile::texture(std::size_t number) const {
     return *found;
 }
 
-LinkedFile GltfFile::linked(const Node& uri) const {
-    auto link = follow_link(uri.text(), file_);
+LinkedFile GltfFile::linked(const std::string& uri) const {
+    auto link = follow_link(uri, file_);
     if (!link) throw link.error();
     return std::move(*link);
 }
@@ -176,7 +177,7 @@ LinkedFile GltfFile::carried_picture(const Node& view) {
     std::shared_ptr<const std::string> owned;
     std::string_view bytes;
     if (buffer.has("uri")) {
-        const LinkedFile link = linked(buffer["uri"]);
+        const LinkedFile link = linked(buffer["uri"].text());
         auto read = bytes_of(link);
         if (!read) throw read.error();
         if (!link.file.empty()) read_files_.push_back(link.file);
@@ -196,7 +197,7 @@ LinkedFile GltfFile::picture(const Node& texture) {
     if (!texture.has("source"))
         throw Refusal{"a texture has no source: must be a PNG or JPEG; pictures of extensions are not read"};
     const Node image = element("images", texture["source"]);
-    if (!image.has("bufferView")) return linked(image["uri"]);
+    if (!image.has("bufferView")) return linked(image["uri"].text());
     return carried_picture(element("bufferViews", image["bufferView"]));
 }
 
@@ -216,10 +217,7 @@ std::optional<GltfVideo> GltfFile::video(const Node& texture) const {
         throw Refusal{"the buffer of a video has no MPEG_buffer_circular: must say of which media it is"};
     const auto files = gltf_extension(root(), "MPEG_media");
     if (!files) throw Refusal{"has no extensions.MPEG_media: must say which files its videos are"};
-    const Node media = (*files)["media"];
-    const auto medium = media.element(static_cast<std::size_t>((*frames)["media"].whole()));
-    if (!medium) (*frames)["media"].refuse("a number of one of " + std::to_string(media.size()) + " media");
-    const Node file = local_alternative(*medium);
+    const Node file = local_alternative(one_of((*files)["media"], (*frames)["media"], "media"));
     video.file = file["uri"].text();
     if (!file.has("tracks")) return video;
     const std::vector<Node> tracks = gltf_array(file["tracks"]);
@@ -507,11 +505,10 @@ private:
 
 /// In the scene's folder or below.
 std::string GltfClip::name_beside(const std::string& uri) const {
-    auto link = follow_link(uri, gltf_.file());
-    if (!link) throw link.error();
+    const std::filesystem::path file = gltf_.linked(uri).file;
     const std::filesystem::path named =
-        link->file.lexically_normal().lexically_relative(folder_.lexically_normal());
-    if (link->file.empty() || named.empty() || named.is_absolute() || *named.begin() == "..")
+        file.lexically_normal().lexically_relative(folder_.lexically_normal());
+    if (file.empty() || named.empty() || named.is_absolute() || *named.begin() == "..")
         throw Refusal{"a plane of it is " + in_quotes(uri.substr(0, 40)) +
                       ": must be a file beside it or in a folder below"};
     return named.string();
@@ -734,7 +731,7 @@ Opened GltfClip::open_tracks(const SceneDescription& described, Colour colour) c
 
 /// Pictures; or videos, each a file of its own.
 Opened GltfClip::open_files(SceneDescription described, Colour colour) const {
-    std::array<std::string, all_roles.size()> names;
+    FolderSource files;
     const bool is_moving = depth().video.has_value();
     for (const PlaneRole role : all_roles) {
         const auto& plane = at(role);
@@ -746,23 +743,18 @@ Opened GltfClip::open_files(SceneDescription described, Colour colour) const {
             throw Refusal{in_quotes(plane->picture) +
                           " is a name that stands for several files (%, *, .txt): rename it"};
         if (plane->video)
-            names[static_cast<std::size_t>(role)] = plane->video->file;
+            pattern_of(files, role) = plane->video->file;
         else if (role != PlaneRole::colour || !is_moving)
-            names[static_cast<std::size_t>(role)] = plane->picture;
+            pattern_of(files, role) = plane->picture;
     }
-    const auto& [depth, of_colour, haptic, height] = names;
     Scene& scene = described.scene;
     if (is_moving) {
-        scene.video = VideoSource{depth, of_colour};
-        scene.video->haptic = haptic;
-        scene.video->height = height;
+        scene.video = VideoSource{files.depth, files.colour};
+        scene.video->haptic = files.haptic;
+        scene.video->height = files.height;
     } else {
-        scene.folder.emplace();
-        scene.folder->depth = depth;
-        scene.folder->colour = of_colour;
-        scene.folder->haptic = haptic;
-        scene.folder->height = height;
-        scene.folder->count = 1;
+        files.count = 1;
+        scene.folder = std::move(files);
     }
     auto reader = is_moving ? open_video_clip(folder_, described, colour)
                             : open_image_folder(folder_, described, {}, colour);

@@ -140,8 +140,7 @@ std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictu
     for (const std::string& other : stems)
         for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
             const fs::path file = depth.parent_path() / (other + extension);
-            std::error_code ignored;
-            if (file == depth || !fs::is_regular_file(file, ignored)) continue;
+            if (file == depth || !is_file(file)) continue;
             if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;
         }
     return {};

@@ -179,8 +179,8 @@ std::optional<Intrinsics> apple_camera(const XmpEntries& entries) {
     const XmpProperties xmp = properties_of(entries);
     const auto width = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceWidth"),
                height = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceHeight");
-    const auto is_side = [](const std::optional<double>& side) { return side && *side >= 1 && *side < 1e6; };
-    if (matrix.size() != 9 || !(matrix[0] > 0) || !(matrix[4] > 0) || !is_side(width) || !is_side(height))
+    if (matrix.size() != 9 || !(matrix[0] > 0) || !(matrix[4] > 0) || !is_xmp_side(width) ||
+        !is_xmp_side(height))
         return std::nullopt;
     return Intrinsics{
         matrix[0], matrix[4], matrix[6], matrix[7], static_cast<int>(*width), static_cast<int>(*height)};
@@ -458,10 +458,10 @@ void HeicImage::orient() {
     }
     const std::string exif = metadata(primary_.get(), "Exif");
     if (exif.size() < 4) return;
-    std::size_t offset = 0;  // from after itself to the TIFF header
-    for (std::size_t k = 0; k < 4; ++k) offset = offset << 8 | static_cast<unsigned char>(exif[k]);
+    const std::uint64_t offset = HeifBytes(exif).number(4);  // from after itself to the TIFF header
     if (offset < exif.size() - 4)
-        photo_.film_focal_length = parse_exif(std::string_view(exif).substr(4 + offset)).film_focal_length;
+        photo_.film_focal_length =
+            parse_exif(std::string_view(exif).substr(4 + static_cast<std::size_t>(offset))).film_focal_length;
 }
 
 /// The first block of a type; empty where there is none.

@@ -195,8 +195,7 @@ Result<void> FolderPictures::find_cameras(const PictureFiles& depth, StoredClip&
     const Scene& scene = clip.described.scene;
     TRY_ASSIGN(auto found, camera_files(folder_, *scene.folder, depth));
     add_inputs(found, clip);
-    TRY_ASSIGN(auto cameras, read_frame_cameras(found, scene.width, scene.height));
-    clip.cameras = std::move(cameras);
+    TRY_ASSIGN(clip.cameras, read_frame_cameras(found, scene.width, scene.height));
     if (!clip.described.unstated.camera) return {};
     clip.found.camera = median_camera(clip.cameras);
     clip.notes.emplace_back("the camera is the median of those of the frames");

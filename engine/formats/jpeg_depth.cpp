@@ -380,8 +380,7 @@ std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp) {
     };
     const auto fx = number("FocalLengthX"), fy = number("FocalLengthY"), width = number("ImageWidth"),
                height = number("ImageHeight");
-    const auto is_side = [](const std::optional<double>& side) { return side && *side >= 1 && *side < 1e6; };
-    if (!fx || !(*fx > 0) || !is_side(width) || !is_side(height)) return std::nullopt;
+    if (!fx || !(*fx > 0) || !is_xmp_side(width) || !is_xmp_side(height)) return std::nullopt;
     // Focal lengths are of pixels; the principal point is a share of the picture, or pixels, too.
     const auto centre = [](std::optional<double> at, double size) -> std::optional<double> {
         if (!at) return std::nullopt;

@@ -14,6 +14,7 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_written.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/frames.hpp"
@@ -76,13 +77,16 @@ const Json* member_of(const Json& feature, const std::string& name) {
     return nullptr;
 }
 
-bool is_depth(const Json& feature) {
-    const Json* const said = member_of(feature, "is_depth_map");
+/// A member of "features", by its name.
+using Feature = std::pair<std::string, Json>;
+
+bool is_depth(const Feature& video) {
+    const Json* const said = member_of(video.second, "is_depth_map");
     return said != nullptr && *said == true;
 }
 
-/// The members of "features" that are videos, by name.
-using Videos = std::vector<std::pair<std::string, Json>>;
+/// Those that are videos.
+using Videos = std::vector<Feature>;
 Videos videos_in(const Json& json) {
     Videos videos;
     const auto features = json.find("features");
@@ -146,8 +150,8 @@ std::string without_depth(std::string name) {
 /// one.
 fs::path colour_of(const fs::path& video, const std::string& depth, const Videos& videos) {
     std::vector<std::string> names;
-    for (const auto& [name, feature] : videos)
-        if (!is_depth(feature)) names.push_back(name);
+    for (const Feature& each : videos)
+        if (!is_depth(each)) names.push_back(each.first);
     const auto same = std::find(names.begin(), names.end(), without_depth(depth));
     if (same != names.end()) names = {*same};
     if (names.size() != 1) return {};
@@ -155,7 +159,7 @@ fs::path colour_of(const fs::path& video, const std::string& depth, const Videos
     const fs::path own = fs::absolute(video, ignored).lexically_normal();
     fs::path other;
     for (const fs::path& part : own) other /= part == depth ? fs::path(names.front()) : part;
-    if (other == own || !fs::is_regular_file(other, ignored)) return {};
+    if (other == own || !is_file(other)) return {};
     return other.lexically_relative(own.parent_path());
 }
 
@@ -177,11 +181,9 @@ Result<std::optional<LeRobotDepth>> read_description(const fs::path& file, const
     TRY_ASSIGN(const Videos videos, read_videos(file));
     const auto find = [&](auto is_it) { return std::find_if(videos.begin(), videos.end(), is_it); };
     auto found = find([&](const auto& each) { return is_in_path(video, each.first); });
-    const bool is_only = std::count_if(videos.begin(), videos.end(),
-                                       [](const auto& each) { return is_depth(each.second); }) == 1;
-    if (found == videos.end() && is_only && is_usual)
-        found = find([](const auto& each) { return is_depth(each.second); });
-    if (found == videos.end() || !is_depth(found->second)) return std::optional<LeRobotDepth>{};
+    const bool is_only = std::count_if(videos.begin(), videos.end(), is_depth) == 1;
+    if (found == videos.end() && is_only && is_usual) found = find(is_depth);
+    if (found == videos.end() || !is_depth(*found)) return std::optional<LeRobotDepth>{};
     TRY_ASSIGN(const auto coding, coding_of(found->second, file.string() + ": " + printable(found->first)));
     return std::optional(LeRobotDepth{coding, file, colour_of(video, found->first, videos),
                                       intrinsics_in_json(found->second.dump())});
@@ -376,9 +378,8 @@ RawFrame LeRobotCodes::of(const RawFrame& frame) const {
 Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, const std::string& codec,
                                                        const std::string& pixel_format) {
     const bool is_usual = codec == "hevc" && pixel_format == "gray12le";
-    std::error_code ignored;
     for (const fs::path& file : descriptions_of(video.path())) {
-        if (!fs::is_regular_file(file, ignored)) continue;
+        if (!is_file(file)) continue;
         const bool is_its_own = file.filename() != "info.json";
         auto found = read_description(file, video.path(), is_usual || is_its_own);
         // Other programs have files of this name, which say nothing of a video that cannot be LeRobot's
@@ -400,18 +401,17 @@ Result<std::vector<fs::path>> lerobot_depth_videos(const fs::path& folder) {
     std::error_code ignored;
     const fs::path info = folder / "meta" / "info.json";
     std::vector<fs::path> found;
-    if (!fs::is_regular_file(info, ignored)) return found;
+    if (!is_file(info)) return found;
     TRY_ASSIGN(const auto videos, read_videos(info));
-    const bool has_depth =
-        std::any_of(videos.begin(), videos.end(), [](const auto& each) { return is_depth(each.second); });
+    const bool has_depth = std::any_of(videos.begin(), videos.end(), is_depth);
     constexpr std::size_t most_entries = 100'000;
     std::size_t entries = 0;
     if (has_depth)
         for (auto each = fs::recursive_directory_iterator(folder / "videos", ignored);
              !ignored && each != fs::end(each) && entries < most_entries; each.increment(ignored), ++entries)
             if (each->path().extension() == ".mp4" &&
-                std::any_of(videos.begin(), videos.end(), [&](const auto& video) {
-                    return is_depth(video.second) && is_in_path(each->path(), video.first);
+                std::any_of(videos.begin(), videos.end(), [&](const Feature& video) {
+                    return is_depth(video) && is_in_path(each->path(), video.first);
                 }))
                 found.push_back(each->path());
     std::sort(found.begin(), found.end());

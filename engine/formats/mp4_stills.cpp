@@ -229,20 +229,10 @@ Result<mpeg4::SceneStream> Mp4StillsWriter::scene_stream() const {
         const Still& still = stills_[track];
         stream.objects[still.object] = static_cast<std::uint32_t>(track + 1);
         const mpeg4::ClipNodes::Texture texture{{.object = still.object}, false};
-        switch (still.role) {
-            case PlaneRole::depth:
-                nodes.depth = texture;
-                break;
-            case PlaneRole::colour:
-                nodes.colour = texture;
-                break;
-            case PlaneRole::haptic:
-                nodes.haptic = texture;
-                break;
-            case PlaneRole::height:
-                nodes.height = texture;
-                break;
-        }
+        if (still.role == PlaneRole::depth) nodes.depth = texture;
+        if (still.role == PlaneRole::colour) nodes.colour = texture;
+        if (still.role == PlaneRole::haptic) nodes.haptic = texture;
+        if (still.role == PlaneRole::height) nodes.height = texture;
     }
     const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, pictures.scene.width, pictures.scene.height);
     stream.config = mpeg4::config_for(tree, pictures.scene.width, pictures.scene.height);

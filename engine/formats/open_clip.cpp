@@ -156,8 +156,7 @@ struct SceneBeside {
 std::optional<SceneBeside> scene_beside(const fs::path& picture) {
     fs::path file = picture;
     file.replace_extension(".json");
-    std::error_code ignored;
-    if (!fs::is_regular_file(file, ignored)) return {};
+    if (!is_file(file)) return {};
     auto described = read_scene_file(file);
     if (!described) return {};
     const auto& folder = described->scene.folder;
@@ -410,8 +409,7 @@ Result<bool> leads_to_folder(const fs::path& path) {
 Opened open_described(const fs::path& path, const fs::path& scene_file, const OpenSettings& wanted) {
     TRY_ASSIGN(const auto described, read_scene_file(scene_file));
     const auto& video_source = described.scene.video;
-    std::error_code ignored;
-    const bool is_file = fs::is_regular_file(path, ignored);
+    const bool is_file = touchable::is_file(path);
     if ((is_file || video_source) && described.unstated.camera)  // which only a folder's cameras could give
         return error_at(scene_file.string(), settle(described, {}).error());
     if (!is_file && !video_source && !described.scene.folder)
@@ -446,9 +444,8 @@ Result<std::optional<fs::path>> lerobot_video_in(const fs::path& folder) {
 /// A folder that describes itself, or is guessed.
 Opened open_folder(const fs::path& folder, const std::optional<SourceDescription>& known,
                    const OpenSettings& wanted) {
-    std::error_code failure;
     const auto own = folder / own_scene_file;
-    const bool has_own = fs::is_regular_file(own, failure);
+    const bool has_own = is_file(own);
     if (has_own && known)
         return usage_error(own.string() + ": describes these pictures: leave camera, unit and preset out",
                            of_bare_pictures());

@@ -69,11 +69,6 @@ bool is_list(const std::string& pattern) {
     return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
 }
 
-bool is_file(const fs::path& file) {
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored);
-}
-
 Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
     std::error_code ignored;
     return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
@@ -544,10 +539,9 @@ std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
     std::vector<PictureGroup> groups = groups_of(folder, is_picture);
-    std::error_code ignored;
     // TUM's lists pair pictures by their times.
     for (const char* list : list_names)
-        if (fs::is_regular_file(folder / list, ignored))
+        if (is_file(folder / list))
             if (const auto listed = found_files(folder, list); listed && is_picture(listed->files.front()))
                 groups.insert(groups.begin(), {list, listed->files.front(), listed->count()});
     return groups;
@@ -559,9 +553,8 @@ std::vector<PictureGroup> camera_groups(const fs::path& folder) {
 
 std::vector<std::string> unusable_lists(const fs::path& folder) {
     std::vector<std::string> remarks;
-    std::error_code ignored;
     for (const char* list : list_names)
-        if (fs::is_regular_file(folder / list, ignored))
+        if (is_file(folder / list))
             if (const auto listed = found_files(folder, list); !listed)
                 remarks.push_back(std::string(list) + " is not used: " + listed.error().message);
     return remarks;
@@ -585,6 +578,17 @@ std::string found_elsewhere(const fs::path& folder) {
 std::string folder_of(const PictureGroup& group) {
     const fs::path within = fs::path(group.pattern).parent_path();
     return within.empty() ? "" : within.string() + '/';
+}
+
+bool is_file(const fs::path& file) {
+    std::error_code ignored;
+    return fs::is_regular_file(file, ignored);
+}
+
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
 }
 
 std::string small_letters(std::string text) {

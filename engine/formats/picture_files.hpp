@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -94,6 +95,11 @@ std::string found_elsewhere(const std::filesystem::path& folder);
 /// The folder in a group's pattern, with its slash; empty: that which was looked through itself.
 std::string folder_of(const PictureGroup& group);
 
+/// Whether a regular file is there.
+bool is_file(const std::filesystem::path& file);
+
+/// Without these letters at its ends.
+std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
 /// A to Z become a to z.
 std::string small_letters(std::string text);
 /// Whether a name, in small letters, has one of these words.

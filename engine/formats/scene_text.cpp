@@ -87,8 +87,7 @@ Result<SceneDescription> SceneTextClip::with_pictures(FolderSource pictures) {
 }
 
 Result<SceneDescription> SceneTextClip::with_videos(const FolderSource& files) {
-    TRY_ASSIGN(auto video, VideoFile::open(SourceFile(folder_ / files.depth), PlaneRole::depth));
-    video_ = std::move(video);
+    TRY_ASSIGN(video_, VideoFile::open(SourceFile(folder_ / files.depth), PlaneRole::depth));
     TRY_ASSIGN(const auto first, video_->next());
     if (!first) return refuse(files.depth + " has no pictures");
     constexpr int bits = 8;

@@ -12,6 +12,7 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
+#include "engine/formats/stored_clip.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
@@ -201,11 +202,8 @@ TrackInfo track_of(PlaneRole role, const StoredImage& stored) {
 Result<StoredImage> touch_picture(std::string_view bytes, PlaneRole role, const std::string& where) {
     TRY_ASSIGN(auto stored, decode_stored_image(std::string(bytes), where));
     if (!stored.values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
-    if (role == PlaneRole::haptic && stored.codec == "mjpeg")
-        return input_error(where + ": is JPEG, which mixes materials; haptic is PNG");
-    if (stored.interlaced)
-        return input_error(where + ": is an interlaced PNG: must be a plain one to be touched");
-    return stored;
+    TRY_ASSIGN(auto fits, track_picture(std::move(stored), role, {}, where));
+    return std::move(fits.image);
 }
 
 /// Fewer bits than 8 as 8.
@@ -283,9 +281,8 @@ Result<void> TouchPictures::open_layer(Layer& layer, std::size_t property, Still
         layer.plane = plane_from(std::move(read.image));
         return {};
     }
-    TRY_ASSIGN(auto video,
+    TRY_ASSIGN(layer.video,
                VideoFile::open(SourceFile(layer.source.video), PlaneRole::haptic, layer.source.track));
-    layer.video = std::move(video);
     const VideoFile& opened = *layer.video;
     if (opened.note()) still.notes.push_back(*opened.note());
     if (!is_by_number(opened))
@@ -431,8 +428,6 @@ Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& sce
 Result<StillPlane> read_height_map(const std::filesystem::path& file, Scene& scene) {
     TRY_ASSIGN(const auto bytes, read_picture_bytes(file));
     TRY_ASSIGN(auto stored, touch_picture(bytes, PlaneRole::height, file.string()));
-    if (stored.image.channels == 3)
-        if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
     widen(stored);
     StillPlane still{PlaneRole::height, {}, track_of(PlaneRole::height, stored), {file}, {}};
     if (auto note = lossy_note(PlaneRole::height, stored.codec)) still.notes.push_back(std::move(*note));

@@ -11,6 +11,7 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/video_picture.hpp"
@@ -57,8 +58,7 @@ std::optional<std::string> colour_video_beside(const fs::path& depth) {
              {depth.extension().string(), std::string(".mp4"), std::string(".mov"), std::string(".mkv"),
               std::string(".webm")}) {
             const fs::path file = depth.parent_path() / (other + extension);
-            std::error_code ignored;
-            if (fs::is_regular_file(file, ignored) && VideoFile::open(file, PlaneRole::colour).ok())
+            if (is_file(file) && VideoFile::open(file, PlaneRole::colour).ok())
                 return file.filename().string();
         }
     return {};

@@ -9,6 +9,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/picture_files.hpp"
 
 namespace touchable {
 namespace {
@@ -18,15 +19,9 @@ constexpr std::size_t largest_x3d = std::size_t{16} << 20U;
 
 constexpr std::string_view blanks = " \t\r\n,";
 
-std::string_view without_blanks(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(blanks);
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
-
 /// A list of strings: each in double quotes, or one without any.
 std::vector<std::string> strings_in(std::string_view text) {
-    text = without_blanks(text);
+    text = trimmed(text, blanks);
     if (text.empty()) return {};
     if (text.front() != '"') return {std::string(text)};
     std::vector<std::string> strings;
@@ -106,7 +101,7 @@ private:
 /// What is empty counts as left out.
 Result<double> SurfaceReader::number(const char* field, double usual) const {
     const std::string_view given = surface_.attribute(field).value();
-    std::string_view text = without_blanks(given);
+    std::string_view text = trimmed(given, blanks);
     if (text.empty()) return usual;
     if (text.front() == '+') text.remove_prefix(1);
     const auto value = parsed_number(text);
@@ -116,7 +111,7 @@ Result<double> SurfaceReader::number(const char* field, double usual) const {
 
 Result<bool> SurfaceReader::is_relative() const {
     const std::string_view given = surface_.attribute("useRelativeValues").value(),
-                           text = without_blanks(given);
+                           text = trimmed(given, blanks);
     if (text.empty() || text == "true" || text == "TRUE") return true;
     if (text == "false" || text == "FALSE") return false;
     return refused("useRelativeValues", given, "true or false");

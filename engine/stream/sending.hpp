@@ -233,7 +233,7 @@ public:
         std::int64_t sent = 0, dropped = 0;  ///< framesets
         std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
         std::string end{};                  ///< why it is not there any more; empty: it had all of the stream
-        std::optional<LinkFigures> link{};  ///< of its connection, where the transport counts (SRT)
+        std::optional<StreamFigures::Link> link{};  ///< of its connection, where the transport counts (SRT)
     };
 
     static constexpr int most_listeners = 64;

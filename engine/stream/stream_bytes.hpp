@@ -52,7 +52,7 @@ private:
 /// A sender's bytes as they come: by libsrt, over FFmpeg's protocols, of which it uses those of its address
 /// alone, or through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one
 /// elsewhere is refused. One thread.
-class StreamBytes : public ByteFlow {
+class StreamBytes : public Demuxer::ByteFlow {
 public:
     /// Connected, within that time; otherwise why not, without the stream's name.
     static Result<std::shared_ptr<StreamBytes>> connect(const StreamUrl& url,
@@ -72,7 +72,7 @@ public:
     /// Reads all of these bytes of such a file, or returns false.
     virtual bool read_at(std::uint64_t, std::uint8_t*, std::size_t) { return false; }
     /// Figures of the datagrams that carry it; any thread.
-    virtual std::optional<LinkFigures> link() const { return std::nullopt; }
+    virtual std::optional<StreamFigures::Link> link() const { return std::nullopt; }
     /// The wait that ends its reads.
     const std::shared_ptr<StreamWait>& waits() const { return wait_; }
     /// Once it has ended: whether the connection was lost, and how it ended, such as "closed the connection".
