@@ -565,18 +565,54 @@ public:
           is_over_(std::move(is_over)),
           reading_(std::move(reading)),
           is_live_(!touch_->has_ended()) {}
-    void add_colour(Result<std::unique_ptr<HlsLevels>> colour);
-    Result<std::optional<Packet>> next() override;
+
+    void add_colour(Result<std::unique_ptr<HlsLevels>> colour) {
+        if (colour)
+            colour_ = std::move(*colour);
+        else
+            leave_out_colour(colour.error());
+    }
+
+    Result<std::optional<Packet>> next() override {
+        TRY_ASSIGN(const auto touch, touch_->peek());
+        TRY_ASSIGN(const auto colour, next_of_colour());
+        if (!touch && !colour) return std::optional<Packet>();
+        const bool is_touch = touch && (!colour || touch_->time_ns(*touch) <= colour_->time_ns(*colour));
+        HlsLevels& of = is_touch ? *touch_ : *colour_;
+        const AVStream* const stream = &of.stream_of(is_touch ? *touch : *colour);
+        return std::optional(Packet{is_touch, of.is_low(), stream, of.take()});
+    }
+
     bool is_live() const override { return is_live_; }
     std::int64_t segments_lost() const override {
         return touch_->segments_lost() + (colour_ ? colour_->segments_lost() : 0);
     }
-    std::optional<StreamFigures::Levels> levels() const override;
+
+    std::optional<StreamFigures::Levels> levels() const override {
+        if (!reading_) return std::nullopt;
+        const auto seconds = [this](bool of_low) {
+            return static_cast<double>(touch_->fetched_ns(of_low)) * 1e-9;
+        };
+        return StreamFigures::Levels{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
+    }
+
     const std::vector<std::string>& remarks() const override { return remarks_; }
 
 private:
-    Result<const AVPacket*> next_of_colour();
-    void leave_out_colour(const Error& why);
+    /// Colour is not felt, so the stream goes on without it.
+    Result<const AVPacket*> next_of_colour() {
+        if (!colour_) return static_cast<const AVPacket*>(nullptr);
+        auto packet = colour_->peek();
+        if (packet || is_over_()) return packet;
+        leave_out_colour(packet.error());
+        return static_cast<const AVPacket*>(nullptr);
+    }
+
+    void leave_out_colour(const Error& why) {
+        remarks_.push_back("its colour cannot be had: " + why.message);
+        colour_.reset();
+        if (reading_) reading_->choice.leave_out_colour();
+    }
 
     const std::unique_ptr<HlsLevels> touch_;
     const WaitIsOver is_over_;
@@ -585,46 +621,6 @@ private:
     std::unique_ptr<HlsLevels> colour_;  // null: there is none, or none any more
     std::vector<std::string> remarks_;
 };
-
-void BothRenditions::leave_out_colour(const Error& why) {
-    remarks_.push_back("its colour cannot be had: " + why.message);
-    colour_.reset();
-    if (reading_) reading_->choice.leave_out_colour();
-}
-
-std::optional<StreamFigures::Levels> BothRenditions::levels() const {
-    if (!reading_) return std::nullopt;
-    const auto seconds = [this](bool of_low) {
-        return static_cast<double>(touch_->fetched_ns(of_low)) * 1e-9;
-    };
-    return StreamFigures::Levels{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
-}
-
-void BothRenditions::add_colour(Result<std::unique_ptr<HlsLevels>> colour) {
-    if (colour)
-        colour_ = std::move(*colour);
-    else
-        leave_out_colour(colour.error());
-}
-
-/// Colour is not felt, so the stream goes on without it.
-Result<const AVPacket*> BothRenditions::next_of_colour() {
-    if (!colour_) return static_cast<const AVPacket*>(nullptr);
-    auto packet = colour_->peek();
-    if (packet || is_over_()) return packet;
-    leave_out_colour(packet.error());
-    return static_cast<const AVPacket*>(nullptr);
-}
-
-Result<std::optional<HlsInput::Packet>> BothRenditions::next() {
-    TRY_ASSIGN(const auto touch, touch_->peek());
-    TRY_ASSIGN(const auto colour, next_of_colour());
-    if (!touch && !colour) return std::optional<Packet>();
-    const bool is_touch = touch && (!colour || touch_->time_ns(*touch) <= colour_->time_ns(*colour));
-    HlsLevels& of = is_touch ? *touch_ : *colour_;
-    const AVStream* const stream = &of.stream_of(is_touch ? *touch : *colour);
-    return std::optional(Packet{is_touch, of.is_low(), stream, of.take()});
-}
 
 /// The place of a URL or a file.
 std::string place_of(const std::string& named) {

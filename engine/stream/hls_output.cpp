@@ -207,36 +207,6 @@ struct HlsRenditionForm {
     int step() const { return is_low && !is_colour ? hls_low_step : 1; }
 };
 
-/// Encodes a rendition into fragmented MP4.
-class HlsRenditionOutput {
-public:
-    /// `sound`: goes along; null: none does.
-    static Result<HlsRenditionOutput> open(const HlsRenditionForm& form, const RawFrame& first,
-                                           const SceneDescription& described, const AVCodecParameters* sound);
-
-    const HlsRenditionForm& form() const { return form_; }
-    /// `duration_ns`: until the rendition's next frame. Where `is_key`, decoding can begin with it.
-    Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                     std::int64_t duration_ns, bool is_key);
-    bool has_sound() const { return sound_stream_.has_value(); }
-    /// Its times are in milliseconds.
-    Result<void> add_sound(const AVPacket& packet);
-    /// The bytes of all that was added since the last time; at first of the initialisation.
-    Result<std::vector<std::uint8_t>> take();
-    /// "avc1.64001f,mp4a.40.2".
-    Result<std::string> codecs() const;
-
-private:
-    HlsRenditionOutput(const HlsRenditionForm& form, LabelledEncoder encoder,
-                       std::unique_ptr<MemoryMuxer> muxer, std::optional<int> sound_stream)
-        : form_(form), encoder_(std::move(encoder)), muxer_(std::move(muxer)), sound_stream_(sound_stream) {}
-
-    HlsRenditionForm form_;
-    LabelledEncoder encoder_;  // its track k is stream k
-    std::unique_ptr<MemoryMuxer> muxer_;
-    std::optional<int> sound_stream_;
-};
-
 constexpr AVRational hls_tick{1, 90'000}, hls_ms{1, 1000};
 
 std::int64_t tick_at(std::int64_t ns) {
@@ -252,64 +222,85 @@ RawFrame planes_of(const HlsRenditionForm& form, const RawFrame& frame) {
     return planes;
 }
 
-Result<HlsRenditionOutput> HlsRenditionOutput::open(const HlsRenditionForm& form, const RawFrame& first,
-                                                    const SceneDescription& described,
-                                                    const AVCodecParameters* sound) {
-    TRY_ASSIGN(auto encoder,
-               LabelledEncoder::open(planes_of(form, first), described, TrackCoding::h264_thrifty,
-                                     form.is_low ? TrackCoding::h264_reduced : TrackCoding::h264_visual));
-    TRY_ASSIGN(auto muxer, MemoryMuxer::open("mp4"));
-    for (std::size_t k = 0; k < encoder.tracks(); ++k) {
-        TRY_ASSIGN(AVStream* const stream, muxer->add_stream(hls_tick));
-        TRY(encoder.describe(k, *stream->codecpar));
-        stream->id = static_cast<int>(k) + 1;
-        av_dict_set(&stream->metadata, "handler_name", encoder.name(k).c_str(), 0);
+/// Encodes a rendition into fragmented MP4.
+class HlsRenditionOutput {
+public:
+    /// `sound`: goes along; null: none does.
+    static Result<HlsRenditionOutput> open(const HlsRenditionForm& form, const RawFrame& first,
+                                           const SceneDescription& described,
+                                           const AVCodecParameters* sound) {
+        TRY_ASSIGN(auto encoder,
+                   LabelledEncoder::open(planes_of(form, first), described, TrackCoding::h264_thrifty,
+                                         form.is_low ? TrackCoding::h264_reduced : TrackCoding::h264_visual));
+        TRY_ASSIGN(auto muxer, MemoryMuxer::open("mp4"));
+        for (std::size_t k = 0; k < encoder.tracks(); ++k) {
+            TRY_ASSIGN(AVStream* const stream, muxer->add_stream(hls_tick));
+            TRY(encoder.describe(k, *stream->codecpar));
+            stream->id = static_cast<int>(k) + 1;
+            av_dict_set(&stream->metadata, "handler_name", encoder.name(k).c_str(), 0);
+        }
+        std::optional<int> sound_stream;
+        if (sound) {
+            TRY_ASSIGN(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
+        }
+        // A picture of each track by turns: a reader needs no more memory than that.
+        TRY(muxer->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1"));
+        return HlsRenditionOutput(form, std::move(encoder), std::move(muxer), sound_stream);
     }
-    std::optional<int> sound_stream;
-    if (sound) {
-        TRY_ASSIGN(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
+
+    const HlsRenditionForm& form() const { return form_; }
+    /// `duration_ns`: until the rendition's next frame. Where `is_key`, decoding can begin with it.
+    Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                     std::int64_t duration_ns, bool is_key) {
+        TRY_ASSIGN(auto packets, encoder_.encode(planes_of(form_, frame), label, is_key));
+        for (std::size_t k = 0; k < packets.size(); ++k) {
+            AVPacket& packet = *packets[k];
+            packet.pts = packet.dts = tick_at(time_ns);
+            packet.duration = tick_at(time_ns + duration_ns) - tick_at(time_ns);
+            TRY(muxer_->write(packet, static_cast<int>(k), hls_tick));
+        }
+        return {};
     }
-    // A picture of each track by turns: a reader needs no more memory than that.
-    TRY(muxer->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1"));
-    return HlsRenditionOutput(form, std::move(encoder), std::move(muxer), sound_stream);
-}
 
-Result<void> HlsRenditionOutput::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                                     std::int64_t duration_ns, bool is_key) {
-    TRY_ASSIGN(auto packets, encoder_.encode(planes_of(form_, frame), label, is_key));
-    for (std::size_t k = 0; k < packets.size(); ++k) {
-        AVPacket& packet = *packets[k];
-        packet.pts = packet.dts = tick_at(time_ns);
-        packet.duration = tick_at(time_ns + duration_ns) - tick_at(time_ns);
-        TRY(muxer_->write(packet, static_cast<int>(k), hls_tick));
+    bool has_sound() const { return sound_stream_.has_value(); }
+    /// Its times are in milliseconds.
+    Result<void> add_sound(const AVPacket& packet) {
+        const PacketPtr own(av_packet_clone(&packet));
+        if (!own) return Error{ErrorKind::internal, "out of memory"};
+        return muxer_->write(*own, *sound_stream_, hls_ms);
     }
-    return {};
-}
 
-Result<void> HlsRenditionOutput::add_sound(const AVPacket& packet) {
-    const PacketPtr own(av_packet_clone(&packet));
-    if (!own) return Error{ErrorKind::internal, "out of memory"};
-    return muxer_->write(*own, *sound_stream_, hls_ms);
-}
-
-Result<std::vector<std::uint8_t>> HlsRenditionOutput::take() {
-    TRY(muxer_->flush());
-    return muxer_->take();
-}
-
-Result<std::string> HlsRenditionOutput::codecs() const {
-    std::string codecs;
-    for (unsigned k = 0; k < muxer_->context().nb_streams; ++k) {
-        const AVCodecParameters& stored = *muxer_->context().streams[k]->codecpar;
-        const auto name =
-            stored.codec_id == AV_CODEC_ID_H264
-                ? avc_codec_name({stored.extradata, static_cast<std::size_t>(stored.extradata_size)})
-                : std::optional<std::string>("mp4a.40.2");
-        if (!name) return Error{ErrorKind::internal, "encoder: H.264 without its parameters"};
-        if (codecs.find(*name) == std::string::npos) codecs += (codecs.empty() ? "" : ",") + *name;
+    /// The bytes of all that was added since the last time; at first of the initialisation.
+    Result<std::vector<std::uint8_t>> take() {
+        TRY(muxer_->flush());
+        return muxer_->take();
     }
-    return codecs;
-}
+
+    /// "avc1.64001f,mp4a.40.2".
+    Result<std::string> codecs() const {
+        std::string codecs;
+        for (unsigned k = 0; k < muxer_->context().nb_streams; ++k) {
+            const AVCodecParameters& stored = *muxer_->context().streams[k]->codecpar;
+            const auto name =
+                stored.codec_id == AV_CODEC_ID_H264
+                    ? avc_codec_name({stored.extradata, static_cast<std::size_t>(stored.extradata_size)})
+                    : std::optional<std::string>("mp4a.40.2");
+            if (!name) return Error{ErrorKind::internal, "encoder: H.264 without its parameters"};
+            if (codecs.find(*name) == std::string::npos) codecs += (codecs.empty() ? "" : ",") + *name;
+        }
+        return codecs;
+    }
+
+private:
+    HlsRenditionOutput(const HlsRenditionForm& form, LabelledEncoder encoder,
+                       std::unique_ptr<MemoryMuxer> muxer, std::optional<int> sound_stream)
+        : form_(form), encoder_(std::move(encoder)), muxer_(std::move(muxer)), sound_stream_(sound_stream) {}
+
+    HlsRenditionForm form_;
+    LabelledEncoder encoder_;  // its track k is stream k
+    std::unique_ptr<MemoryMuxer> muxer_;
+    std::optional<int> sound_stream_;
+};
 
 // --- The writer
 

@@ -95,7 +95,25 @@ class LabelledPictures final : public StreamPictures {
 public:
     LabelledPictures(std::unique_ptr<LabelledPackets> packets, std::string name)
         : packets_(std::move(packets)), name_(std::move(name)) {}
-    Result<void> open(const std::optional<SceneDescription>& described);
+
+    Result<void> open(const std::optional<SceneDescription>& described) {
+        constexpr std::size_t most_pictures = 256, most_kept = 64;
+        described_ = described;
+        is_described_ = described.has_value();
+        std::size_t seen = 0;
+        while (infos_.empty() || (!knows_all() && seen < most_pictures)) {
+            const std::size_t before = first_.pictures.size();
+            TRY_ASSIGN(const auto more, read(first_));
+            if (!more) break;
+            seen += first_.pictures.size() - before;
+            while (first_.pictures.size() > most_kept || bytes_of_first() > most_bytes_waiting)
+                first_.pictures.erase(first_.pictures.begin());
+        }
+        if (described_ && !infos_.empty() && infos_.front().role == "depth") return {};
+        return input_error(name_ + ": " +
+                           (has_ended_ ? packets_->how_it_ended() + " before it sent" : "sends no") +
+                           " picture of depth that says what it is");
+    }
 
     const SceneDescription& described() const override { return *described_; }
     const std::string& scene_text() const override { return scene_text_; }
@@ -107,18 +125,98 @@ public:
     }
     std::vector<TrackInfo> tracks() const override { return infos_; }
     void leave_out_colour() override { decoder_.leave_out_colour(); }
-    Result<std::optional<Came>> next() override;
+
+    Result<std::optional<Came>> next() override {
+        Came came = std::exchange(first_, {});
+        if (!came.pictures.empty()) return std::optional(std::move(came));
+        TRY_ASSIGN(const auto more, read(came));
+        if (!more) return std::optional<Came>();
+        return std::optional(std::move(came));
+    }
+
     std::string how_it_ended() const override { return packets_->how_it_ended(); }
     bool was_lost() const override { return packets_->was_lost(); }
     std::optional<StreamFigures::Levels> levels() const override { return packets_->levels(); }
 
 private:
-    Result<bool> read(Came& came);
-    Result<void> take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came);
-    Result<void> take_scene(const std::string& json);
-    void know(const LabelledPicture& picture);
-    bool knows_all() const;
-    std::size_t bytes_of_first() const;
+    /// False after the last.
+    Result<bool> read(Came& came) {
+        if (has_ended_) return false;
+        TRY_ASSIGN(const auto packet, packets_->next());
+        const std::int64_t damaged = decoder_.faults().damaged;
+        // No frameset is missed because its colour is damaged.
+        const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
+            if (!pictures) return pictures.error();
+            if (packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
+                colour_streams_.insert(packet->track);
+            if (!packet || !colour_streams_.contains(packet->track))
+                came.torn += decoder_.faults().damaged - damaged;
+            return take(std::move(*pictures), packet ? packet->step : 1, came);
+        };
+        if (!packet) {
+            has_ended_ = true;
+            TRY(take_all(decoder_.end()));
+            return true;
+        }
+        const AVStream& stream = *packet->stream;
+        const int number = packet->track;
+        if (!tracks_.contains(number)) {
+            if (stream.codecpar->codec_id == AV_CODEC_ID_NONE) return true;  // not known yet
+            auto track = decoder_.add_track(stream, name_);
+            if (!track && track.error().kind == ErrorKind::internal) return track.error();
+            tracks_[number] = track ? std::optional(*track) : std::nullopt;
+        }
+        if (!tracks_[number]) return true;
+        TRY(take_all(decoder_.add(*tracks_[number], *packet->packet)));
+        return true;
+    }
+
+    Result<void> take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came) {
+        for (LabelledPicture& picture : pictures) {
+            if (picture.scene) TRY(take_scene(*picture.scene));
+            know(picture);
+            if (picture.plane.view.empty()) continue;
+            came.pictures.push_back({picture.role, picture.label.frame, 1, picture.label.taken_ns,
+                                     std::move(picture.plane), step});
+        }
+        return {};
+    }
+
+    Result<void> take_scene(const std::string& json) {
+        if (json == scene_text_) return {};
+        if (!scene_text_.empty())
+            return input_error(name_ + ": sends another scene than before: begin again to touch it");
+        scene_text_ = json;
+        if (is_described_) return {};
+        TRY_ASSIGN(described_, parse_scene(json, name_ + ": its scene"));
+        return {};
+    }
+
+    void know(const LabelledPicture& picture) {
+        depth_pictures_ += picture.role == PlaneRole::depth ? 1 : 0;
+        const std::string role(role_name(picture.role));
+        const PlaneView& view = picture.plane.view;
+        if (view.empty() || std::ranges::find(infos_, role, &TrackInfo::role) != infos_.end()) return;
+        const std::string format = view.channels == 3 ? "rgb24"
+                                   : picture.plane.bits > 8
+                                       ? std::to_string(picture.plane.bits) + " bits in two tracks"
+                                       : "gray";
+        infos_.push_back({role, "h264", format, view.width, view.height, picture.role != PlaneRole::colour});
+        std::ranges::sort(infos_, {}, [](const TrackInfo& track) { return *role_named(track.role); });
+    }
+
+    /// Whether the plane of each track, or the half of one, is known.
+    bool knows_all() const {
+        int known = 0;
+        for (const TrackInfo& track : infos_) known += track.pixel_format.ends_with("in two tracks") ? 2 : 1;
+        return described_ && depth_pictures_ >= 3 && known >= packets_->tracks();
+    }
+
+    std::size_t bytes_of_first() const {
+        std::size_t bytes = 0;
+        for (const StreamPicture& picture : first_.pictures) bytes += bytes_of_plane(picture.plane.view);
+        return bytes;
+    }
 
     const std::unique_ptr<LabelledPackets> packets_;
     const std::string name_;
@@ -133,112 +231,6 @@ private:
     int depth_pictures_ = 0;
     bool has_ended_ = false;
 };
-
-/// Whether the plane of each track, or the half of one, is known.
-bool LabelledPictures::knows_all() const {
-    int known = 0;
-    for (const TrackInfo& track : infos_) known += track.pixel_format.ends_with("in two tracks") ? 2 : 1;
-    return described_ && depth_pictures_ >= 3 && known >= packets_->tracks();
-}
-
-std::size_t LabelledPictures::bytes_of_first() const {
-    std::size_t bytes = 0;
-    for (const StreamPicture& picture : first_.pictures) bytes += bytes_of_plane(picture.plane.view);
-    return bytes;
-}
-
-Result<void> LabelledPictures::open(const std::optional<SceneDescription>& described) {
-    constexpr std::size_t most_pictures = 256, most_kept = 64;
-    described_ = described;
-    is_described_ = described.has_value();
-    std::size_t seen = 0;
-    while (infos_.empty() || (!knows_all() && seen < most_pictures)) {
-        const std::size_t before = first_.pictures.size();
-        TRY_ASSIGN(const auto more, read(first_));
-        if (!more) break;
-        seen += first_.pictures.size() - before;
-        while (first_.pictures.size() > most_kept || bytes_of_first() > most_bytes_waiting)
-            first_.pictures.erase(first_.pictures.begin());
-    }
-    if (described_ && !infos_.empty() && infos_.front().role == "depth") return {};
-    return input_error(name_ + ": " +
-                       (has_ended_ ? packets_->how_it_ended() + " before it sent" : "sends no") +
-                       " picture of depth that says what it is");
-}
-
-Result<void> LabelledPictures::take_scene(const std::string& json) {
-    if (json == scene_text_) return {};
-    if (!scene_text_.empty())
-        return input_error(name_ + ": sends another scene than before: begin again to touch it");
-    scene_text_ = json;
-    if (is_described_) return {};
-    TRY_ASSIGN(described_, parse_scene(json, name_ + ": its scene"));
-    return {};
-}
-
-void LabelledPictures::know(const LabelledPicture& picture) {
-    depth_pictures_ += picture.role == PlaneRole::depth ? 1 : 0;
-    const std::string role(role_name(picture.role));
-    const PlaneView& view = picture.plane.view;
-    if (view.empty() || std::ranges::find(infos_, role, &TrackInfo::role) != infos_.end()) return;
-    const std::string format = view.channels == 3 ? "rgb24"
-                               : picture.plane.bits > 8
-                                   ? std::to_string(picture.plane.bits) + " bits in two tracks"
-                                   : "gray";
-    infos_.push_back({role, "h264", format, view.width, view.height, picture.role != PlaneRole::colour});
-    std::ranges::sort(infos_, {}, [](const TrackInfo& track) { return *role_named(track.role); });
-}
-
-Result<void> LabelledPictures::take(std::vector<LabelledPicture> pictures, std::int64_t step, Came& came) {
-    for (LabelledPicture& picture : pictures) {
-        if (picture.scene) TRY(take_scene(*picture.scene));
-        know(picture);
-        if (picture.plane.view.empty()) continue;
-        came.pictures.push_back(
-            {picture.role, picture.label.frame, 1, picture.label.taken_ns, std::move(picture.plane), step});
-    }
-    return {};
-}
-
-/// False after the last.
-Result<bool> LabelledPictures::read(Came& came) {
-    if (has_ended_) return false;
-    TRY_ASSIGN(const auto packet, packets_->next());
-    const std::int64_t damaged = decoder_.faults().damaged;
-    // No frameset is missed because its colour is damaged.
-    const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
-        if (!pictures) return pictures.error();
-        if (packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
-            colour_streams_.insert(packet->track);
-        if (!packet || !colour_streams_.contains(packet->track))
-            came.torn += decoder_.faults().damaged - damaged;
-        return take(std::move(*pictures), packet ? packet->step : 1, came);
-    };
-    if (!packet) {
-        has_ended_ = true;
-        TRY(take_all(decoder_.end()));
-        return true;
-    }
-    const AVStream& stream = *packet->stream;
-    const int number = packet->track;
-    if (!tracks_.contains(number)) {
-        if (stream.codecpar->codec_id == AV_CODEC_ID_NONE) return true;  // not known yet
-        auto track = decoder_.add_track(stream, name_);
-        if (!track && track.error().kind == ErrorKind::internal) return track.error();
-        tracks_[number] = track ? std::optional(*track) : std::nullopt;
-    }
-    if (!tracks_[number]) return true;
-    TRY(take_all(decoder_.add(*tracks_[number], *packet->packet)));
-    return true;
-}
-
-Result<std::optional<StreamPictures::Came>> LabelledPictures::next() {
-    Came came = std::exchange(first_, {});
-    if (!came.pictures.empty()) return std::optional(std::move(came));
-    TRY_ASSIGN(const auto more, read(came));
-    if (!more) return std::optional<Came>();
-    return std::optional(std::move(came));
-}
 
 Result<std::unique_ptr<StreamPictures>> open_packets(std::unique_ptr<LabelledPackets> packets,
                                                      const std::string& name,

@@ -112,7 +112,14 @@ public:
         std::vector<StreamPicture> pictures{};
         bool is_torn = false;  ///< its checksum is wrong
     };
-    Result<Outcome> take(const AVPacket& packet);
+
+    Result<Outcome> take(const AVPacket& packet) {
+        if (!is_sound(packet)) return torn();
+        if (depends_on_missing(packet)) return Outcome{};
+        sent_.push_back(newest_);
+        return decode(&packet);
+    }
+
     /// After the last packet.
     Result<Outcome> finish() { return decode(nullptr); }
 
@@ -121,14 +128,66 @@ private:
         std::optional<PictureLabel> label;
         std::int64_t frames = 1;
     };
-    bool is_sound(const AVPacket& packet);
-    bool depends_on_missing(const AVPacket& packet);
+
+    /// Says in `newest_` which frame it is of.
+    bool is_sound(const AVPacket& packet) {
+        constexpr std::int64_t largest_number = std::int64_t{1} << 60U;
+        const auto addition = block_addition_of(packet);
+        newest_ = {};
+        if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0 || (addition && !addition->sound)) return false;
+        if (!has_additions_) has_additions_ = addition.has_value();
+        if (addition.has_value() != *has_additions_) return false;
+        if (!addition) return true;
+        newest_ = {addition->label, addition->frames};
+        return !newest_.label || (newest_.label->frame >= 0 && newest_.label->frame < largest_number);
+    }
+
+    bool depends_on_missing(const AVPacket& packet) {
+        bool follows = true;
+        if (newest_.label) {
+            follows = next_number_ == newest_.label->frame;
+            next_number_ = newest_.label->frame + newest_.frames;
+        }
+        if ((packet.flags & AV_PKT_FLAG_KEY) != 0) {
+            if (waits_for_key_) forget();
+            waits_for_key_ = false;
+            return false;
+        }
+        waits_for_key_ = waits_for_key_ || !follows;
+        return waits_for_key_;
+    }
+
     void forget() {
         decoder_.restart(0);
         sent_.clear();
     }
-    Outcome torn();
-    Result<Outcome> decode(const AVPacket* packet);
+
+    Outcome torn() {
+        forget();
+        waits_for_key_ = true;
+        return {{}, true};
+    }
+
+    Result<Outcome> decode(const AVPacket* packet) {
+        const auto failed = [this](const Error& error) -> Result<Outcome> {
+            if (error.kind != ErrorKind::input) return error;
+            return torn();
+        };
+        Outcome outcome;
+        if (auto sent = decoder_.send(packet); !sent) return failed(sent.error());
+        while (true) {
+            auto picture = decoder_.receive();
+            if (!picture) return failed(picture.error());
+            if (!*picture || sent_.empty()) return outcome;
+            const PlaneView& view = (*picture)->plane.view;
+            if (std::int64_t{view.width} * view.height > most_stream_pixels) return torn();
+            const Sent of = sent_.front();
+            sent_.pop_front();
+            outcome.pictures.push_back(
+                {role(), of.label ? of.label->frame : number_of_((*picture)->timestamp), of.frames,
+                 of.label ? of.label->taken_ns : 0, std::move((*picture)->plane)});
+        }
+    }
 
     TrackDecoder decoder_;
     int stream_;
@@ -139,68 +198,6 @@ private:
     std::optional<std::int64_t> next_number_;  // of labels, where nothing is missing
     bool waits_for_key_ = true;
 };
-
-/// Says in `newest_` which frame it is of.
-bool StreamTrack::is_sound(const AVPacket& packet) {
-    constexpr std::int64_t largest_number = std::int64_t{1} << 60U;
-    const auto addition = block_addition_of(packet);
-    newest_ = {};
-    if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0 || (addition && !addition->sound)) return false;
-    if (!has_additions_) has_additions_ = addition.has_value();
-    if (addition.has_value() != *has_additions_) return false;
-    if (!addition) return true;
-    newest_ = {addition->label, addition->frames};
-    return !newest_.label || (newest_.label->frame >= 0 && newest_.label->frame < largest_number);
-}
-
-bool StreamTrack::depends_on_missing(const AVPacket& packet) {
-    bool follows = true;
-    if (newest_.label) {
-        follows = next_number_ == newest_.label->frame;
-        next_number_ = newest_.label->frame + newest_.frames;
-    }
-    if ((packet.flags & AV_PKT_FLAG_KEY) != 0) {
-        if (waits_for_key_) forget();
-        waits_for_key_ = false;
-        return false;
-    }
-    waits_for_key_ = waits_for_key_ || !follows;
-    return waits_for_key_;
-}
-
-StreamTrack::Outcome StreamTrack::torn() {
-    forget();
-    waits_for_key_ = true;
-    return {{}, true};
-}
-
-Result<StreamTrack::Outcome> StreamTrack::take(const AVPacket& packet) {
-    if (!is_sound(packet)) return torn();
-    if (depends_on_missing(packet)) return Outcome{};
-    sent_.push_back(newest_);
-    return decode(&packet);
-}
-
-Result<StreamTrack::Outcome> StreamTrack::decode(const AVPacket* packet) {
-    const auto failed = [this](const Error& error) -> Result<Outcome> {
-        if (error.kind != ErrorKind::input) return error;
-        return torn();
-    };
-    Outcome outcome;
-    if (auto sent = decoder_.send(packet); !sent) return failed(sent.error());
-    while (true) {
-        auto picture = decoder_.receive();
-        if (!picture) return failed(picture.error());
-        if (!*picture || sent_.empty()) return outcome;
-        const PlaneView& view = (*picture)->plane.view;
-        if (std::int64_t{view.width} * view.height > most_stream_pixels) return torn();
-        const Sent of = sent_.front();
-        sent_.pop_front();
-        outcome.pictures.push_back({role(), of.label ? of.label->frame : number_of_((*picture)->timestamp),
-                                    of.frames, of.label ? of.label->taken_ns : 0,
-                                    std::move((*picture)->plane)});
-    }
-}
 
 // --- MatroskaPictures
 
@@ -217,7 +214,28 @@ class MatroskaPictures final : public StreamPictures {
 public:
     MatroskaPictures(std::shared_ptr<StreamBytes> bytes, std::string name)
         : bytes_(std::move(bytes)), name_(std::move(name)) {}
-    Result<void> open(const std::optional<SceneDescription>& described);
+
+    Result<void> open(const std::optional<SceneDescription>& described) {
+        bytes_->allow(most_of_a_header);
+        TRY_ASSIGN(demuxer_, Demuxer::open_live(gate_, name_, "matroska"));
+        const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));
+        TRY_ASSIGN(rate_, container->rate(*demuxer_));
+        scene_text_ = demuxer_->attachment(clip_tags::scene_file).value_or("");
+        TRY_ASSIGN(described_,
+                   described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_));
+        TRY_ASSIGN(const auto found, container->tracks(*demuxer_, described_.scene));
+        for (const ClipContainer::Track& track : found) {
+            const std::string where = name_ + ": track " + std::string(role_name(track.role));
+            TRY(check_track_size(*demuxer_->container().streams[track.stream], where));
+            TRY_ASSIGN(auto decoder,
+                       TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_));
+            tracks_.emplace_back(std::move(decoder), track.stream,
+                                 [this, stream = track.stream](std::int64_t timestamp) {
+                                     return number_of(stream, timestamp);
+                                 });
+        }
+        return {};
+    }
 
     const SceneDescription& described() const override { return described_; }
     const std::string& scene_text() const override { return scene_text_; }
@@ -234,13 +252,45 @@ public:
         return all;
     }
     void leave_out_colour() override { with_colour_ = false; }
-    Result<std::optional<Came>> next() override;
+
+    Result<std::optional<Came>> next() override {
+        Came came;
+        if (has_ended_) return std::optional<Came>();
+        bytes_->allow(most_of_a_packet);
+        TRY_ASSIGN(const auto packet, demuxer_->next_packet());
+        has_ended_ = !packet;
+        for (StreamTrack& track : tracks_) {
+            if (packet && track.stream() != packet->stream_index) continue;
+            if (track.role() == PlaneRole::colour && !with_colour_) continue;
+            auto outcome = packet ? track.take(*packet) : track.finish();
+            TRY(add(track.role(), std::move(outcome), came));
+        }
+        return std::optional(std::move(came));
+    }
+
     std::string how_it_ended() const override { return bytes_->how_it_ended(); }
     bool was_lost() const override { return bytes_->was_lost() || gate_->is_cut(); }
 
 private:
-    static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came);
-    std::int64_t number_of(int stream, std::int64_t timestamp);
+    /// No frameset is missed because its colour is damaged.
+    static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came) {
+        TRY(outcome);
+        came.torn += outcome->is_torn && role != PlaneRole::colour ? 1 : 0;
+        for (StreamPicture& picture : outcome->pictures) came.pictures.push_back(std::move(picture));
+        return {};
+    }
+
+    /// By the first one's time, to the nearest frame.
+    std::int64_t number_of(int stream, std::int64_t timestamp) {
+        constexpr double latest_seconds = 4e9, ns_per_second = 1e9;
+        if (timestamp == AV_NOPTS_VALUE) return 0;
+        const double seconds =
+            static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[stream]->time_base);
+        if (!origin_seconds_) origin_seconds_ = seconds;
+        const double since = seconds - *origin_seconds_;
+        if (!(since >= 0 && since < latest_seconds)) return 0;
+        return rate_.nearest(std::llround(since * ns_per_second));
+    }
 
     const std::shared_ptr<StreamBytes> bytes_;
     const std::shared_ptr<MatroskaGate> gate_ = std::make_shared<MatroskaGate>(bytes_);
@@ -253,62 +303,6 @@ private:
     std::vector<StreamTrack> tracks_;
     bool with_colour_ = true, has_ended_ = false;
 };
-
-Result<void> MatroskaPictures::open(const std::optional<SceneDescription>& described) {
-    bytes_->allow(most_of_a_header);
-    TRY_ASSIGN(demuxer_, Demuxer::open_live(gate_, name_, "matroska"));
-    const auto container = matroska_container(SourceFile(std::filesystem::path(name_)));
-    TRY_ASSIGN(rate_, container->rate(*demuxer_));
-    scene_text_ = demuxer_->attachment(clip_tags::scene_file).value_or("");
-    TRY_ASSIGN(described_,
-               described ? Result<SceneDescription>(*described) : container->scene(*demuxer_, rate_));
-    TRY_ASSIGN(const auto found, container->tracks(*demuxer_, described_.scene));
-    for (const ClipContainer::Track& track : found) {
-        const std::string where = name_ + ": track " + std::string(role_name(track.role));
-        TRY(check_track_size(*demuxer_->container().streams[track.stream], where));
-        TRY_ASSIGN(auto decoder,
-                   TrackDecoder::open(*demuxer_->container().streams[track.stream], track.role, name_));
-        tracks_.emplace_back(
-            std::move(decoder), track.stream,
-            [this, stream = track.stream](std::int64_t timestamp) { return number_of(stream, timestamp); });
-    }
-    return {};
-}
-
-/// By the first one's time, to the nearest frame.
-std::int64_t MatroskaPictures::number_of(int stream, std::int64_t timestamp) {
-    constexpr double latest_seconds = 4e9, ns_per_second = 1e9;
-    if (timestamp == AV_NOPTS_VALUE) return 0;
-    const double seconds =
-        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[stream]->time_base);
-    if (!origin_seconds_) origin_seconds_ = seconds;
-    const double since = seconds - *origin_seconds_;
-    if (!(since >= 0 && since < latest_seconds)) return 0;
-    return rate_.nearest(std::llround(since * ns_per_second));
-}
-
-/// No frameset is missed because its colour is damaged.
-Result<void> MatroskaPictures::add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came) {
-    TRY(outcome);
-    came.torn += outcome->is_torn && role != PlaneRole::colour ? 1 : 0;
-    for (StreamPicture& picture : outcome->pictures) came.pictures.push_back(std::move(picture));
-    return {};
-}
-
-Result<std::optional<StreamPictures::Came>> MatroskaPictures::next() {
-    Came came;
-    if (has_ended_) return std::optional<Came>();
-    bytes_->allow(most_of_a_packet);
-    TRY_ASSIGN(const auto packet, demuxer_->next_packet());
-    has_ended_ = !packet;
-    for (StreamTrack& track : tracks_) {
-        if (packet && track.stream() != packet->stream_index) continue;
-        if (track.role() == PlaneRole::colour && !with_colour_) continue;
-        auto outcome = packet ? track.take(*packet) : track.finish();
-        TRY(add(track.role(), std::move(outcome), came));
-    }
-    return std::optional(std::move(came));
-}
 
 }  // namespace
 

@@ -21,15 +21,91 @@ public:
     const std::vector<TrackInfo>& tracks() const override { return receiver_->tracks(); }
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
     const std::vector<std::string>& notes() const override { return receiver_->notes(); }
-    Result<std::optional<RawFrame>> next() override;
+
+    Result<std::optional<RawFrame>> next() override {
+        if (position_ < std::ssize(first_))
+            return std::optional(first_[static_cast<std::size_t>(position_++)]);
+        auto frame = read();
+        if (frame && *frame) ++position_;
+        return frame;
+    }
+
     Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override;
+
+    Result<void> seek(std::int64_t frame) override {
+        if (frame < 0)
+            return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+        if (frame < read_ && !keeps_)
+            return usage_error(
+                url_.name() + ": is a stream, which goes on and not back; save it first: touchable convert " +
+                shell_word(url_.name()) + " clip.mkv");
+        position_ = std::min(frame, read_);
+        while (position_ < frame) {
+            TRY_ASSIGN(const auto passed, next());
+            if (!passed)
+                return usage_error(url_.name() + ": has no frame " + std::to_string(frame) +
+                                   ": its last is " + std::to_string(read_ - 1));
+        }
+        return {};
+    }
+
     void leave_out_colour() override { receiver_->leave_out_colour(); }
-    std::vector<std::string> remarks() const override;
+
+    std::vector<std::string> remarks() const override {
+        std::vector<std::string> all;
+        const FramesetCounts counts = receiver_->counts();
+        const auto tell = [&](std::int64_t count, const char* what) {
+            if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
+        };
+        tell(counts.lost, "were lost on the way");
+        tell(counts.late, "came late");
+        tell(counts.torn, "were damaged on the way");
+        if (held_ > 0)
+            all.push_back("in place of them the one before was held, for " + std::to_string(held_) +
+                          " frames");
+        return all;
+    }
 
 private:
-    Result<std::optional<RawFrame>> read();
-    void keep(const RawFrame& frame);
+    Result<std::optional<RawFrame>> read() {
+        if (fault_) return *fault_;
+        if (!coming_) {
+            auto received = receiver_->next(patience_);
+            if (!received && received.error().kind == ErrorKind::interrupted) return received.error();
+            if (!received) {
+                fault_ = error_at(url_.name() + ": frame " + std::to_string(read_), received.error());
+                return *fault_;
+            }
+            if (!*received && receiver_->was_broken_off() && !ends_by_itself())
+                return input_error(url_.name() + ": frame " + std::to_string(read_) + ": the sender " +
+                                   receiver_->how_it_ended() + " in the middle of it");
+            if (!*received) return std::optional<RawFrame>();
+            coming_ = std::move(*received);
+        }
+        const std::int64_t missing = coming_->number - first_number_ - read_;
+        const bool holds = newest_ && missing > 0 && missing <= most_in_place;
+        if (!holds) {
+            first_number_ = coming_->number - read_;
+            newest_ = std::move(coming_->frame);
+            coming_.reset();
+        }
+        held_ += holds ? 1 : 0;
+        newest_->number = read_;
+        newest_->time_ns = scene().rate.time_ns(read_);
+        ++read_;
+        keep(*newest_);
+        return newest_;
+    }
+
+    void keep(const RawFrame& frame) {
+        if (!keeps_) return;
+        first_.push_back(frame);
+        first_bytes_ += bytes_of_planes(frame);
+        if (first_.size() <= most_kept && first_bytes_ <= most_kept_bytes) return;
+        keeps_ = false;
+        first_ = {};
+    }
+
     bool ends_by_itself() const {
         return url_.transport == StreamTransport::srt || url_.transport == StreamTransport::udp;
     }
@@ -48,82 +124,6 @@ private:
     std::size_t first_bytes_ = 0;
     bool keeps_ = true;
 };
-
-Result<std::optional<RawFrame>> StreamClip::read() {
-    if (fault_) return *fault_;
-    if (!coming_) {
-        auto received = receiver_->next(patience_);
-        if (!received && received.error().kind == ErrorKind::interrupted) return received.error();
-        if (!received) {
-            fault_ = error_at(url_.name() + ": frame " + std::to_string(read_), received.error());
-            return *fault_;
-        }
-        if (!*received && receiver_->was_broken_off() && !ends_by_itself())
-            return input_error(url_.name() + ": frame " + std::to_string(read_) + ": the sender " +
-                               receiver_->how_it_ended() + " in the middle of it");
-        if (!*received) return std::optional<RawFrame>();
-        coming_ = std::move(*received);
-    }
-    const std::int64_t missing = coming_->number - first_number_ - read_;
-    const bool holds = newest_ && missing > 0 && missing <= most_in_place;
-    if (!holds) {
-        first_number_ = coming_->number - read_;
-        newest_ = std::move(coming_->frame);
-        coming_.reset();
-    }
-    held_ += holds ? 1 : 0;
-    newest_->number = read_;
-    newest_->time_ns = scene().rate.time_ns(read_);
-    ++read_;
-    keep(*newest_);
-    return newest_;
-}
-
-void StreamClip::keep(const RawFrame& frame) {
-    if (!keeps_) return;
-    first_.push_back(frame);
-    first_bytes_ += bytes_of_planes(frame);
-    if (first_.size() <= most_kept && first_bytes_ <= most_kept_bytes) return;
-    keeps_ = false;
-    first_ = {};
-}
-
-Result<std::optional<RawFrame>> StreamClip::next() {
-    if (position_ < std::ssize(first_)) return std::optional(first_[static_cast<std::size_t>(position_++)]);
-    auto frame = read();
-    if (frame && *frame) ++position_;
-    return frame;
-}
-
-Result<void> StreamClip::seek(std::int64_t frame) {
-    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
-    if (frame < read_ && !keeps_)
-        return usage_error(url_.name() +
-                           ": is a stream, which goes on and not back; save it first: touchable convert " +
-                           shell_word(url_.name()) + " clip.mkv");
-    position_ = std::min(frame, read_);
-    while (position_ < frame) {
-        TRY_ASSIGN(const auto passed, next());
-        if (!passed)
-            return usage_error(url_.name() + ": has no frame " + std::to_string(frame) + ": its last is " +
-                               std::to_string(read_ - 1));
-    }
-    return {};
-}
-
-std::vector<std::string> StreamClip::remarks() const {
-    std::vector<std::string> all;
-    const FramesetCounts counts = receiver_->counts();
-    const auto tell = [&](std::int64_t count, const char* what) {
-        if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
-    };
-    tell(counts.lost, "were lost on the way");
-    tell(counts.late, "came late");
-    tell(counts.torn, "were damaged on the way");
-    if (held_ > 0)
-        all.push_back("in place of them the one before was held, for " + std::to_string(held_) + " frames");
-    return all;
-}
 
 }  // namespace
 

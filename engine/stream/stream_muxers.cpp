@@ -23,6 +23,13 @@ namespace {
 
 constexpr AVRational stream_millisecond{1, 1000};
 
+/// Every picture of two bytes a sample on its own, so that a lost one spoils no other; bytes as quickly as
+/// they can be encoded.
+TrackCoding coding_in_stream(PlaneRole role, const PlaneView& plane) {
+    if (role == PlaneRole::colour) return TrackCoding::h264_visual;
+    return plane.bytes_per_sample == 2 ? TrackCoding::rank_zstd : TrackCoding::h264_quick;
+}
+
 class MatroskaStream final : public StreamMuxer {
 public:
     MatroskaStream(const SceneDescription& described, std::optional<StreamSound> sound)
@@ -37,8 +44,33 @@ public:
         static constexpr std::array<std::uint8_t, 2> empty_void{0xEC, 0x80};
         return empty_void;
     }
+
     Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                      bool is_key) override;
+                      bool is_key) override {
+        RawFrame counted = frame;  // frames of a stream count up, whatever their numbers in the clip
+        counted.number = check_.frames();
+        TRY(check_.check(counted, scene_));
+        if (check_.frames() == 1) TRY(begin(frame));
+        const std::int64_t time_ms = (time_ns + 500'000) / 1'000'000;
+        // What is heard with a picture goes before it: FFmpeg holds a packet of sound until the next picture.
+        if (sound_)
+            TRY(sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) {
+                return muxer_->write(packet, sound_stream_, stream_millisecond);
+            }));
+        Block block{label.frame, is_key, {}};
+        // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
+        for (const bool is_colour : {false, true}) {
+            for (std::size_t k = 0; k < tracks_.size(); ++k) {
+                if ((tracks_[k].role == PlaneRole::colour) != is_colour) continue;
+                TRY(write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key));
+            }
+            TRY(muxer_->flush());
+            const auto bytes = muxer_->take();
+            if (is_colour) block.colour_bytes = bytes.size();
+            block.bytes.insert(block.bytes.end(), bytes.begin(), bytes.end());
+        }
+        return block;
+    }
 
 private:
     struct Track {
@@ -46,9 +78,37 @@ private:
         TrackCoding coding;
         std::unique_ptr<TrackEncoder> encoder;
     };
-    Result<void> begin(const RawFrame& first);
+
+    Result<void> begin(const RawFrame& first) {
+        for (const PlaneRole role : all_roles) {
+            const PlaneView& plane = plane_of(first, role);
+            if (plane.empty()) continue;
+            const TrackCoding coding = coding_in_stream(role, plane);
+            TRY_ASSIGN(auto encoder, TrackEncoder::open(role, coding, plane, scene_));
+            TRY(add_plane_stream(muxer_->context(), *encoder, role, coding, check_, scene_));
+            tracks_.push_back({role, coding, std::move(encoder)});
+        }
+        if (sound_) {
+            TRY_ASSIGN(sound_stream_, muxer_->add_sound(sound_->codec(), stream_millisecond));
+        }
+        TRY(attach_text(muxer_->context(), clip_tags::scene_file, "application/json",
+                        scene_to_json(said_of_clip(described_))));
+        add_clip_tags(muxer_->context(), scene_.rate, clip_format_version);
+        av_dict_set(&muxer_->context().metadata, clip_tags::stream_tag, "1", 0);
+        TRY(muxer_->begin("live=1"));
+        header_ = muxer_->take();
+        return {};
+    }
+
     Result<void> write_picture(std::size_t track, const PlaneView& plane, const PictureLabel& label,
-                               std::int64_t time_ms, bool is_key);
+                               std::int64_t time_ms, bool is_key) {
+        TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, is_key));
+        const AVCodecID codec = muxer_->context().streams[track]->codecpar->codec_id;
+        TRY(add_block_addition(*packet, codec, 1, label));
+        packet->pts = packet->dts = time_ms;
+        packet->duration = 0;  // the next frame tells
+        return muxer_->write(*packet, static_cast<int>(track), stream_millisecond);
+    }
 
     const SceneDescription described_;
     const Scene& scene_;
@@ -59,71 +119,6 @@ private:
     std::vector<std::uint8_t> header_;
     std::unique_ptr<MemoryMuxer> muxer_;
 };
-
-/// Every picture of two bytes a sample on its own, so that a lost one spoils no other; bytes as quickly as
-/// they can be encoded.
-TrackCoding coding_in_stream(PlaneRole role, const PlaneView& plane) {
-    if (role == PlaneRole::colour) return TrackCoding::h264_visual;
-    return plane.bytes_per_sample == 2 ? TrackCoding::rank_zstd : TrackCoding::h264_quick;
-}
-
-Result<void> MatroskaStream::begin(const RawFrame& first) {
-    for (const PlaneRole role : all_roles) {
-        const PlaneView& plane = plane_of(first, role);
-        if (plane.empty()) continue;
-        const TrackCoding coding = coding_in_stream(role, plane);
-        TRY_ASSIGN(auto encoder, TrackEncoder::open(role, coding, plane, scene_));
-        TRY(add_plane_stream(muxer_->context(), *encoder, role, coding, check_, scene_));
-        tracks_.push_back({role, coding, std::move(encoder)});
-    }
-    if (sound_) {
-        TRY_ASSIGN(sound_stream_, muxer_->add_sound(sound_->codec(), stream_millisecond));
-    }
-    TRY(attach_text(muxer_->context(), clip_tags::scene_file, "application/json",
-                    scene_to_json(said_of_clip(described_))));
-    add_clip_tags(muxer_->context(), scene_.rate, clip_format_version);
-    av_dict_set(&muxer_->context().metadata, clip_tags::stream_tag, "1", 0);
-    TRY(muxer_->begin("live=1"));
-    header_ = muxer_->take();
-    return {};
-}
-
-Result<void> MatroskaStream::write_picture(std::size_t track, const PlaneView& plane,
-                                           const PictureLabel& label, std::int64_t time_ms, bool is_key) {
-    TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, is_key));
-    const AVCodecID codec = muxer_->context().streams[track]->codecpar->codec_id;
-    TRY(add_block_addition(*packet, codec, 1, label));
-    packet->pts = packet->dts = time_ms;
-    packet->duration = 0;  // the next frame tells
-    return muxer_->write(*packet, static_cast<int>(track), stream_millisecond);
-}
-
-Result<StreamMuxer::Block> MatroskaStream::add(const RawFrame& frame, const PictureLabel& label,
-                                               std::int64_t time_ns, bool is_key) {
-    RawFrame counted = frame;  // frames of a stream count up, whatever their numbers in the clip
-    counted.number = check_.frames();
-    TRY(check_.check(counted, scene_));
-    if (check_.frames() == 1) TRY(begin(frame));
-    const std::int64_t time_ms = (time_ns + 500'000) / 1'000'000;
-    // What is heard with a picture goes before it: FFmpeg holds a packet of sound until the next picture.
-    if (sound_)
-        TRY(sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) {
-            return muxer_->write(packet, sound_stream_, stream_millisecond);
-        }));
-    Block block{label.frame, is_key, {}};
-    // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
-    for (const bool is_colour : {false, true}) {
-        for (std::size_t k = 0; k < tracks_.size(); ++k) {
-            if ((tracks_[k].role == PlaneRole::colour) != is_colour) continue;
-            TRY(write_picture(k, plane_of(frame, tracks_[k].role), label, time_ms, is_key));
-        }
-        TRY(muxer_->flush());
-        const auto bytes = muxer_->take();
-        if (is_colour) block.colour_bytes = bytes.size();
-        block.bytes.insert(block.bytes.end(), bytes.begin(), bytes.end());
-    }
-    return block;
-}
 
 // --- MPEG-TS
 
@@ -140,51 +135,48 @@ public:
         static constexpr std::array<std::uint8_t, 188> null_packet{0x47, 0x1F, 0xFF, 0x10};
         return null_packet;
     }
+
     Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                      bool is_key) override;
+                      bool is_key) override {
+        if (!encoder_) {
+            TRY(open(frame));
+            is_key = true;
+        }
+        TRY_ASSIGN(auto packets, encoder_->encode(frame, label, is_key));
+        std::int64_t tick = av_rescale(time_ns, clock_90_khz.den, mpegts_ns);
+        if (newest_) tick = std::max(tick, *newest_ + 1);
+        newest_ = tick;
+        if (is_key) av_opt_set(muxer_->context().priv_data, "mpegts_flags", "+resend_headers", 0);
+        for (std::size_t k = 0; k < packets.size(); ++k) {
+            AVPacket& packet = *packets[k];
+            packet.pts = packet.dts = tick;
+            TRY(muxer_->write(packet, static_cast<int>(k), clock_90_khz));
+        }
+        return Block{label.frame, is_key, muxer_->take()};
+    }
 
 private:
-    Result<void> open(const RawFrame& first);
+    Result<void> open(const RawFrame& first) {
+        TRY_ASSIGN(auto encoder, LabelledEncoder::open(first, described_, TrackCoding::h264_quick));
+        TRY_ASSIGN(auto muxer, MemoryMuxer::open("mpegts"));
+        muxer->context().max_delay = mpegts_delay_us;
+        for (std::size_t k = 0; k < encoder.tracks(); ++k) {
+            TRY_ASSIGN(AVStream* const stream, muxer->add_stream(clock_90_khz));
+            TRY(encoder.describe(k, *stream->codecpar));
+        }
+        // A picture's length is said where it can be: then no receiver waits for the next one to know its
+        // end.
+        TRY(muxer->begin("omit_video_pes_length=0"));
+        encoder_.emplace(std::move(encoder));
+        muxer_ = std::move(muxer);
+        return {};
+    }
 
     const SceneDescription described_;
     std::optional<LabelledEncoder> encoder_;
     std::unique_ptr<MemoryMuxer> muxer_;
     std::optional<std::int64_t> newest_;  // tick
 };
-
-Result<void> MpegtsMuxer::open(const RawFrame& first) {
-    TRY_ASSIGN(auto encoder, LabelledEncoder::open(first, described_, TrackCoding::h264_quick));
-    TRY_ASSIGN(auto muxer, MemoryMuxer::open("mpegts"));
-    muxer->context().max_delay = mpegts_delay_us;
-    for (std::size_t k = 0; k < encoder.tracks(); ++k) {
-        TRY_ASSIGN(AVStream* const stream, muxer->add_stream(clock_90_khz));
-        TRY(encoder.describe(k, *stream->codecpar));
-    }
-    // A picture's length is said where it can be: then no receiver waits for the next one to know its end.
-    TRY(muxer->begin("omit_video_pes_length=0"));
-    encoder_.emplace(std::move(encoder));
-    muxer_ = std::move(muxer);
-    return {};
-}
-
-Result<StreamMuxer::Block> MpegtsMuxer::add(const RawFrame& frame, const PictureLabel& label,
-                                            std::int64_t time_ns, bool is_key) {
-    if (!encoder_) {
-        TRY(open(frame));
-        is_key = true;
-    }
-    TRY_ASSIGN(auto packets, encoder_->encode(frame, label, is_key));
-    std::int64_t tick = av_rescale(time_ns, clock_90_khz.den, mpegts_ns);
-    if (newest_) tick = std::max(tick, *newest_ + 1);
-    newest_ = tick;
-    if (is_key) av_opt_set(muxer_->context().priv_data, "mpegts_flags", "+resend_headers", 0);
-    for (std::size_t k = 0; k < packets.size(); ++k) {
-        AVPacket& packet = *packets[k];
-        packet.pts = packet.dts = tick;
-        TRY(muxer_->write(packet, static_cast<int>(k), clock_90_khz));
-    }
-    return Block{label.frame, is_key, muxer_->take()};
-}
 
 }  // namespace
 
